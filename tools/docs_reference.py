@@ -54,8 +54,8 @@ _EXTENDS = (
 )
 
 _STATUS = (
-    "Status: *published*, *derived* from something published, *recalled* from memory, *estimate*, *design* "
-    "(a choice of this software), *calibrated*."
+    "In brackets, where a value comes from: *published*, *derived* from something published, *recalled* from "
+    "memory, *estimate*, *calibrated*; without any, a choice of this software."
 )
 
 
@@ -92,21 +92,21 @@ def _below(path: str, prefix: str) -> bool:
 
 
 def _sections(members: Iterable[Row]) -> Iterator[str]:
-    for section, found in groupby(members, key=lambda row: row.path.rpartition(".")[0]):
-        body = [
-            (
-                f"`{row.path.rpartition('.')[2]}`",
-                f"`{row.default}`",
-                row.unit,
-                row.bounds,
-                row.type,
-                row.meaning,
-                ": ".join(part for part in (row.status, row.source) if part),
-            )
-            for row in found
-        ]
+    found: dict[str, list[Row]] = {}
+    for row in members:
+        found.setdefault(row.path.rpartition(".")[0], []).append(row)
+    for section, inside in found.items():
         title = f"## `{section}`\n\n" if section else ""
-        yield title + table(("key", "default", "unit", "bounds", "type", "meaning", "status"), body)
+        yield title + table(("key", "default", "unit", "allowed", "meaning"), map(_parameter, inside))
+
+
+def _parameter(row: Row) -> tuple[str, ...]:
+    allowed = (
+        row.bounds if row.type in ("number", "whole number") else f"{row.type}; {row.bounds}".strip("; ")
+    )
+    claim = ": ".join(part for part in (row.status, row.source) if part)
+    meaning = f"{row.meaning} ({claim})" if claim and claim != "design" else row.meaning
+    return f"`{row.path.rpartition('.')[2]}`", f"`{row.default}`", row.unit, allowed, meaning
 
 
 def telemetry_page() -> str:

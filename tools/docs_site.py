@@ -24,6 +24,9 @@ COPIES = {
     "assets/replay.png": ".assets/replay.png",
 }
 
+#: First and last letter of alphabets, and where their bold ones begin.
+_ALPHABETS = (("A", "Z", 0x1D400), ("a", "z", 0x1D41A), ("\u03b1", "\u03c9", 0x1D6C2))
+_BOLD = re.compile(r'<m[in] mathvariant="bold[a-z-]*">(&#x[0-9A-F]+;|.)</m[in]>')
 _FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.DOTALL)
 
 
@@ -63,4 +66,14 @@ def _mathml(found: re.Match[str]) -> str:
 
     text = html.unescape(found[2]).strip()
     display = "block" if text.startswith("\\[") else "inline"
-    return convert(text[2:-2].strip(), display=display)
+    return _BOLD.sub(_bold, convert(text[2:-2].strip(), display=display))
+
+
+def _bold(found: re.Match[str]) -> str:
+    """A bold letter as the character it is: browsers no longer know ``mathvariant``."""
+    letter = html.unescape(found[1])
+    for first, last, place in _ALPHABETS:
+        if first <= letter <= last:
+            letter = chr(place + ord(letter) - ord(first))
+            break
+    return f"<mi>{letter}</mi>"

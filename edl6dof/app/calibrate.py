@@ -18,7 +18,7 @@ from edl6dof.calibration.problem import load_calibration
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
-from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs.folder import atomic_folder, default_folder
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def run_calibrate(options: CalibrateOptions) -> int:
     """Fit the uncertain parameters of a scenario; show and write what was found; returns the exit status."""
     calibration = load_calibration(options.scenario, options.sets, options.flights)
     name = calibration.loaded.scenario.name
-    target = options.out or Path("runs") / f"calibration-{name}"
+    target = options.out or default_folder(f"calibration-{name}", options.force)
     with atomic_folder(target, "calibration", options.force) as folder:
         with count_runs(name, quiet=options.as_json) as progress:
             found = found_by(calibration, options.scenario, progress)

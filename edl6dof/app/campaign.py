@@ -5,7 +5,6 @@ Heavy modules are imported inside: an interruption while they load must end like
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 from dataclasses import dataclass
@@ -87,9 +86,9 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
     from edl6dof.campaign.refly import differences, reflown
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.storage.store import Store
-    from edl6dof.runs.folder import atomic_folder
+    from edl6dof.runs.folder import atomic_folder, default_folder
 
-    target = out or Path("runs") / f"{folder.resolve().name}_case{number}"
+    target = out or default_folder(f"{folder.resolve().name}_case{number}", force)
     store = Store(folder)
     plan = resumed_plan(store)
     with atomic_folder(target, "flight", force) as partial:
@@ -99,20 +98,6 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
     print(f"{target}: case {number}, {flight.outcome}")
     print("identical to its row" if not wrong else f"differs from its row: {', '.join(wrong)}")
     return 1 if wrong else 0
-
-
-def run_compare(first: Path, second: Path, as_json: bool) -> int:
-    """Compare two campaigns on common random numbers; returns the exit status."""
-    from edl6dof.app.campaign_show import show_comparison
-    from edl6dof.campaign.compare import compare
-    from edl6dof.campaign.storage.store import Store
-
-    result = compare(Store(first), Store(second))
-    if as_json:
-        print(json.dumps(result.data, indent=1))
-    else:
-        show_comparison(result)
-    return 0
 
 
 def problem(place: str, message: str) -> ConfigError:

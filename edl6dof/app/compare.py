@@ -1,7 +1,8 @@
-"""``edl6dof compare``."""
+"""``edl6dof compare``: two flights, or two campaigns."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,12 +20,39 @@ from edl6dof.runs.run import Run
 MOST = 20
 
 
-def run_compare(first: Path, second: Path, out: Path | None, force: bool) -> int:
+def run_compare(first: Path, second: Path, out: Path | None, force: bool, as_json: bool = False) -> int:
+    """Compare what lies in two folders; returns the exit status."""
+    campaigns = [(folder / "campaign.json").is_file() for folder in (first, second)]
+    if any(campaigns):
+        if not all(campaigns):
+            one, two = (second, first) if campaigns[1] else (first, second)
+            raise refusal(two, f"is no campaign, and {one} is one; compare two flights, or two campaigns")
+        if out is not None:
+            raise refusal("--out", "is the page of two flights; a comparison of campaigns is printed")
+        return _compare_campaigns(first, second, as_json)
+    if as_json:
+        raise refusal("--json", "is of two campaigns; two flights are compared in a page")
+    return _compare_flights(first, second, out, force)
+
+
+def _compare_campaigns(first: Path, second: Path, as_json: bool) -> int:
+    """Print two campaigns on common random numbers."""
+    from edl6dof.app.campaign_show import show_comparison
+    from edl6dof.campaign.compare import compare
+    from edl6dof.campaign.storage.store import Store
+
+    result = compare(Store(first), Store(second))
+    if as_json:
+        print(json.dumps(result.data, indent=1))
+    else:
+        show_comparison(result)
+    return 0
+
+
+def _compare_flights(first: Path, second: Path, out: Path | None, force: bool) -> int:
     """Print the tables of two runs and write the page with their plots."""
     from edl6dof.report.flight.overlay import comparison_report
 
-    if all((folder / "campaign.json").is_file() for folder in (first, second)):
-        raise refusal(first, f"is a campaign; compare two by: edl6dof campaign --compare {first} {second}")
     one, two = Run(first), Run(second)
     target = out or second / f"compared-with-{first.resolve().name}.html"
     refuse_existing_file(target, force)

@@ -20,7 +20,7 @@ from edl6dof.app.replay_beside import artist_beside
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
-from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs.folder import atomic_folder, default_folder
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Progress as FlightProgress
@@ -45,7 +45,7 @@ class FlyOptions:
 def run_fly(options: FlyOptions) -> int:
     """Fly, write the run folder, show the result; returns the exit status."""
     loaded, state = _load(options)
-    target = options.out or Path("runs") / loaded.scenario.name
+    target = options.out or default_folder(loaded.scenario.name, options.force)
     with atomic_folder(target, "flight", options.force) as folder:
         flight = _fly_into(folder, options, loaded, state)
     if options.report:

@@ -20,7 +20,7 @@ from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
-from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs.folder import atomic_folder, default_folder
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
@@ -59,7 +59,7 @@ def run_study(options: StudyOptions) -> int:
     if unknown := sorted(set(options.only) - set(study.parts)):
         allowed = f"one of {', '.join(study.parts)}" if study.parts else "left out: this study is one whole"
         return refuse(f"--only {', '.join(unknown)}: must be {allowed}")
-    target = options.out or Path("runs") / f"study-{study.name}"
+    target = options.out or default_folder(f"study-{study.name}", options.force)
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
     with atomic_folder(target, "study", options.force) as folder:
         with count_runs(study.name, quiet=options.as_json) as progress:

@@ -19,7 +19,7 @@ from edl6dof.missions.mission import load_mission, shipped_missions
 from edl6dof.missions.words import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
 from edl6dof.missions.write import to_json, write_validation
 from edl6dof.report.terminal import open_table
-from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs.folder import atomic_folder, default_folder
 
 #: Flights of each mission where their number is not given, and the most.
 FLIGHTS, MOST_FLIGHTS = 200, 1_000_000
@@ -45,7 +45,7 @@ def run_validate(options: ValidateOptions) -> int:
     missions = [load_mission(name, flights) for name in options.names or shipped_missions()]
     if twice := {one.name for one in missions if [two.name for two in missions].count(one.name) > 1}:
         return refuse(f"{', '.join(sorted(twice))}: named twice")
-    target = options.out or Path("runs") / "validation"
+    target = options.out or default_folder("validation", options.force)
     rows: dict[str, list[Row]] = {}
     compared: list[Compared] = []
     with atomic_folder(target, "validation", options.force) as folder:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from edl6dof.cli.options import Sets, Trust, load_plugins
+from edl6dof.config.errors import refusal
 
 
 def campaign(
@@ -55,7 +56,7 @@ def campaign(
     ] = None,
     compare: Annotated[
         tuple[Path, Path] | None,
-        typer.Option("--compare", metavar="A B", help="Compare two finished campaigns instead."),
+        typer.Option("--compare", metavar="A B", hidden=True),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -67,12 +68,11 @@ def campaign(
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
     """
-    if compare is None:
-        load_plugins(scenario, trust=trust)
-    from edl6dof.app.campaign import CampaignOptions, run_campaign, run_compare
-
     if compare is not None:
-        raise typer.Exit(run_compare(*compare, as_json))
+        raise refusal("--compare", f"is a command now: edl6dof compare {compare[0]} {compare[1]}")
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.campaign import CampaignOptions, run_campaign
+
     options = CampaignOptions(
         scenario,
         tuple(sets or ()),

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from edl6dof.cli.examples import examples
 from edl6dof.cli.options import Sets, Trust, load_plugins
 
 design = typer.Typer(
@@ -15,7 +16,7 @@ design = typer.Typer(
 )
 
 
-@design.command("entry")
+@design.command("entry", epilog=examples("entry"))
 def design_entry(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
@@ -58,7 +59,7 @@ def design_entry(
     raise typer.Exit(run_design_entry(options))
 
 
-@design.command("landing")
+@design.command("landing", epilog=examples("landing"))
 def design_landing(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")

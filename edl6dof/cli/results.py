@@ -154,24 +154,28 @@ def plot(
 
 
 def compare(
-    first: Annotated[Path, typer.Argument(metavar="RUN1", help="Run folder.")],
-    second: Annotated[Path, typer.Argument(metavar="RUN2", help="Run folder.")],
+    first: Annotated[Path, typer.Argument(metavar="RUN1", help="Run folder, or that of a campaign.")],
+    second: Annotated[Path, typer.Argument(metavar="RUN2", help="Another of the same kind.")],
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help=("Page to write; RUN2/compared-with-RUN1.html if not given.")),
+        typer.Option(
+            metavar="FILE", help=("Page of two flights; RUN2/compared-with-RUN1.html if not given.")
+        ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, of two campaigns.")] = False,
 ) -> None:
-    """Compare two flights: figures, scenarios, every plot.
+    """Compare two flights, or two campaigns.
 
-    Figures stand side by side, what the scenarios differ in is listed, and every plot shows one flight over
-    the other.
+    Of two flights the figures stand side by side, what the scenarios differ in is listed, and every plot
+    shows one flight over the other. Two campaigns of the same dispersions are compared in pairs: success, and
+    every figure that differs clearly.
     """
     from edl6dof.app.compare import run_compare
     from edl6dof.app.exit_status import refusing_damage
 
     with refusing_damage(first, second):
-        status = run_compare(first, second, out, force)
+        status = run_compare(first, second, out, force, as_json)
     raise typer.Exit(status)
 
 

@@ -19,7 +19,8 @@ def fly(
     ] = None,
     sets: Sets = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Run folder; runs/<name> if not given.")
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Run folder; runs/<name>, or the next number, if not given."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,

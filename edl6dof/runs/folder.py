@@ -6,6 +6,7 @@ import glob
 import os
 import platform
 import shutil
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -21,6 +22,24 @@ STALE_S = 86400.0
 
 #: Command that makes a folder of each kind.
 _COMMANDS = {"flight": "fly", "study": "study", "validation": "validate"}
+
+
+def default_folder(name: str, force: bool) -> Path:
+    """Where a result goes for which no ``--out`` names a folder: ``runs/NAME``, or, where that is taken and
+    ``force`` is not wanted, the first free one of ``runs/NAME-2``, ``runs/NAME-3``, ..., which is said.
+    """
+    first = target = Path("runs") / name
+    number = 1
+    while not force and _is_taken(target):
+        number += 1
+        target = first.with_name(f"{first.name}-{number}")
+    if target != first:
+        print(f"{first} exists; this goes to {target}", file=sys.stderr)
+    return target
+
+
+def _is_taken(target: Path) -> bool:
+    return os.path.lexists(target) and not (target.is_dir() and not any(target.iterdir()))
 
 
 @contextmanager

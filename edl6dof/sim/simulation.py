@@ -9,7 +9,10 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.interface.external import EXTERNAL
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State
@@ -63,8 +66,8 @@ class SteppedFlight:
         return self.underway.advance(cycles) == FLYING
 
     def observe(self) -> dict[str, Any]:
-        """What the flight computer knows since the last cycle, by name: navigation, guidance, phase.  Nothing
-        of it is the truth, but as far as its instruments tell.
+        """What the flight computer knows since the last cycle, by name: navigation, guidance, phase; zeros
+        before the first.  Nothing of it is the truth, but as far as its instruments tell.
         """
         return {name: read() for name, read in self._navigated.items()}
 
@@ -102,10 +105,12 @@ class SteppedFlight:
         return margins(self.linear_plant(), control_gain(self.underway), held)
 
     def state(self) -> State:
-        """The flight as it stands; :meth:`State.save` writes it to a file that ``edl6dof fly --from`` reads,
-        too.
+        """The flight as it stands, under no command; :meth:`State.save` writes it to a file, which
+        ``edl6dof fly --from`` reads, too.
         """
-        return self.underway.state()
+        found = self.underway.state()
+        found.fsw["external"] = np.zeros(1, EXTERNAL)
+        return found
 
     def restore(self, state: State | Moment) -> None:
         """Go back, or on, to a state of this scenario; telemetry begins anew there.

@@ -79,6 +79,13 @@ def test_a_state_goes_through_a_file(flight, short, tmp_path):
     assert flight.underway.plant.tobytes() == fly_flight(short).plant.tobytes()
 
 
+def test_a_state_holds_no_command(flight):
+    flight.step({"bank_deg": 10.0}, 100)
+    flight.restore(flight.state())
+    flight.step()
+    assert not flight.underway.fsw["external"]["given"]["bank"][0]
+
+
 def test_state_of_another_scenario_is_refused(flight):
     other = edl6dof.Simulation("tianwen1", {"seed": 2})
     with pytest.raises(ConfigError, match="another scenario"):

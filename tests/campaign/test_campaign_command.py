@@ -153,7 +153,7 @@ def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
         (["campaign", "tianwen1_mc", "--engine", "cloud"], "must be threads or dask"),
         (["campaign", "tianwen1_mc", "--cluster", "tcp://127.0.0.1:1"], "needs --engine dask"),
         (["refly", "nowhere", "3"], "is not the folder of a campaign"),
-        (["campaign", "--compare", "nowhere", "there"], "nowhere: is not the folder of a campaign"),
+        (["campaign", "--compare", "a", "b"], "--compare: is a command now: edl6dof compare a b"),
     ],
 )
 def test_bad_words_are_refused_in_one_line(edl6dof, words, said):
@@ -181,14 +181,14 @@ def test_comparison_on_common_random_numbers(edl6dof, tmp_path):
     file = write_drop(tmp_path)
     edl6dof("campaign", file, "-n", "40", "-q", "--out", "a")
     edl6dof("campaign", file, "-n", "40", "-q", "--out", "b", "--set", "initial.altitude_m=8000")
-    status, out, _ = edl6dof("campaign", "--compare", "a", "b", "--json")
+    status, out, _ = edl6dof("compare", "a", "b", "--json")
     result = json.loads(out)
     assert status == 0 and result["pairs"] == {"both": 40, "first_only": 0, "second_only": 0, "neither": 0}
     peak = next(figure for figure in result["figures"] if figure["figure"] == "peak_dynamic_pressure_pa")
     assert peak["difference"] > 10 * peak["half_width"] > 0.0, "denser air further down"
     a, b = (pq.read_table(f"{name}/cases.parquet")["peak_dynamic_pressure_pa"].to_numpy() for name in "ab")
     assert peak["difference"] == pytest.approx((b - a).mean())
-    assert "peak_dynamic_pressure_pa" in edl6dof("campaign", "--compare", "a", "b")[1]
+    assert "peak_dynamic_pressure_pa" in edl6dof("compare", "a", "b")[1]
     edl6dof("campaign", file, "-n", "40", "-q", "--out", "c", "--seed", "9")
-    status, _, err = edl6dof("campaign", "--compare", "a", "c")
+    status, _, err = edl6dof("compare", "a", "c")
     assert status == 2 and "fly both with the same campaign section and seed" in err

@@ -25,7 +25,7 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.belief": {"lift"},
     "edl6dof.scenario.believed_aero": {"lift"},
-    "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # phases of the flight that the task is made of
+    "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
     "edl6dof.sim.observing": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
     "edl6dof.report.flight.descent": {"parachute"},  # key of a plot

@@ -98,6 +98,14 @@ def test_command_lines_are_understood(page):
     assert not [problem for problem in problems if problem]
 
 
+def test_examples_in_the_help_are_understood():
+    from edl6dof.cli.examples import EXAMPLES
+
+    assert {name.removeprefix("design ") for name in COMMANDS} == set(EXAMPLES)
+    lines = [line.removeprefix("edl6dof ") for found in EXAMPLES.values() for line in found]
+    assert not [problem for problem in map(usage_error, lines) if problem]
+
+
 def test_a_bad_command_line_or_link_is_found():
     assert [
         bool(usage_error(line)) for line in ("fly tianwen1 --colour", "flly tianwen1", "fly tianwen1")

@@ -29,7 +29,7 @@ CASES = 120  # three parts
 
 READERS = {
     "resume": ("campaign", RUN, "--resume", "--json"),
-    "compare": ("campaign", "--compare", RUN, TWIN, "--json"),
+    "compare": ("compare", RUN, TWIN, "--json"),
     "report": ("report", RUN, "--out", "report.html", "--force"),
     "refly": ("refly", RUN, "3", "--no-replay", "--out", "runs/again", "--force"),
     "replay": ("replay", RUN, "--html", "replay.html", "--force"),

@@ -200,13 +200,18 @@ def test_terminal_shows_the_first_of_many_differences(run, other, tmp_path, caps
     assert re.search(r"^  and \d{3} more, listed in the page$", out, re.MULTILINE)
 
 
-def test_two_campaigns_are_told_how_they_are_compared(tmp_path, capsys, monkeypatch):
+def test_a_campaign_is_compared_with_a_campaign_only(tmp_path, capsys, monkeypatch):
     for name in "ab":
         (tmp_path / name).mkdir()
-        (tmp_path / name / "campaign.json").touch()
+    (tmp_path / "a" / "campaign.json").touch()
     monkeypatch.chdir(tmp_path)
-    code, _, err = command(capsys, monkeypatch, "compare", "a", "b")
-    assert code == 2 and "edl6dof campaign --compare a b" in err
+    for words, said in (
+        (("a", "b"), "b: is no campaign, and a is one"),
+        (("b", "a"), "b: is no campaign, and a is one"),
+        (("b", "b", "--json"), "--json: is of two campaigns"),
+    ):
+        code, _, err = command(capsys, monkeypatch, "compare", *words)
+        assert code == 2 and said in err
 
 
 def test_export_wants_exactly_one_form(run, tmp_path, capsys, monkeypatch):

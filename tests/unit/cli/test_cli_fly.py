@@ -63,10 +63,23 @@ def test_json_is_the_summary(here, capsys, monkeypatch):
     assert json.loads(out)["name"] == "drop"
 
 
+def test_default_folder_that_is_taken_gets_a_number(here, capsys, monkeypatch):
+    for said in (
+        "",
+        "runs/drop exists; this goes to runs/drop-2\n",
+        "runs/drop exists; this goes to runs/drop-3\n",
+    ):
+        code, _, err = run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK, "--quiet")
+        assert (code, err) == (1, said)
+    assert sorted(path.name for path in Path("runs").iterdir()) == ["drop", "drop-2", "drop-3"]
+    assert run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK, "--quiet", "--force")[0] == 1
+    assert len(list(Path("runs").iterdir())) == 3
+
+
 def test_overwriting_needs_force(here, capsys, monkeypatch):
     assert run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)[0] == 1
     before = Path("runs/drop/summary.json").stat().st_mtime_ns
-    code, out, err = run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)
+    code, out, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--out", "runs/drop", *QUICK)
     assert (code, out) == (2, "")
     assert err == "runs/drop: exists; choose another folder with --out, or replace it with --force\n"
     assert Path("runs/drop/summary.json").stat().st_mtime_ns == before
