@@ -14,7 +14,7 @@ from edl6dof.telemetry.channels import CHANNELS
 MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0
 FOUND = {"thruster": "D7", "isolated": "D7 stuck off"}
 #: A branch of the mission for a failure that the flight does not have.
-NOT_ENTERED = ("alpha_held",)
+NOT_ENTERED = ("alpha_held", "coast", "last_burn")
 RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
 
 
