@@ -84,7 +84,8 @@ def errors(p, prior, height, speed, drag, seen):
     state = np.zeros((3, N))
     state[0] = 1.0
     covariance = np.diag([p.drag_error**2, (p.scale_height_error / SCALE_HEIGHT) ** 2, prior**2])
-    walk, found = 2.0 * p.wave_sigma**2 / p.wave_length_m, []
+    walk = 2.0 * p.wave_sigma**2 / p.wave_length_m
+    found: list[float] = []
     for i in range(1, len(height)):
         move = np.eye(3)
         move[0, 1] = height[i] - height[i - 1]
