@@ -139,7 +139,12 @@ def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(d
     assert f"| {mean:.1f} ± " in (folder / "validation.md").read_text(encoding="utf-8")
     again = called("validate", drop(), "-n", "12", "--jobs", "2", "--force", cwd=tmp_path)
     assert again.stdout == done.stdout
-    assert called("validate", drop(), "-n", "12", cwd=tmp_path).returncode == 2  # the folder is there
+    before = (folder / "validation.csv").read_bytes()
+    assert (
+        called("validate", drop(), "-n", "12", cwd=tmp_path).returncode == 1
+    )  # the folder is there: beside it
+    assert (folder / "validation.csv").read_bytes() == before
+    assert (tmp_path / "runs" / "validation-2" / "validation.csv").read_bytes() == before
 
 
 @pytest.mark.parametrize(
