@@ -17,6 +17,7 @@ import pyarrow as pa
 from edl6dof.api.campaign_flight import EngineChoice, Watch, check_until, fly_new, go_on, unwatched
 from edl6dof.api.flights import Flight
 from edl6dof.api.html import table as html_table
+from edl6dof.api.optional import library
 from edl6dof.api.overrides import Overrides, texts
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
@@ -109,12 +110,8 @@ class CampaignResult:
         Raises:
             ImportError: pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError:
-            raise ImportError("to_pandas needs pandas: pip install 'edl6dof[pandas]'") from None
         columns = {name: self[name] for name in self.table.column_names}
-        return pandas.DataFrame(columns).set_index("case")
+        return library("pandas", "to_pandas").DataFrame(columns).set_index("case")
 
     def refly(self, case: int) -> Flight:
         """Fly a case again with all its telemetry; ``differences`` of the flight names what is not as its

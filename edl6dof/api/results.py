@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.api.optional import library
 from edl6dof.metrics.evaluation import Check
 
 if TYPE_CHECKING:
@@ -127,11 +128,7 @@ class FlightResults(ABC):
         Raises:
             ImportError: pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError:
-            raise ImportError("to_pandas needs pandas: pip install 'edl6dof[pandas]'") from None
-        return pandas.DataFrame(dict(self.telemetry)).set_index("t_s")
+        return library("pandas", "to_pandas").DataFrame(dict(self.telemetry)).set_index("t_s")
 
     def to_xarray(self) -> xarray.Dataset:
         """Telemetry as a data set along time, with unit and meaning of each variable.
@@ -139,16 +136,14 @@ class FlightResults(ABC):
         Raises:
             ImportError: xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise ImportError("to_xarray needs xarray: pip install 'edl6dof[xarray]'") from None
         columns = {
             name: ("t_s", np.asarray(values), {"units": self.unit(name), "long_name": self.meaning(name)})
             for name, values in self.telemetry.items()
         }
         time = {"t_s": columns.pop("t_s")}
-        return xarray.Dataset(columns, time, {"name": self.name, "outcome": self.outcome})
+        return library("xarray", "to_xarray").Dataset(
+            columns, time, {"name": self.name, "outcome": self.outcome}
+        )
 
 
 @dataclass(frozen=True)

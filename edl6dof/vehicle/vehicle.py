@@ -125,6 +125,8 @@ class VehicleParams(Hardware):
             elif high > engine.full_thrust_n:
                 words = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {high:g})"
                 problems[f"engines.{k}.throttle_max_n"] = words
+            if engine.direction[0] * self.engines[0].direction[0] < 0.0:
+                problems[f"engines.{k}.direction"] = "must push the same way along x as the first engine"
             if engine.group in [other.name for other in self.engines]:
                 problems[f"engines.{k}.group"] = f"must not be the name of an engine (got {engine.group!r})"
         problems |= self._thruster_set_problems()

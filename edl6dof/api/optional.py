@@ -1,0 +1,18 @@
+"""Libraries that only some functions need: an extra of the package, asked for by its name."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+
+def library(name: str, caller: str) -> Any:
+    """The module of a library whose extra has its name.
+
+    Raises:
+        ImportError: it is not installed; says what ``caller`` needs and how to get it.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise ImportError(f"{caller} needs {name}: pip install 'edl6dof[{name}]'") from None
