@@ -4,6 +4,7 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
+import in_process  # noqa: F401  the program is put together once
 from campaign_run import write_drop
 
 from edl6dof.app import campaign_flight, campaign_show  # noqa: F401  what a campaign asks for
