@@ -60,7 +60,7 @@ class CodeFiles:
 
     def save(self, key: Any, data: Any) -> None:
         """Keep data under a key, and drop what other states of the sources left."""
-        code = dumps(_without_listing(data))
+        code = dumps(data)
         partial = self._folder / f"{self._name}.{uuid4().hex}.part"
         try:
             partial.write_bytes(_checksum(code) + code)
@@ -101,11 +101,6 @@ class CodeFiles:
 def say_once(message: str) -> None:
     """One line on standard error, once in a process."""
     print(f"edl6dof: {message}", file=sys.stderr)
-
-
-def _without_listing(data: Any) -> Any:
-    """Without the only text among what numba keeps, a listing of the types: half of a file, and of no use."""
-    return tuple("" if isinstance(part, str) else part for part in data) if isinstance(data, tuple) else data
 
 
 def _checksum(code: bytes | memoryview) -> bytes:

@@ -20,10 +20,9 @@ from tempfile import gettempdir
 from typing import Any
 
 import numba
-from llvmlite.binding import add_symbol
 from numba.core import caching
 from numba.core.dispatcher import Dispatcher
-from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]  # private to numba
+from numba.core.runtime import rtsys
 
 from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
@@ -86,7 +85,7 @@ class KeptCode:
         """
         if (kept := self._kept) is None:
             return None
-        _tell_of_runtime()
+        rtsys.initialize(target)  # code that handles arrays calls it
         return kept._load_overload(signature, target)
 
     def save_overload(self, signature: Any, code: Any) -> None:
@@ -129,17 +128,6 @@ class KeptCode:
         name = _LINE.sub("", kept._impl.filename_base)
         kept._cache_file = CodeFiles(Path(kept.cache_path), name, kept._impl.locator.get_source_stamp())
         return kept
-
-
-@cache
-def _tell_of_runtime() -> None:
-    """Tell LLVM where the functions are by which code that handles arrays manages memory.
-
-    numba's own way compiles some besides, which code that is loaded holds already: 20 MB of LLVM come into
-    memory for it.
-    """
-    for name, address in _nrt_python.c_helpers.items():
-        add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
 
 
 #: Files outside the package whose kernels a family of this process calls (see :mod:`edl6dof.plugins`), each
