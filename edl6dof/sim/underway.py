@@ -97,7 +97,7 @@ class Underway:
                 *(self.peaks, self.work, self.sensors, self.fsw),
             )
             if members is not None:
-                compile_loop(members, *self._records, self.cycle, self.cycle, self._steps, *self._logs, 0)
+                compile_loop(members, *self._records, self.cycle, self.cycle, 0, self._steps, *self._logs, 0)
 
     @property
     def last_cycle(self) -> int:
@@ -109,7 +109,7 @@ class Underway:
         if self.code == FLYING:
             end = self.cycle + cycles
             self.code, flown, new = fly_cycles(
-                *self._records, self.cycle, end, self._steps, *self._logs, self.rows
+                *self._records, self.cycle, end, 0, self._steps, *self._logs, self.rows
             )
             self.cycle += flown
             self.rows += new

@@ -43,7 +43,7 @@ LAYERS = (
     ("calibration", "design"),
     ("report", "replay"),
     ("studies", "verify", "missions"),
-    ("api", "gym", "cli", "app", "__init__", "__main__"),
+    ("api", "gym", "serve", "cli", "app", "__init__", "__main__"),
 )
 HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}
 
