@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socketserver
 import sys
 import traceback
@@ -34,7 +35,9 @@ class FlightServer(socketserver.ThreadingTCPServer):
     """
 
     daemon_threads = True
-    allow_reuse_address = True
+    allow_reuse_address = (
+        os.name == "posix"
+    )  # elsewhere it would let two servers share a port
 
     def __init__(self, begin: Callable[[], Session], port: int = 0) -> None:
         self.begin, self.wire, self.places = begin, Wire(), BoundedSemaphore(MOST_CLIENTS)
