@@ -173,8 +173,8 @@ def test_a_ninth_client_is_told_to_come_back():
         clients = [stack.enter_context(Client(server.port, WAIT_S)) for _ in range(8)]
         for client in clients:
             client.ask("step")
-        with Client(server.port, WAIT_S) as ninth:
-            assert "8 clients fly already" in ninth.answer()["error"]
+        with Client(server.port, WAIT_S) as ninth, pytest.raises(ValueError, match="8 clients fly already"):
+            ninth.ask("describe")
         clients[3].ask("close")
         wait_for_places(server)
 
