@@ -33,8 +33,10 @@ from edl6dof.stale_code import PREFIX, note_sources, remove_stale
 SETTINGS: Any = numba.config
 PACKAGE = Path(__file__).resolve().parent
 TREE = SourceTree(PACKAGE, Path(SETTINGS.CACHE_DIR or PACKAGE / "__pycache__") / "sources.json")
-#: When the first sources were imported, s since 1970.
-_STARTED = time.time()
+#: Lag (s) of the clock that dates files behind that of programs: a tick of the system, 10 ms, with room.
+_FILE_CLOCK_LAG_S = 0.1
+#: When the first sources were imported, s since 1970, by the clock that dates files.
+_STARTED = time.time() - _FILE_CLOCK_LAG_S
 #: numba puts a function's first line into the name of its files; a line more above it changes no code.
 _LINE = re.compile(r"-\d+(?=\.py\d+)")
 

@@ -40,6 +40,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof faults tianwen1 --kinds all --at 'every 10 s'",
         "edl6dof faults tianwen1 --sensors",
     ),
+    "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
     "version": ("edl6dof version",),
     "entry": ("edl6dof design entry msl --out plan.yaml",),
     "landing": ("edl6dof design landing tianwen1 --figure landing.png",),

@@ -44,19 +44,19 @@ def write(root, name, text):
 
 def call(root, **environment):
     """Run the caller kernel in a fresh process: (result, cache hits, cache folder)."""
+    result, hits, folder = run(CALL.format(root=str(root)), **environment).split()
+    return float(result), int(hits), Path(folder)
+
+
+def run(program, **environment):
+    """What a program prints that runs in a process of its own, with numba's settings from here alone."""
     env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
     # Python takes sources that are edited within a second, to the same length, for those of its bytecode
     env |= {"PYTHONDONTWRITEBYTECODE": "1"} | environment
-    run = subprocess.run(
-        [sys.executable, "-c", CALL.format(root=str(root))],
-        capture_output=True,
-        text=True,
-        env=env,
-        timeout=60,
-    )
-    assert run.returncode == 0, run.stderr
-    result, hits, folder = run.stdout.split()
-    return float(result), int(hits), Path(folder)
+    words = [sys.executable, "-c", program]
+    ran = subprocess.run(words, capture_output=True, text=True, env=env, timeout=60)
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout
 
 
 def reached(root, name):
@@ -132,10 +132,7 @@ print(area(2.0))
 def test_code_of_a_source_that_was_edited_after_it_was_imported_is_not_kept(package):
     """Its stamp would be that of the new source, and the next process would run the old one."""
     write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
-    env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
-    words = [sys.executable, "-c", EDITED.format(root=str(package))]
-    run = subprocess.run(words, capture_output=True, text=True, env=env, timeout=60, check=True)
-    assert run.stdout == "6.0\n", "what was imported"
+    assert run(EDITED.format(root=str(package))) == "6.0\n", "what was imported"
     assert call(package)[:2] == (14.0, 0)
 
 
