@@ -19,7 +19,13 @@ def asked(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize(
-    "words", [("mypy",), ("ruff", "check", "."), ("ruff", "format", "--check", ".")], ids=" ".join
+    "words",
+    [
+        pytest.param(("mypy",), marks=pytest.mark.long),
+        ("ruff", "check", "."),
+        ("ruff", "format", "--check", "."),
+    ],
+    ids=" ".join,
 )
 def test_the_sources_are_clean(words):
     answer = asked(*words)
