@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import socketserver
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from threading import BoundedSemaphore
 from typing import Any
 
@@ -16,6 +18,8 @@ from edl6dof.serve.wire import Unreadable, Wire
 HOST = "127.0.0.1"
 #: Clients at a time; each has some megabytes of records.
 MOST_CLIENTS = 8
+#: How long a client that finds no place may take to say something.
+_PATIENCE_S = 5.0
 
 
 class FlightServer(socketserver.ThreadingTCPServer):
@@ -34,7 +38,8 @@ class FlightServer(socketserver.ThreadingTCPServer):
     """
 
     daemon_threads = True
-    allow_reuse_address = True
+    #: Elsewhere it would let two servers share a port.
+    allow_reuse_address = os.name == "posix"
 
     def __init__(self, begin: Callable[[], Session], port: int = 0) -> None:
         self.begin, self.wire, self.places = begin, Wire(), BoundedSemaphore(MOST_CLIENTS)
@@ -57,12 +62,19 @@ class _Client(socketserver.StreamRequestHandler):
     def handle(self) -> None:
         """Answer until the client closes, is gone, or cannot be made out any more."""
         if not self.server.places.acquire(blocking=False):
-            self._send(refused(f"{MOST_CLIENTS} clients fly already; come back when one has closed"))
+            self._turn_away()
             return
         try:
             self._fly()
         finally:
             self.server.places.release()
+
+    def _turn_away(self) -> None:
+        """Answer the first request, if it comes soon: left unread, it would take the answer with it."""
+        self.request.settimeout(_PATIENCE_S)
+        with suppress(TimeoutError, Unreadable):
+            self.server.wire.receive(self.rfile)
+        self._send(refused(f"{MOST_CLIENTS} clients fly already; come back when one has closed"))
 
     def _fly(self) -> None:
         session = None

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import Any, BinaryIO
+from io import BufferedIOBase
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ class Wire:
     def __init__(self) -> None:
         self._msgpack = library("msgpack", "edl6dof serve", extra="serve")
 
-    def receive(self, stream: BinaryIO) -> bytes | None:
+    def receive(self, stream: BufferedIOBase) -> bytes | None:
         """The next message; ``None`` where its sender is gone, in the middle of it or before.
 
         Raises:

@@ -33,7 +33,12 @@ def flown(*faults, sets=()):
 
 
 @pytest.mark.parametrize(
-    ("kind", "time_s"), [(kind, time_s) for kind, times in MOMENTS.items() for time_s in times]
+    ("kind", "time_s"),
+    [
+        pytest.param(kind, time_s, marks=pytest.mark.long if time_s in times[1:-1] else [])
+        for kind, times in MOMENTS.items()
+        for time_s in times
+    ],
 )
 def test_every_flight_ends_with_an_outcome_that_names_its_fault_and_keeps_its_telemetry(kind, time_s):
     flight = flown(f"{{kind: {kind}, at: {{time_s: {time_s}}}}}")

@@ -1,6 +1,5 @@
 """``edl6dof serve`` in a process of its own: where it listens, how it ends, what it refuses."""
 
-import builtins
 import os
 import signal
 import subprocess
@@ -52,16 +51,10 @@ def test_a_port_that_is_none_is_refused(port):
 
 
 def test_without_msgpack_it_says_what_to_install(monkeypatch):
-    load = builtins.__import__
+    def missing(name):
+        raise ImportError(name)
 
-    def without(name, *more, **named):
-        if name == "msgpack":
-            raise ImportError(name)
-        return load(name, *more, **named)
-
-    monkeypatch.delitem(sys.modules, "msgpack")
-    monkeypatch.setattr(builtins, "__import__", without)
-    monkeypatch.setattr("edl6dof.api.optional.import_module", without)
+    monkeypatch.setattr("edl6dof.api.optional.import_module", missing)
     done = called(*SHORT)
     assert (done.returncode, done.stdout) == (69, "")
     assert done.stderr == "edl6dof serve needs msgpack: pip install 'edl6dof[serve]'\n"

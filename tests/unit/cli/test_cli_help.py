@@ -9,7 +9,7 @@ import sys
 import pytest
 from cli_run import environment, run
 
-from edl6dof.cli.group import app
+from edl6dof import cli
 
 HEAVY = (
     "numpy",
@@ -99,8 +99,8 @@ def test_help_names_every_command(capsys, monkeypatch):
     assert code == 0
     lines = out.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
     assert [line.split()[0] for line in lines] == [
-        *(command.name or command.callback.__name__ for command in app.registered_commands),
-        *(group.name for group in app.registered_groups),
+        *(command.name or command.callback.__name__ for command in cli.app.registered_commands),
+        *(group.name for group in cli.app.registered_groups),
     ]
     assert not [line for line in lines if line.endswith("...")], "the summary of a command fits on its line"
 
