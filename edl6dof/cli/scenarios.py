@@ -1,4 +1,4 @@
-"""Commands about one scenario: fly it, check it, and what may stand in it."""
+"""Commands about one scenario: fly it, check it, begin one of your own, and what may stand in it."""
 
 from __future__ import annotations
 
@@ -74,6 +74,20 @@ def check(
     from edl6dof.app.inspect import run_check
 
     raise typer.Exit(run_check(files, tuple(sets or ())))
+
+
+def scenarios(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENARIO", help="Scenario whose file is printed; all are listed if not given."
+        ),
+    ] = None,
+) -> None:
+    """List the shipped scenarios, or print the file of one."""
+    from edl6dof.app.scenarios import run_scenarios
+
+    raise typer.Exit(run_scenarios(scenario))
 
 
 def params(
