@@ -9,7 +9,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import in_process  # noqa: F401  whoever calls the program, it is put together once
 import pytest
 from filelock import FileLock
 

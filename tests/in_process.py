@@ -7,26 +7,14 @@ import subprocess
 import sys
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
-from typing import Any
+from unittest.mock import patch
 
-from typer import Typer
 from typer.main import get_command
 
 from edl6dof import cli
 
-COMMAND = get_command(cli.app)
-
-
-class PutTogether(Typer):
-    """The program put together once in a process, whoever calls it: for every call it would take longer than
-    most of what is asked for.
-    """
-
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        return COMMAND(*args, **kwargs)
-
-
-cli.app.__class__ = PutTogether
+#: Put together once in a process: again for every call, it takes longer than most of what is asked for.
+PROGRAM = get_command(cli.app)
 
 
 def called(*words: object, cwd: Path | str = ".") -> subprocess.CompletedProcess[str]:
@@ -34,7 +22,7 @@ def called(*words: object, cwd: Path | str = ".") -> subprocess.CompletedProcess
     out, err, argv = io.StringIO(), io.StringIO(), sys.argv
     sys.argv = ["edl6dof", *map(str, words)]
     try:
-        with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+        with chdir(cwd), redirect_stdout(out), redirect_stderr(err), patch.object(cli, "app", PROGRAM):
             cli.main()
         status = 0
     except SystemExit as end:

@@ -1,5 +1,5 @@
-"""Reference pages of the documentation, made from the program itself: parameters, telemetry, figures,
-commands.
+"""Generated pages of the documentation: the reference, made from the program itself (parameters, telemetry,
+figures, commands), and the notebooks.
 
     python tools/docs_reference.py FOLDER       writes them there; the site makes them as it is built
 """
@@ -12,6 +12,8 @@ from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Any
+
+from docs_notebooks import pages as notebooks
 
 from edl6dof.config.reference import Row, rows
 
@@ -66,7 +68,7 @@ def pages() -> dict[str, str]:
     made["reference/telemetry.md"] = telemetry_page()
     made["reference/figures.md"] = figures_page()
     made["reference/commands.md"] = commands_page()
-    return made
+    return made | notebooks()
 
 
 def _all_rows() -> list[Row]:

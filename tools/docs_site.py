@@ -12,6 +12,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from docs_notebooks import NAMES, notebook
 from docs_reference import pages
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -36,6 +37,8 @@ def on_files(files: Any, config: Any) -> Any:
 
     for path, text in pages().items():
         files.append(File.generated(config, path, content=text))
+    for name in NAMES:
+        files.append(File.generated(config, f"notebooks/{name}.ipynb", content=notebook(name)))
     for path, source in COPIES.items():
         content = (ROOT / source).read_bytes()
         files.append(

@@ -26,7 +26,6 @@ import numba
 from numba import cuda, types
 from numba.cuda import dispatcher
 
-from edl6dof.campaign.gpu.device import as_written
 from edl6dof.campaign.gpu.entry import fly_flights
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.scenario.case import CASE
@@ -74,8 +73,7 @@ def ptx_of(part: str, capability: tuple[int, int]) -> str:
     function, arguments = PARTS[part]
     # a device function is compiled for the GPU of the machine, and here there is none to be asked
     dispatcher.get_current_device = lambda: SimpleNamespace(compute_capability=capability)
-    with as_written():
-        text, _ = cuda.compile_ptx(function, types.void(*arguments), device=False, cc=capability)
+    text, _ = cuda.compile_ptx(function, types.void(*arguments), device=False, cc=capability)
     return text
 
 
@@ -133,11 +131,9 @@ def main() -> int:
     except numba.core.errors.NumbaError as error:
         print(f"no GPU code of the {options.part}: {str(error)[-2000:]}", file=sys.stderr)
         return 1
-    fused, once = text.count("fma.rn.f64"), text.count("mul.rn.f64") + text.count("add.rn.f64")
     print(
         f"{options.part}: {len(text) / 1e6:.1f} MB of PTX in {time.process_time() - start:.0f} s of CPU time"
     )
-    print(f"{text.count('.func')} functions; {once} sums and products that round alone, {fused} fused")
     if not options.no_assembly:
         start = time.perf_counter()
         print(summary(assembled(text, (major, minor))), end="")

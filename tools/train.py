@@ -96,7 +96,15 @@ def main() -> None:
     options = parser.parse_args()
     env = FlightVectorEnv(options.task, options.flights, workers=options.workers, autoreset_mode="SameStep")
     model = PPO(
-        "MlpPolicy", VecMonitor(Many(env)), n_steps=256, batch_size=512, seed=1, verbose=1, device="cpu"
+        "MlpPolicy",
+        VecMonitor(Many(env)),
+        n_steps=1024,
+        batch_size=1024,
+        gamma=0.999,
+        gae_lambda=0.98,
+        seed=1,
+        verbose=1,
+        device="cpu",
     )
     model.learn(options.steps)
     if options.out:

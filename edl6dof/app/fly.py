@@ -22,7 +22,9 @@ from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder, default_folder
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
+from edl6dof.scenario.records import build_records
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.compile_ahead import is_compiled
 from edl6dof.sim.flight import Progress as FlightProgress
 
 
@@ -67,6 +69,9 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     announce_compiling(talk)
     # a plugin's kernels may hold matrix products
     unused = () if outside_sources else UNUSED_BY_NUMBA
+    with blocked_imports(*unused):
+        # before the processes part: what both need of it is in memory once
+        parts = build_records(loaded) if is_compiled() else None
     with artist_beside(loaded, folder / REPLAY) if options.replay else nullcontext() as artist:
         with _progress(talk) as report, blocked_imports(*unused):
             flight = fly(
@@ -74,6 +79,7 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
                 start=state,
                 save_at_s=options.save_state_s,
                 progress=report,
+                parts=parts,
                 log=None if artist is None else artist.log.take(),
             )
         if artist is None:

@@ -148,6 +148,7 @@ def _work(loaded: LoadedScenario, log: SharedLog, reading: int, path: Path) -> N
     """
     status = 1
     try:
+        os.nice(5)  # on a busy machine the telemetry is written, and gone, before this draws
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # rerun logs there what fails
         with lean_arrow(), os.fdopen(reading, "rb") as order:
             import rerun.blueprint  # noqa: F401  while the flight is flown

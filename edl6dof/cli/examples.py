@@ -9,6 +9,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof fly --from runs/tianwen1/state.npz --out runs/second",
     ),
     "check": ("edl6dof check my.yaml",),
+    "scenarios": ("edl6dof scenarios", "edl6dof scenarios tianwen1 > mine.yaml"),
     "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),
     "schema": ("edl6dof schema > edl6dof.schema.json",),
     "replay": (

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 #: Rows written at a time: keeps the memory of writing small beside the telemetry itself.
-ROW_GROUP = 5_000
+ROW_GROUP = 2_500
 
 
 def write_run(flight: Flight, folder: Path) -> None:

@@ -128,7 +128,7 @@ REFUSED = {
     "wrong fault": (("  faults:\n    - {chance: 0.1, one_of: [{kind: stuck_off, "
         "thruster: D99, at: {phase: lift}}]}\n"), 7, "no thruster named"),
     "star elsewhere": ("  truth:\n    vehicle.mass.*: {kind: normal, sigma: 1.0}\n", 7, "items of a list"),
-    "unknown key": ("  sampels: 10\n", 6, "unknown key"),
+    "unknown key": ("  sampels: 10\n", 6, "unknown key"),  # codespell:ignore sampels
     "sweep and dispersion": (("  truth: {wind.scale: {kind: normal, sigma: 0.1}}\nsweep:\n  axes:\n    - {path: wind.scale, "
         "values: [1.0]}\n"), 9, "dispersed too"),
 }  # fmt: skip

@@ -103,7 +103,7 @@ def test_source_is_cited_by_the_law_s_file(family, member):
         ),
         None,
     )
-    assert "ource" in text or "eq" in text or (year and year in text), (
+    assert "ource" in text or "eq" in text or (year and year in text), (  # codespell:ignore ource
         "the module's docstring mentions no source"
     )
     if year:

@@ -1,4 +1,6 @@
-"""Types, lint rules and layout of the sources, asked of the developers' tools as pyproject.toml sets them."""
+"""Types, lint rules, layout, spelling and docstrings of the sources, asked of the developers' tools as
+pyproject.toml sets them.
+"""
 
 import subprocess
 import sys
@@ -21,9 +23,11 @@ def asked(*words: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     "words",
     [
-        pytest.param(("mypy",), marks=pytest.mark.long),
+        ("mypy",),
         ("ruff", "check", "."),
         ("ruff", "format", "--check", "."),
+        ("codespell_lib",),
+        ("interrogate", "edl6dof"),
     ],
     ids=" ".join,
 )
@@ -37,6 +41,14 @@ def test_a_wrong_type_is_found(tmp_path):
     planted.write_text("def f(x):\n    y: int = 'one'\n    return y\n")
     answer = asked("mypy", str(planted))
     assert answer.returncode == 1 and "[assignment]" in answer.stdout, answer.stdout + answer.stderr
+
+
+def test_a_misspelt_word_and_a_missing_docstring_are_found(tmp_path):
+    planted = tmp_path / "planted.py"
+    planted.write_text("def f():  # recieved\n    return 1\n")  # codespell:ignore recieved
+    spelt = asked("codespell_lib", str(planted))
+    assert spelt.returncode != 0 and "received" in spelt.stdout, spelt.stdout + spelt.stderr
+    assert asked("interrogate", "--config", "pyproject.toml", str(planted)).returncode != 0
 
 
 def test_every_function_but_a_kernel_names_its_types():

@@ -63,7 +63,7 @@ def test_without_a_name_studies_are_listed(capsys):
 
 
 def test_unknown_study_is_refused_with_a_hint(capsys):
-    assert run_study(options("smal")) == 2
+    assert run_study(options("smal")) == 2  # codespell:ignore smal
     assert "did you mean 'small'" in capsys.readouterr().err
 
 

@@ -13,7 +13,6 @@ import numpy as np
 from numba import cuda
 
 from edl6dof.campaign.design.variants import Variant
-from edl6dof.campaign.gpu.device import as_written
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import TABLES
@@ -81,11 +80,10 @@ class Batch:
         case, *changing = self._own.values()
         told, read = self._which
         for _ in range(-(-(max(last_cycle(one.loaded) for one in self._variants) + 1) // cycles)):
-            with as_written():
-                kernel[blocks, THREADS](
-                    *(case, self._onboards, told, self._tables, read, *changing),
-                    *(self._cycles, self._outcomes, self._rows, cycles, first.steps_per_cycle, *self._logs),
-                )
+            kernel[blocks, THREADS](
+                *(case, self._onboards, told, self._tables, read, *changing),
+                *(self._cycles, self._outcomes, self._rows, cycles, first.steps_per_cycle, *self._logs),
+            )
             outcomes = self._outcomes.copy_to_host()
             if not np.any(outcomes == FLYING):
                 break

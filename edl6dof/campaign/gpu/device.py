@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
 from importlib.util import find_spec
+from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
+from platformdirs import user_cache_dir
+
 from edl6dof.config.errors import refusal
+from edl6dof.jit import SETTINGS, tree_stamp
 
 
 def require() -> str:
@@ -34,37 +37,21 @@ def require() -> str:
 def entry() -> Any:
     """The compiled entry, :func:`~edl6dof.campaign.gpu.entry.fly_flights`.
 
-    Its machine code is kept beside that of the processor, and is as fresh: numba-cuda would not see that a
-    kernel has changed which the entry calls.
+    Its machine code is kept in a folder of the present sources: numba-cuda would not see that a kernel has
+    changed which the entry calls.
     """
-    from numba.cuda.core.caching import IndexDataCacheFile
-    from numba.cuda.dispatcher import CUDACache
+    from numba import cuda
+    from numba.cuda.core import config
 
     from edl6dof.campaign.gpu import entry as module
-    from edl6dof.jit import tree_stamp
 
-    kernel, stamp = module.fly_flights, tree_stamp(str(module.__file__))
-    kept = CUDACache(kernel.py_func)
-    kept._cache_file = IndexDataCacheFile(kept.cache_path, f"{module.__name__}.gpu", stamp)
-    kernel._cache = kept
-    return kernel
-
-
-@contextmanager
-def as_written() -> Iterator[None]:
-    """Compile every multiplication and addition as one that rounds, as the processor does them.
-
-    NVVM fuses them unless it is told not to, and numba-cuda has no option that tells it.
-    """
-    from numba.cuda.cudadrv import nvvm
-
-    before = nvvm.compile_ir
-
-    def unfused(*code: Any, **options: Any) -> Any:
-        return before(*code, **options, fma=False)
-
-    nvvm.compile_ir = unfused
+    folder = Path(SETTINGS.CACHE_DIR or user_cache_dir("edl6dof")) / "gpu"
+    present = folder / tree_stamp(str(module.__file__))
+    for old in folder.glob("*"):
+        if old != present:
+            rmtree(old, ignore_errors=True)
+    before, config.CACHE_DIR = config.CACHE_DIR, str(present)
     try:
-        yield
+        return cuda.jit(cache=True)(module.fly_flights.py_func)
     finally:
-        nvvm.compile_ir = before
+        config.CACHE_DIR = before

@@ -30,7 +30,8 @@ def fly_flights(
         outcomes[i], flown, new = fly(
             cases[i : i + 1], onboards[told : told + 1], tables_[read : read + 1], plants[i : i + 1],
             outputs_[i : i + 1], peaks_[i : i + 1], works[i : i + 1], sensors_[i : i + 1],
-            memories[i : i + 1], cycles[i], cycles[i] + count, steps, log[i], brief[i], rows[i],
+            memories[i : i + 1], cycles[i], cycles[i] + count, min(cycles[i], 1), steps,
+            log[i], brief[i], rows[i],
         )  # fmt: skip
         cycles[i] += flown
         rows[i] += new

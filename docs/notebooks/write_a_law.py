@@ -1,0 +1,76 @@
+# %% [markdown]
+# # Write a law
+#
+# An entry guidance law is one Python file beside a scenario: parameters with their bounds, and a kernel
+# that is compiled like everything else that flies. This one holds the drag that uses up the energy over the
+# range to go. In a notebook the scenario with the plugin is flown first: what joins a family has to be
+# there before the simulator is loaded.
+
+# %%
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+import edl6dof
+
+Path("constant_drag.py").write_text('''
+from math import acos
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import clamp
+
+
+class ConstantDragParams(Params):
+    """Constant drag to the aim point."""
+
+    level_cosine: float = param(0.5, "cosine of the bank angle on the profile", ge=-1.0, le=1.0)
+    gain: float = param(2.0, "change of that cosine per relative drag error", ge=0.0, le=20.0)
+
+
+@kernel
+def guide(params, plan, onboard, nav, memory, out):
+    """Wanted bank angle (rad)."""
+    p, final = params, onboard.guidance.entry.final_speed
+    out.reference_drag = (nav.speed**2 - final**2) / (2.0 * max(out.range_to_go, 1e3))
+    error = nav.drag / max(out.reference_drag, 0.1) - 1.0
+    return acos(clamp(p.level_cosine + p.gain * error, -1.0, 1.0))
+
+
+FAMILY = "entry_law"
+MEMBER = Member("constant_drag", ConstantDragParams, {"guide": guide}, "Harpold & Graves 1979")
+''')
+Path("mine.yaml").write_text("""
+extends: tianwen1
+name: mine
+plugins: [constant_drag.py]
+flight_software: {guidance: {entry: {law: constant_drag}}}
+""")
+mine, shipped = edl6dof.fly("mine.yaml"), edl6dof.fly("tianwen1")
+for flight in (mine, shipped):
+    miss_km = flight.metrics["parachute_miss_m"] / 1e3
+    print(f"{flight.name:9} {flight.outcome}, parachute {miss_km:.1f} km from the aim point")
+
+# %% [markdown]
+# Its parameters have bounds, a place in the scenario (`flight_software.guidance.entry.constant_drag.gain`),
+# in `--set` and in campaigns without another line. What it does wrong stands in the telemetry: lift points
+# down until the drag is what it wants, and then all the lift there is (15 deg is the least bank angle) does
+# not bring it back. A profile that the vehicle can follow, as that of `drag_tracking`, is the better half
+# of a law.
+
+# %%
+figure, (top, bottom) = plt.subplots(2, figsize=(7, 5.5), sharex=True, layout="constrained")
+for flight, colour in ((shipped, "0.6"), (mine, "tab:red")):
+    entry = (flight["t_s"] > 68) & (flight["truth.mach"] > 2.9)
+    speed = flight["truth.speed_m_s"][entry] / 1e3
+    top.plot(speed, flight["nav.drag_m_s2"][entry], color=colour, label=f"{flight.name}: measured")
+    top.plot(speed, flight["guide.reference_drag_m_s2"][entry], ":", color=colour, label="wanted")
+    bottom.plot(speed, abs(flight["guide.bank_deg"][entry]), color=colour)
+top.set(ylabel="drag (m/s²)", title="A law of one's own beside the shipped one", ylim=(0, 80))
+bottom.set(ylabel="bank angle commanded (deg)", xlabel="speed (km/s)")
+bottom.invert_xaxis()
+top.legend(frameon=False, ncols=2)
+for panel in (top, bottom):
+    panel.grid(alpha=0.3)
+plt.show()
