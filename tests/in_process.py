@@ -17,13 +17,19 @@ from edl6dof import cli
 PROGRAM = get_command(cli.app)
 
 
+def main() -> None:
+    """The program's entry point."""
+    with patch.object(cli, "app", PROGRAM):
+        cli.main()
+
+
 def called(*words: object, cwd: Path | str = ".") -> subprocess.CompletedProcess[str]:
     """Run the program; a traceback that it would print is in its stderr too."""
     out, err, argv = io.StringIO(), io.StringIO(), sys.argv
     sys.argv = ["edl6dof", *map(str, words)]
     try:
-        with chdir(cwd), redirect_stdout(out), redirect_stderr(err), patch.object(cli, "app", PROGRAM):
-            cli.main()
+        with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+            main()
         status = 0
     except SystemExit as end:
         status = int(end.code or 0)

@@ -15,9 +15,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import in_process
 import pytest
-
-from edl6dof import cli
 
 HERE = Path(__file__).parent
 CASES = sorted((HERE / "cases").glob("*.yaml"))
@@ -37,7 +36,7 @@ def flags(case: Path) -> list[str]:
 def run(capsys, monkeypatch, *words: str) -> tuple[int, str, str]:
     monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     out, err = capsys.readouterr()
     return end.value.code, out, err
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import sys
 
+import in_process
 import pytest
 
-from edl6dof import cli
 from edl6dof.app import study
 
 HUGE = "99999999999999999999"
@@ -18,7 +18,7 @@ LONGEST = "x" * 150
 def ended(monkeypatch, *words: str) -> int:
     monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     return end.value.code
 
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 import json
 from functools import partial
 
+import in_process
 import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof import cli
 from edl6dof.calibration import problem
 from edl6dof.calibration.findings import find
 from edl6dof.calibration.fit import fit
@@ -165,7 +165,7 @@ def test_command_finds_the_same_with_another_design_and_writes_a_scenario_that_f
     monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", path.name, *options])
     monkeypatch.setenv("COLUMNS", "100")
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     shown = capsys.readouterr().out
     assert end.value.code == 0 and "told by figures" in shown and "5 figures tell" in shown
     other = json.loads((out / "summary.json").read_text())
@@ -191,7 +191,7 @@ def test_a_figure_that_is_not_reached_and_too_few_flights_are_refused(twin, tmp_
     ):
         monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", str(path), *options, "--out", str(out)])
         with pytest.raises(SystemExit) as end:
-            cli.main()
+            in_process.main()
         assert end.value.code == 2 and message in capsys.readouterr().err and not out.exists()
 
 
@@ -226,7 +226,7 @@ def test_bad_sections_are_refused_with_file_line_and_key(section, messages, tmp_
     path.write_text(f"extends: msl\nname: bad\n{published}\ncalibration: {section}\n")
     monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", str(path)])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     err = capsys.readouterr().err
     assert end.value.code == 2 and f"{path}:4:" in err
     for message in messages:

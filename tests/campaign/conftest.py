@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import sys
 
+import in_process
 import pytest
 from campaign_run import write_drop
 from forked import finished
-
-from edl6dof import cli
 
 
 @pytest.fixture
@@ -20,7 +19,7 @@ def edl6dof(capsys, monkeypatch, tmp_path):
     def run(*words: str) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
         with pytest.raises(SystemExit) as end:
-            cli.main()
+            in_process.main()
         out, err = capsys.readouterr()
         return int(end.value.code or 0), out, err
 

@@ -10,12 +10,12 @@ import sys
 import time
 from pathlib import Path
 
+import in_process
 import pytest
 from campaign_run import write_drop
 from forked import Forked
 
 import edl6dof
-from edl6dof import cli
 from edl6dof.app.faults import flight
 from edl6dof.app.faults.choice import matrix_of
 from edl6dof.app.faults.command import Wanted
@@ -41,7 +41,7 @@ def command(*words: str) -> tuple[int, str, str]:
         pytest.raises(SystemExit) as end,
     ):
         patch.setattr(sys, "argv", ["edl6dof", *words])
-        cli.main()
+        in_process.main()
     return int(end.value.code or 0), out.getvalue(), err.getvalue()
 
 
@@ -184,7 +184,7 @@ def test_what_flies_another_matrix_does_not_join_a_folder(here):
     assert (here / "m" / "cases.parquet").read_bytes() == before
 
 
-@pytest.mark.parametrize("owner, name", [(flight, "matrix_of"), (executor.CaseRunner, "_prepared")])
+@pytest.mark.parametrize("owner, name", [(flight, "matrix_of"), (executor.CaseRunner, "prepared")])
 def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
     def interrupt(*_, **__):
         raise KeyboardInterrupt

@@ -8,10 +8,10 @@ import io
 import sys
 from pathlib import Path
 
+import in_process
 import pytest
 from campaign_run import write_drop
 
-from edl6dof import cli
 from edl6dof.app import campaign_flight
 from edl6dof.campaign import executor, run
 from edl6dof.campaign.design.plan import load_plan
@@ -35,7 +35,7 @@ def command(*words: str) -> tuple[int, str]:
         contextlib.redirect_stdout(io.StringIO()),
         pytest.raises(SystemExit) as end,
     ):
-        cli.main()
+        in_process.main()
     return int(end.value.code or 0), err.getvalue()
 
 

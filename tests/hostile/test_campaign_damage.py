@@ -16,9 +16,9 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "campaign"))
 
+import in_process
 from campaign_run import write_drop
 
-from edl6dof import cli
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
@@ -83,7 +83,7 @@ def edl6dof(*words: str) -> tuple[int, str, str]:
     sys.argv = ["edl6dof", *words]
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     return int(end.value.code or 0), out.getvalue(), err.getvalue()
 
 

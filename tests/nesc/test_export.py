@@ -6,10 +6,10 @@ import csv
 import sys
 from pathlib import Path
 
+import in_process
 import numpy as np
 import pytest
 
-from edl6dof import cli
 from edl6dof.export.nesc import COLUMNS
 from edl6dof.verify.nesc_cases import TOLERANCES, differences, reference
 
@@ -17,7 +17,7 @@ from edl6dof.verify.nesc_cases import TOLERANCES, differences, reference
 def run(capsys, monkeypatch, *words):
     monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     out, err = capsys.readouterr()
     return end.value.code, out, err
 

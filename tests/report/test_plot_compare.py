@@ -11,11 +11,11 @@ from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
+import in_process
 import numpy as np
 import pytest
 from PIL import Image, ImageChops
 
-from edl6dof import cli
 from edl6dof.app.compare import MOST
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
@@ -31,7 +31,7 @@ from edl6dof.runs.run import Run
 def command(capsys, monkeypatch, *words):
     monkeypatch.setattr(sys, "argv", ["edl6dof", *map(str, words)])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     out, err = capsys.readouterr()
     return int(end.value.code or 0), out, err
 

@@ -6,12 +6,12 @@ import json
 import sys
 from dataclasses import replace
 
+import in_process
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from edl6dof import cli
 from edl6dof.app.study import StudyOptions, run_study
 from edl6dof.config.errors import ConfigError
 from edl6dof.studies import plots
@@ -182,7 +182,7 @@ def test_interrupted_study_leaves_nothing(monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", interrupted))
     monkeypatch.setattr(sys, "argv", ["edl6dof", "study", "small", "--out", str(tmp_path / "s")])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     assert end.value.code == 130
     assert capsys.readouterr().err == "interrupted; nothing was written\n"
     assert not list(tmp_path.iterdir())

@@ -7,9 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import in_process
 import pytest
-
-from edl6dof import cli
 
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = [sys.executable, "-c", "from edl6dof.cli import main; main()"]
@@ -58,7 +57,7 @@ def run(
     monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
     monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        in_process.main()
     out, err = capsys.readouterr()
     return int(end.value.code or 0), out, err
 
