@@ -13,7 +13,7 @@ from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
 from edl6dof.cli.group import app
 from edl6dof.cli.results import compare, export, plot, replay, report
-from edl6dof.cli.scenarios import check, fly, params, schema, serve
+from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve
 
 
 def version() -> None:
@@ -25,7 +25,7 @@ def version() -> None:
 
 #: In the order of the help.
 COMMANDS = (
-    *(fly, check, params, schema, replay, report, plot, compare, export),
+    *(fly, check, scenarios, params, schema, replay, report, plot, compare, export),
     *(verify, validate, figures, calibrate, study, campaign, covariance, refly, faults, serve, version),
 )
 for command in COMMANDS:

@@ -1,4 +1,4 @@
-"""Commands about one scenario: fly it, check it, and what may stand in it."""
+"""Commands about one scenario: fly it, check it, begin one of your own, and what may stand in it."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def serve(
     ] = 0,
     trust: Trust = False,
 ) -> None:
-    """Serve flights to programs on this machine, which step and command them over a socket.
+    """Serve flights to programs, over a socket of this machine.
 
     The first line printed is address and port; docs/serve.md has the protocol. Ctrl-C ends it.
 
@@ -94,6 +94,20 @@ def serve(
     from edl6dof.app.serve import run_serve
 
     raise typer.Exit(run_serve(scenario, tuple(sets or ()), port))
+
+
+def scenarios(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENARIO", help="Scenario whose file is printed; all are listed if not given."
+        ),
+    ] = None,
+) -> None:
+    """List the shipped scenarios, or print the file of one."""
+    from edl6dof.app.scenarios import run_scenarios
+
+    raise typer.Exit(run_scenarios(scenario))
 
 
 def params(

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: What is said of a limit or a requirement.
 VERDICT = {True: "kept", False: "broken"}
+#: What is said below the figures of one flight.
+ONE_DRAW = "One flight is one draw; mean and spread of many: edl6dof figures SCENARIO"
 #: Figures of navigation and their formats.
 NAVIGATION = {
     "parachute_nav_position_m": ",.0f",
@@ -32,7 +34,8 @@ NAVIGATION = {
 
 class Compared(NamedTuple):
     """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a requirement
-    is, if it is one; ``sigmas`` is the difference in standard deviations, where they are known.
+    is, if it is one; ``sigmas`` is the difference in standard deviations, where they are known: one flight
+    does not tell how far flights differ.
     """
 
     figure: str
@@ -57,6 +60,7 @@ def show_flight(console: Console, flight: Flight) -> None:
     if flight.scenario.published:
         rows = comparison(flight.metrics, flight.scenario.published)
         console.print(published_table(rows, "Beside the published flight", "this flight"))
+        console.print(ONE_DRAW, style="dim", end="\n\n")
     if any(name in flight.metrics for name in NAVIGATION):
         console.print(navigation_table(flight))
     if flight.checks:
@@ -83,10 +87,13 @@ def timeline_table(flight: Flight) -> Table:
 
 def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
     """Figures beside the published ones, whatever the difference; ``own`` heads this product's."""
-    table = open_table(title, "figure", "unit", f"{own}>", "published>", "difference>", "sigma>")
+    spread = any(row.sigmas for row in rows)
+    heads = ["figure", "unit", f"{own}>", "published>", "difference>", *(["sigma>"] if spread else [])]
+    table = open_table(title, *heads)
     for row in rows:
         style = {True: "green", False: "bold red", None: ""}[row.kept]
-        table.add_row(*row.cells[:4], Text(row.difference, style=style), row.sigmas)
+        cells: list[str | Text] = [*row.cells[:4], Text(row.difference, style=style), row.sigmas]
+        table.add_row(*cells[: len(heads)])
     return table
 
 
@@ -100,7 +107,7 @@ def comparison(
     Args:
         figures: of a flight, or means.
         published: what stands beside them.
-        deviations: standard deviations, where the figures are means.
+        deviations: standard deviations, where the figures are means; of one flight there are none.
     """
     return [
         _compared(beside, figures.get(beside.figure.name), (deviations or {}).get(beside.figure.name))
@@ -160,7 +167,8 @@ def _compared(beside: Beside, own: float | None, deviation: float | None) -> Com
     if own is None or not math.isfinite(own):
         return Compared(*head, "-", shown, "not reached", "", published.kept(math.nan))
     more = places if own == round(own) else places + (places < 2)
-    kept, sigmas = published.kept(own), published.sigmas(own, deviation or 0.0)
+    kept = published.kept(own)
+    sigmas = None if deviation is None else published.sigmas(own, deviation)
     flown = f"{published.of(own):,.{more}f}" + ("" if deviation is None else f" +- {deviation:,.{more}f}")
     difference = f"{published.of(own) - published.number:+,.{more}f}" if kept is None else VERDICT[kept]
     return Compared(*head, flown, shown, difference, "" if sigmas is None else f"{sigmas:+.1f}", kept)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from edl6dof.verify.cases.nesc import NotInstalledError
@@ -23,7 +23,7 @@ class Report:
 
     name: str
     results: tuple[Result, ...]
-    history: History | None
+    history: History | None = field(repr=False)
     seconds: float
     note: str = ""
     skipped: bool = False

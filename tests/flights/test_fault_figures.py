@@ -13,7 +13,7 @@ from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import fly_rows
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
-FLIGHTS = 8
+FLIGHTS = 5
 #: Real instruments, without flow meters.
 WITHOUT_METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",)
 

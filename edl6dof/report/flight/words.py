@@ -108,12 +108,11 @@ def published(run: Run) -> Table:
             row.own,
             _sign(row.published),
             Cell(row.difference, _KEPT[row.kept]),
-            row.sigmas,
         ]
         for row in found
     ]
     return Table(
-        ["figure", "unit", "this flight>", "published>", "difference>", "sigma>"],
+        ["figure", "unit", "this flight>", "published>", "difference>"],
         rows,
         "Beside the published flight",
     )

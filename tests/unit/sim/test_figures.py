@@ -22,7 +22,7 @@ from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.report.document import Cell
 from edl6dof.report.flight.words import limits_and_published, mood
-from edl6dof.report.terminal import VERDICT, comparison, headline, show_flight
+from edl6dof.report.terminal import VERDICT, comparison, headline, published_table, show_flight
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.results import summary, write_run
 from edl6dof.runs.run import Run
@@ -147,6 +147,14 @@ def test_differences_are_told_in_standard_deviations_of_what_was_published_and_o
     assert entry.sigmas(9.0, deviation=0.4) == pytest.approx(-2.0)  # hypot(0.3, 0.4) = 0.5
     assert PublishedFigure(magnitude=10.0, sigma=0.5).sigmas(-9.0) == pytest.approx(-2.0)
     assert PublishedFigure(value=10.0).sigmas(9.0) is None
+
+
+def test_one_flight_tells_no_standard_deviations():
+    entry = {"touchdown_s": PublishedFigure(value=10.0, sigma=0.3)}
+    (one,) = comparison({"touchdown_s": 9.0}, entry)
+    (mean,) = comparison({"touchdown_s": 9.0}, entry, {"touchdown_s": 0.4})
+    assert (one.sigmas, mean.sigmas) == ("", "-2.0")
+    assert [len(published_table([row], "", "").columns) for row in (one, mean)] == [5, 6]
 
 
 @pytest.mark.parametrize(
