@@ -28,12 +28,12 @@ def test_simulated_gpu_gives_the_rows_of_threads():
     """To the last bit: a batch for a GPU changes nothing in a flight, and one that cannot fly keeps its
     place.
     """
+    mine = CaseRunner(package.load("tianwen1")).fly(CASES)  # compiles what the simulator calls
     words = [sys.executable, str(Path(__file__).with_name("gpu_simulator.py"))]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_ENABLE_CUDASIM": "1"}
-    done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=300)
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=1200)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
-    mine = CaseRunner(package.load("tianwen1")).fly(CASES)
     assert len({row["outcome"] for row in mine}) > 2 and found["batches"] == [3, 1]
     assert found["rows"] == json.loads(json.dumps(mine))
 
