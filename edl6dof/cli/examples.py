@@ -38,8 +38,8 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "refly": ("edl6dof refly runs/tianwen1_mc 17",),
     "faults": (
         "edl6dof faults tianwen1",
-        "edl6dof faults tianwen1 --kinds all --at 'every 10 s'",
-        "edl6dof faults tianwen1 --sensors",
+        "edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'",
+        "edl6dof faults tianwen1 --out runs/sensors --sensors",
     ),
     "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
     "version": ("edl6dof version",),

@@ -84,7 +84,7 @@ def serve(
     ] = 0,
     trust: Trust = False,
 ) -> None:
-    """Serve flights to programs that step and command them over a socket.
+    """Serve flights to programs, over a socket of this machine.
 
     The first line printed is address and port; docs/serve.md has the protocol. Ctrl-C ends it.
 

@@ -166,7 +166,8 @@ class Store:
         if not force:
             raise refused(
                 self.folder,
-                "exists; go on with --resume, replace it with --force, or choose another with --out",
+                "exists, and a campaign keeps its folder, to be found again: go on with --resume, "
+                "replace it with --force, or choose another with --out",
             )
         if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in entries):
             raise refused(
