@@ -26,6 +26,7 @@ from edl6dof.registry import Member
 from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
 from edl6dof.sensors.patch import PATCH, trace
 from edl6dof.sensors.sight import along, sight
+from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.noise import normal_pair, uniform
 from edl6dof.spatial.vector import take3
 
@@ -101,7 +102,7 @@ def read(params, unit, way, number):
         return 0.0
     noise, _ = normal_pair(unit.key, 2 * number + 1)
     told = way + unit.bias + params.range_noise * noise + 0.5 * params.quantum
-    return max(np.floor(told / params.quantum) * params.quantum, 0.0)
+    return max(endless_cell(told / params.quantum) * params.quantum, 0.0)
 
 
 def plan(params: LidarParams, rng: np.random.Generator, unit: np.void) -> None:
