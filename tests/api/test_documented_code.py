@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from edl6dof.app.inspect import run_check
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
@@ -20,14 +22,31 @@ def program(text):
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("page", ["python.md", "stepping.md"])
+def files(text):
+    """The YAML blocks of a page that begin with the name of a file, by that name."""
+    return dict(re.findall(r"(?ms)^```yaml\n# (\S+\.yaml)\n(.*?)^```$", text))
+
+
+@pytest.mark.parametrize("page", ["getting_started.md", "python.md", "stepping.md"])
 def test_every_block_of_a_page_runs(page, tmp_path, monkeypatch, capsys):
     if page == "stepping.md":
         pytest.importorskip("gymnasium")
     monkeypatch.chdir(tmp_path)
-    code = program((DOCS / page).read_text(encoding="utf-8"))
-    assert len(re.findall(r"\S", code)) > 500
+    text = (DOCS / page).read_text(encoding="utf-8")
+    for name, content in files(text).items():
+        Path(name).write_text(content, encoding="utf-8")
+        assert run_check([name], ()) == 0, capsys.readouterr().err
+    code = program(text)
+    assert len(re.findall(r"\S", code)) > 150
     exec(compile(code, str(DOCS / page), "exec"), {"__name__": page})
+
+
+def test_files_of_a_page_are_found():
+    assert files("```yaml\n# a.yaml\nx: 1\n```\n```yaml\ny: 2\n```\n") == {"a.yaml": "x: 1\n"}
+    assert list(files((DOCS / "getting_started.md").read_text(encoding="utf-8"))) == [
+        "mine.yaml",
+        "mine_mc.yaml",
+    ]
 
 
 def test_a_block_that_fails_is_found_by_its_line():
