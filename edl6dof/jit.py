@@ -64,7 +64,7 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
     compiled = numba.njit(**options, forceinline=forceinline)(function)
     # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
     if isinstance(compiled, Dispatcher):
-        compiled._cache = KeptCode(function)  # type: ignore[attr-defined]  # private to numba
+        compiled._cache = KeptCode(function)  # private to numba
     return compiled_by_type(compiled)
 
 

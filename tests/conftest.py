@@ -9,20 +9,19 @@ import subprocess
 import sys
 from pathlib import Path
 
-import in_process  # noqa: F401  whoever calls the program, it is put together once
 import pytest
 from filelock import FileLock
 
 import edl6dof
 
-#: Files that take longest, the longest first: begun last, one would run alone while the other processes have
-#: nothing left to do.
-LONGEST = (
-    *("test_plugins.py", "test_rigid_landing.py", "test_damaged_runs.py", "test_bank_in_wind.py"),
-    *("test_files_of_failed_flights.py", "test_dask.py", "test_phase_roles.py", "test_campaign_damage.py"),
-    *("test_calibration.py", "test_bounds_check.py"),
-    *("test_types.py", "test_error_state_consistency.py", "test_nothing_is_lost.py"),
-    *("test_campaign_kills.py", "test_fuzz.py", "test_report_rendered.py", "test_rendered.py"),
+#: Files that compile what others need, which would do so at the same time; then those that take longest, the
+#: longest first: begun last, one would run alone while the other processes have nothing left to do.
+FIRST = (
+    *("test_members_write_their_own.py", "test_world_families.py"),
+    *("test_plugins.py", "test_files_of_failed_flights.py", "test_bank_in_wind.py", "test_damaged_runs.py"),
+    *("test_error_state_consistency.py", "test_bounds_check.py", "test_rigid_landing.py"),
+    *("test_calibration.py", "test_campaign_kills.py", "test_campaign_damage.py", "test_dask.py"),
+    *("test_nothing_is_lost.py", "test_fuzz.py", "test_report_rendered.py", "test_rendered.py"),
     *("test_server.py", "test_hu2022.py"),
 )
 
@@ -47,8 +46,8 @@ def pytest_sessionfinish():
 
 
 def pytest_collection_modifyitems(items):
-    """Begin with the longest files."""
-    place = {name: number for number, name in enumerate(LONGEST)}
+    """Begin with the files that come first."""
+    place = {name: number for number, name in enumerate(FIRST)}
     items.sort(key=lambda item: place.get(item.path.name, len(place)))
 
 

@@ -13,8 +13,8 @@ from typer.main import get_command
 
 from edl6dof import cli
 
-#: Put together once in a process: for every call again, it would take longer than most of what is asked for.
-_PUT_TOGETHER = get_command(cli.app)
+#: Put together once in a process: again for every call, it takes longer than most of what is asked for.
+PROGRAM = get_command(cli.app)
 
 
 def called(*words: object, cwd: Path | str = ".") -> subprocess.CompletedProcess[str]:
@@ -22,7 +22,7 @@ def called(*words: object, cwd: Path | str = ".") -> subprocess.CompletedProcess
     out, err, argv = io.StringIO(), io.StringIO(), sys.argv
     sys.argv = ["edl6dof", *map(str, words)]
     try:
-        with patch.object(cli, "app", _PUT_TOGETHER), chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+        with chdir(cwd), redirect_stdout(out), redirect_stderr(err), patch.object(cli, "app", PROGRAM):
             cli.main()
         status = 0
     except SystemExit as end:

@@ -40,8 +40,11 @@ LAWS = tuple(law for law in ENTRY_LAWS.names if law not in ("constant_bank", "ba
 def main() -> None:
     """Fly and print, a table for each vehicle and bank response."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("vehicles", nargs="*", default=list(COURSE), choices=list(COURSE), metavar="VEHICLE")
-    for vehicle in parser.parse_args().vehicles:
+    parser.add_argument("vehicles", nargs="*", metavar="VEHICLE", help=f"of {', '.join(COURSE)}; all if none")
+    vehicles = parser.parse_args().vehicles or list(COURSE)
+    if not set(vehicles) <= set(COURSE):
+        parser.error(f"a vehicle is one of {', '.join(COURSE)}")
+    for vehicle in vehicles:
         for bank, sets in BANKS.items():
             print(f"\n{vehicle}, bank angle {bank}\n| law | calm, deg | " + " | ".join(winds(vehicle)) + " |")
             for law in LAWS:

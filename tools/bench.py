@@ -10,8 +10,9 @@ processes   whole processes as a user starts them, not pinned: ``edl6dof fly tia
             written, ``--help``, ``import edl6dof``; wall seconds and peak resident memory.  The package is
             first copied into an empty folder, so the first flight compiles everything (the copy's cache is
             empty) and later edits of the sources disturb nothing.
-loop        the nominal flight in this process, pinned to one core: the compiled loop alone, ``edl6dof.fly``
-            (records + loop), and ``edl6dof.load`` (reading and validating the files).
+loop        the nominal flight in this process, pinned to one core: the compiled loop alone, in turn with that
+            of the landing among rocks; ``edl6dof.fly`` (records + loop), and ``edl6dof.load`` (reading and
+            validating the files).
 peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are
             formed pair by pair.  The peers come with ``pip install "edl6dof[bench]"``; a missing one is
             reported and left out.
@@ -52,6 +53,8 @@ from rich.console import Console
 
 SECTIONS = ("processes", "loop", "peers")
 PEERS = ("peers_jsbsim", "peers_basilisk")
+#: Landing area, lidar, stereo cameras and landing camera: hazard detection.
+AMONG_ROCKS = "tianwen1_hazards"
 FREE_ENTRY = ("mission.phases=[]", "simulation.time_limit_s=250")
 PROFILE_CHUNK_S = 0.2
 
@@ -81,9 +84,10 @@ def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
     """Time every call of the compiled loop that ``edl6dof.fly`` makes; ``chunk_s`` changes how much one call
     flies.
     """
-    import edl6dof.sim.flight as module
+    import edl6dof.sim.flight as flight
+    import edl6dof.sim.underway as underway
 
-    calls, compiled, chunk = Calls(), module.fly_cycles, module.CHUNK_S
+    calls, compiled, chunk = Calls(), underway.fly_cycles, flight.QUIET_CHUNK_S
 
     def timed(*arguments: Any) -> Any:
         phase = _phase_in(arguments)
@@ -95,11 +99,11 @@ def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
         calls.by_phase[phase][1] += result[1]
         return result
 
-    module.fly_cycles, module.CHUNK_S = timed, chunk_s or chunk
+    underway.fly_cycles, flight.QUIET_CHUNK_S = timed, chunk_s or chunk
     try:
         yield calls
     finally:
-        module.fly_cycles, module.CHUNK_S = compiled, chunk
+        underway.fly_cycles, flight.QUIET_CHUNK_S = compiled, chunk
 
 
 def _phase_in(arguments: tuple[Any, ...]) -> int:
@@ -120,14 +124,17 @@ def fly_once(loaded: Any) -> tuple[Lap, Lap]:
 
 
 def measure_loop(repeats: int) -> dict[str, list[Lap]]:
-    """Laps by name, after one flight to load the compiled code."""
+    """Laps by name, the flights in turn, after one of each to load the compiled code."""
     import edl6dof
 
-    loaded = edl6dof.load(SCENARIO)
+    loaded, among_rocks = edl6dof.load(SCENARIO), edl6dof.load(AMONG_ROCKS)
     fly_once(loaded)
-    pairs = [fly_once(loaded) for _ in range(repeats)]
+    fly_once(among_rocks)
+    rounds = [(fly_once(loaded), fly_once(among_rocks)[0]) for _ in range(repeats)]
+    pairs = [pair for pair, _ in rounds]
     return {
         "compiled loop": [loop for loop, _ in pairs],
+        f"the same, {AMONG_ROCKS}": [loop for _, loop in rounds],
         "edl6dof.fly(loaded)": [whole for _, whole in pairs],
         "edl6dof.load": [stopwatch(lambda: edl6dof.load(SCENARIO))[0] for _ in range(repeats)],
     }

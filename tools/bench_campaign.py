@@ -39,7 +39,7 @@ from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.executor import CaseRunner, available_cores
 from edl6dof.campaign.storage.store import Store
-from edl6dof.sim import flight
+from edl6dof.sim import flight, underway
 
 CAMPAIGN = "tianwen1_mc"
 ROUNDS = 5
@@ -84,14 +84,14 @@ class LoopClock:
         self.compiled, self.cpu_s, self.steps, self.lock = compiled, 0.0, 0, Lock()
 
     def __call__(self, *arguments: object) -> tuple[int, int, int]:
-        """Call the loop; its argument 8 is the number of integration steps in a cycle, and it returns how
+        """Call the loop; its argument 12 is the number of integration steps in a cycle, and it returns how
         many cycles it flew.
         """
         began = time.thread_time()
         result = self.compiled(*arguments)
         with self.lock:
             self.cpu_s += time.thread_time() - began
-            self.steps += result[1] * arguments[11]
+            self.steps += result[1] * arguments[12]
         return result
 
 
@@ -170,8 +170,8 @@ def has_jsbsim() -> bool:
 def measure(cases: int, console: Console) -> dict[str, Cost]:
     """Fly everything in rounds."""
     plan, cores = load_plan(CAMPAIGN, cases=cases), available_cores()
-    clock = LoopClock(flight.fly_cycles)
-    flight.fly_cycles = clock
+    clock = LoopClock(underway.fly_cycles)
+    underway.fly_cycles = clock
     figures = FigureClock(flight.Flight.metrics.func)
     flight.Flight.metrics.func = figures
     one, every = "1 thread", f"{cores} threads"
@@ -188,7 +188,7 @@ def measure(cases: int, console: Console) -> dict[str, Cost]:
         fly(plan, runner, first + share, first + 2 * share, cores, costs[every], clock, figures)
         if peer:
             fly_jsbsim(costs.setdefault(f"JSBSim {peers_jsbsim.version()}", Cost()))
-    flight.fly_cycles, flight.Flight.metrics.func = clock.compiled, figures.form
+    underway.fly_cycles, flight.Flight.metrics.func = clock.compiled, figures.form
     return costs
 
 

@@ -4,12 +4,13 @@ in a call.
     python tools/bench_stepping.py [--flights 32] [--workers 2]
 
 Wall time and time of the processor, of the nominal flight from entry to touchdown with perfect sensors; the
-best of three each.
+best of three each.  Where the load is above 1 or so, trust the processor's alone, or run it under chrt -f 5.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import time
 from collections.abc import Callable
 
@@ -68,6 +69,7 @@ def main() -> None:
     options = parser.parse_args()
     loaded = edl6dof.load("tianwen1")
     stepped(loaded, 1000)()
+    print(f"load {os.getloadavg()[0]:.1f}")
     print(f"{'':<44}{'cycles':>12}{'':>3}{'cycles':>12}")
     measured("one flight, cycle by cycle", lambda: stepped(loaded, 1))
     measured("one flight, cycle by cycle, bank commanded", lambda: stepped(loaded, 1, {"bank_deg": 60.0}))

@@ -28,7 +28,10 @@ FLIGHTS = {
     "runs/rocks": "fly tianwen1_hazards --out runs/rocks --set terrain.landing_area.rock_abundance=0.1",
     "runs/titan_probe": "fly titan_probe",
     "runs/earth_drop": "fly earth_drop",
-    "runs/faults": "faults tianwen1 --out runs/faults --kinds stuck_off --at 'every 60 s'",
+    "runs/faults": (
+        "faults tianwen1 --out runs/faults --pairs --kinds stuck_on --at 200 "
+        "--components A1,A2,A3,A4,P1,P2,P3,P4,D1,D3,D5,D7"
+    ),
 }
 
 
@@ -73,10 +76,10 @@ PICTURES = (
     page("two_flights", "Two flights in one replay.", "Flight", 480.0, "runs/tianwen1", "runs/heavy"),
     Picture(
         "faults",
-        "Every dead thruster all along the flight: what became of it, and when it was known.",
+        "Every two of twelve thrusters stuck open at 200 s: who is named, and when.",
         ("runs/faults",),
         "report runs/faults --png",
-        "runs/faults/report/faults_stuck_off.png",
+        "runs/faults/report/faults_stuck_on_0.png",
     ),
     tour("titan", "A probe sinks through the haze of Titan.", "runs/titan_probe", 6000.0),
     tour("earth", "A capsule falls on Earth.", "runs/earth_drop", 60.0),

@@ -91,7 +91,7 @@ def flown(start: Setting, control_cycles: int) -> np.ndarray:
     log, brief = np.zeros(every + 1, TICK), np.zeros(0, BRIEF)
     seen = np.zeros((3, control_cycles, count))
     for k in range(control_cycles):
-        fly_cycles(*arrays.values(), k * every, (k + 1) * every, start.steps, log, brief, 0)
+        fly_cycles(*arrays.values(), k * every, (k + 1) * every, 0, start.steps, log, brief, 0)
         command = fsw["command"]
         seen[:, k] = fsw["allocation"]["duty"][:count], command["opens"][:count], command["closes"][:count]
     return seen

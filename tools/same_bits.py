@@ -1,8 +1,8 @@
 """Whether a change kept the bits: hashes of what the code computes, written before the change and compared
 after it.
 
-    python tools/same_bits.py record before.json        # on the code before python tools/same_bits.py compare
-    before.json       # on the code after: exit status 1 and the names of all that differs
+    python tools/same_bits.py record before.json   # on the code before
+    python tools/same_bits.py compare before.json  # on the code after: status 1 and all that differs
 
 Flown are the nominal, perturbed and faulty flights, the MSL class, the papers' scenarios, the NESC check
 cases, and fifty cases of the campaign.  Each channel of telemetry and each figure has a hash of its own, by

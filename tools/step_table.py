@@ -66,7 +66,7 @@ def record_commands(start: Setting, cycles: int) -> np.ndarray:
     fsw, log, brief = arrays[-1], np.zeros(2, TICK), np.zeros(0, BRIEF)
     commands = np.zeros(cycles, fsw.dtype["command"])
     for k in range(cycles):
-        fly_cycles(*arrays, start.cycle + k, start.cycle + k + 1, start.steps, log, brief, 0)
+        fly_cycles(*arrays, start.cycle + k, start.cycle + k + 1, 0, start.steps, log, brief, 0)
         commands[k] = fsw["command"][0]
     return commands
 

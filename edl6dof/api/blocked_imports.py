@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ from importlib.machinery import ModuleSpec
 
 #: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its
 #: access to Amazon's storage.
-UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
+_UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
 
 
 class _NotInstalled(MetaPathFinder):
@@ -36,3 +37,13 @@ def blocked_imports(*modules: str) -> Iterator[None]:
         yield
     finally:
         sys.meta_path.remove(finder)
+
+
+@contextmanager
+def lean_arrow() -> Iterator[None]:
+    """Inside the block pyarrow is imported without what is of no use here, and takes memory from the system:
+    its own allocator keeps 9 MB of what it has freed.
+    """
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
+    with blocked_imports(*_UNUSED_BY_ARROW):
+        yield

@@ -13,13 +13,16 @@ from edl6dof.campaign.statistics import Until
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import refusal
 
+#: What may fly a campaign.
+ENGINES = ("threads", "dask", "gpu")
+
 #: Makes what is told how a campaign of so many cases stands.
 Watch = Callable[[int], AbstractContextManager[run.Report | None]]
 
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """What flies: ``threads`` of this machine or ``dask``, how many workers, address of a scheduler."""
+    """What flies, one of :data:`ENGINES`; how many workers, and the address of a scheduler."""
 
     name: str = "threads"
     workers: int | None = None
@@ -31,16 +34,26 @@ class EngineChoice:
         Raises:
             ConfigError: there is not.
         """
-        if self.name not in ("threads", "dask"):
-            raise refusal("--engine", f"must be threads or dask (got {self.name!r})")
+        if self.name not in ENGINES:
+            raise refusal("--engine", f"must be threads, dask or gpu (got {self.name!r})")
         if self.cluster is not None and self.name != "dask":
             raise refusal("--cluster", "needs --engine dask")
+        if self.workers is not None and self.name == "gpu":
+            raise refusal("--workers", "a GPU flies as many at a time as its memory holds; leave it out")
 
     @contextmanager
     def start(self) -> Iterator[Engine]:
         """The engine, as long as the block lasts."""
         if self.name == "threads":
             yield Threads(self.workers)
+            return
+        if self.name == "gpu":
+            from edl6dof.campaign.gpu.device import require
+
+            device = require()  # before what needs numba-cuda is imported
+            from edl6dof.campaign.gpu.engine import gpu_engine
+
+            yield gpu_engine(device)
             return
         try:
             with dask_engine(self.cluster, self.workers) as engine:
@@ -87,7 +100,7 @@ def fly_new(
     with store.lock(make=True):
         store.check_new(force)
         with engine.start() as started:  # before anything is replaced: it may not be there
-            run.begin(plan, store, until, force)
+            run.begin(plan, store, until, force, started.device)
             _fly(plan, store, started, watch)
 
 
@@ -103,13 +116,15 @@ def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
         store.tidy()
         if not store.complete:
             with engine.start() as started:
+                run.require_device(store, started.device)
                 _fly(plan, store, started, watch)
         return plan
 
 
 def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch) -> None:
     with watch(plan.count) as report:
-        _warm_up(plan)
+        if engine.device is None:
+            _warm_up(plan)
         run.fly(plan, store, engine, report)
 
 

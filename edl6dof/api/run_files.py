@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from edl6dof.api.blocked_imports import UNUSED_BY_ARROW, blocked_imports
+from edl6dof.api.blocked_imports import lean_arrow
 from edl6dof.sim.flight import Flight
 
 REPLAY = "replay.rrd"
@@ -25,7 +25,7 @@ def write_files(flight: Flight, folder: Path, replay: bool, release: bool = Fals
         draw_replay(flight, folder, release)
 
 
-@blocked_imports(*UNUSED_BY_ARROW)
+@lean_arrow()
 def write_numbers(flight: Flight, folder: Path) -> None:
     """Write all files of a run but its replay."""
     from edl6dof.runs.results import write_run
@@ -35,7 +35,7 @@ def write_numbers(flight: Flight, folder: Path) -> None:
         flight.saved.save(folder / "state.npz")
 
 
-@blocked_imports(*UNUSED_BY_ARROW)
+@lean_arrow()
 def draw_replay(flight: Flight, folder: Path, release: bool) -> None:
     """Write the replay of a run; ``release`` as of :func:`write_files`."""
     from edl6dof.replay.recording import history, write_replay

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from edl6dof.api.blocked_imports import blocked_imports
 from edl6dof.api.flights import Flight, continued, fly
-from edl6dof.api.run_files import REPLAY, draw_replay, write_numbers
+from edl6dof.api.run_files import REPLAY, draw_replay, write_files, write_numbers
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.replay_beside import artist_beside
 from edl6dof.config.errors import ConfigError, Problem
@@ -22,7 +22,9 @@ from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder, default_folder
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
+from edl6dof.scenario.records import build_records
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.compile_ahead import is_compiled
 from edl6dof.sim.flight import Progress as FlightProgress
 
 
@@ -67,15 +69,27 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     announce_compiling(talk)
     # a plugin's kernels may hold matrix products
     unused = () if outside_sources else UNUSED_BY_NUMBA
+    with blocked_imports(*unused):
+        # before the processes part: what both need of it is in memory once
+        parts = build_records(loaded) if is_compiled() else None
     with artist_beside(loaded, folder / REPLAY) if options.replay else nullcontext() as artist:
-        log = None if artist is None else artist.log
         with _progress(talk) as report, blocked_imports(*unused):
-            flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report, log=log)
-        if artist is not None:
-            artist.draw(flight)
+            flight = fly(
+                loaded,
+                start=state,
+                save_at_s=options.save_state_s,
+                progress=report,
+                parts=parts,
+                log=None if artist is None else artist.log.take(),
+            )
+        if artist is None:
+            write_files(flight, folder, options.replay, release=True)
+            return flight
+        artist.draw(flight)
         write_numbers(flight, folder)
-        if options.replay and not (artist is not None and artist.wait()):
-            draw_replay(flight, folder, release=True)
+        flight.release_log()
+        if not artist.wait():  # this process draws, and says what is wrong
+            draw_replay(fly(loaded, start=state), folder, release=True)
     return flight
 
 

@@ -6,6 +6,7 @@ takes as long as the flight, then reads the telemetry where the flight has put i
 
 from __future__ import annotations
 
+import gc
 import mmap
 import os
 import pickle
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from edl6dof.api.blocked_imports import UNUSED_BY_ARROW, blocked_imports
+from edl6dof.api.blocked_imports import lean_arrow
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.flight import Flight, log_rows
 from edl6dof.telemetry.channels import TICK
@@ -61,6 +62,20 @@ class Landed:
         return self.loaded.scenario
 
 
+class SharedLog:
+    """Memory for the telemetry of a flight that two processes share.
+
+    Each takes it once and does not keep it beside the flight: it is free when both have let it go.
+    """
+
+    def __init__(self, loaded: LoadedScenario) -> None:
+        self._held = [np.frombuffer(mmap.mmap(-1, log_rows(loaded) * TICK.itemsize), TICK)]
+
+    def take(self) -> np.ndarray:
+        """Rows for the longest flight allowed, zero where nobody has written."""
+        return self._held.pop()
+
+
 class Artist:
     """The other process, seen from this one.
 
@@ -68,7 +83,7 @@ class Artist:
         log: where the flight has to put its telemetry.
     """
 
-    def __init__(self, process: int, order: BinaryIO, log: np.ndarray) -> None:
+    def __init__(self, process: int, order: BinaryIO, log: SharedLog) -> None:
         self._process, self._order, self.log = process, order, log
 
     def draw(self, flight: Flight) -> None:
@@ -100,8 +115,9 @@ def artist_beside(loaded: LoadedScenario, path: Path) -> Iterator[Artist | None]
     if sys.platform != "linux" or threading.active_count() > 1 or len(os.sched_getaffinity(0)) < 2:
         yield None
         return
-    log = np.frombuffer(mmap.mmap(-1, log_rows(loaded) * TICK.itemsize), TICK)
+    log = SharedLog(loaded)
     reading, writing = os.pipe()
+    gc.freeze()  # or looking for garbage would write to, and so copy, every page that both share
     with _undisturbed():
         process = os.fork()
         if process == 0:
@@ -113,6 +129,7 @@ def artist_beside(loaded: LoadedScenario, path: Path) -> Iterator[Artist | None]
         yield artist
     finally:
         artist.dismiss()
+        gc.unfreeze()
 
 
 @contextmanager
@@ -125,20 +142,21 @@ def _undisturbed() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _work(loaded: LoadedScenario, log: np.ndarray, reading: int, path: Path) -> None:
+def _work(loaded: LoadedScenario, log: SharedLog, reading: int, path: Path) -> None:
     """All that the other process does: it ends here, and does not end what it has of its parent.  Where it
     fails, its parent draws, and says what is wrong; Ctrl-C stays blocked, since its parent ends it.
     """
     status = 1
     try:
+        os.nice(5)  # on a busy machine the telemetry is written, and gone, before this draws
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # rerun logs there what fails
-        with blocked_imports(*UNUSED_BY_ARROW), os.fdopen(reading, "rb") as order:
+        with lean_arrow(), os.fdopen(reading, "rb") as order:
             import rerun.blueprint  # noqa: F401  while the flight is flown
 
             from edl6dof.replay.recording import history, write_replay
 
             flown = pickle.load(order)  # of this very program
-            write_replay([history(_landed(loaded, log, flown))], path)
+            write_replay([history(_landed(loaded, log.take(), flown))], path)
         status = 0
     finally:
         os._exit(status)

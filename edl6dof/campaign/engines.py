@@ -1,5 +1,5 @@
 """What flies the cases of a campaign: threads of this process, or the workers of a Dask cluster.  Rows are
-the same from each.
+the same from each.  A GPU is an engine of its own, :mod:`edl6dof.campaign.gpu.engine`.
 """
 
 from __future__ import annotations
@@ -7,11 +7,12 @@ from __future__ import annotations
 import logging
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.executor import CaseRunner, available_cores
 from edl6dof.campaign.fault_response import collected
@@ -40,7 +41,13 @@ LOOK_S = 2.0
 
 
 class Engine(Protocol):
-    """Flies ranges of cases."""
+    """Flies ranges of cases.
+
+    Attributes:
+        device: what computes the flights, where that is not the processor.
+    """
+
+    device: str | None
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
         """Rows of each range, in order; ranges are read only a little ahead."""
@@ -48,6 +55,8 @@ class Engine(Protocol):
 
 class Threads:
     """Threads of this process."""
+
+    device: str | None = None
 
     def __init__(self, workers: int | None = None):
         self.workers = workers or available_cores()
@@ -57,26 +66,38 @@ class Threads:
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
         """Rows of each range."""
-        pending: deque[Range] = deque()
+        runner = CaseRunner(plan.loaded, collected(plan))
+        return by_range(plan, ranges, lambda cases: runner.rows(cases, self.workers))
 
-        def cases() -> Iterator[Any]:
-            for first, last in ranges:
-                pending.append((first, last))
-                yield from plan.cases(first, last)
 
-        found: list[Row] = []
-        for row in CaseRunner(plan.loaded, collected(plan)).rows(cases(), self.workers):
-            found.append(row)
-            if len(found) == pending[0][1] - pending[0][0]:
-                pending.popleft()
-                yield found
-                found = []
+def by_range(
+    plan: Plan, ranges: Iterable[Range], fly: Callable[[Iterator[Case]], Iterator[Row]]
+) -> Iterator[list[Row]]:
+    """Rows of each range, from what flies cases and hands out their rows in order; the last of a range
+    need not have flown when the first of the next is asked for.
+    """
+    pending: deque[Range] = deque()
+
+    def cases() -> Iterator[Case]:
+        for first, last in ranges:
+            pending.append((first, last))
+            yield from plan.cases(first, last)
+
+    found: list[Row] = []
+    for row in fly(cases()):
+        found.append(row)
+        if len(found) == pending[0][1] - pending[0][0]:
+            pending.popleft()
+            yield found
+            found = []
 
 
 class Dask:
     """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins
     takes part.
     """
+
+    device: str | None = None
 
     def __init__(self, client: Client):
         self.client = client

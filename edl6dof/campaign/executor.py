@@ -114,7 +114,7 @@ def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
         yield some
 
 
-class _Ready(NamedTuple):
+class Ready(NamedTuple):
     """A case that may fly, with the changes that are truly in it, as columns of its row."""
 
     variant: Variant
@@ -150,18 +150,18 @@ class CaseRunner:
         All are prepared before the first flies: a flight leaves nothing in the processor's caches of what
         preparing needs, and preparing each case after a flight takes half as long again.
         """
-        prepared = [self._prepared(case) for case in cases]
+        prepared = [self.prepared(case) for case in cases]
         return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
 
-    def _prepared(self, case: Case) -> _Ready | str:
+    def prepared(self, case: Case) -> Ready | str:
         """What flies, or why it cannot."""
         try:
             variant = self.variants.build(case)
-            return _Ready(variant, applied(variant, case.truth, case.told, self._places))
+            return Ready(variant, applied(variant, case.truth, case.told, self._places))
         except _UNFLYABLE as error:
             return _reason(error)
 
-    def _flown(self, case: Case, ready: _Ready | str) -> Row:
+    def _flown(self, case: Case, ready: Ready | str) -> Row:
         if isinstance(ready, str):
             return failed_row(case, ready)
         loaded, parts = ready.variant.loaded, ready.variant.parts

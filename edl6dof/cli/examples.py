@@ -41,6 +41,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'",
         "edl6dof faults tianwen1 --out runs/sensors --sensors",
     ),
+    "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
     "version": ("edl6dof version",),
     "entry": ("edl6dof design entry msl --out plan.yaml",),
     "landing": ("edl6dof design landing tianwen1 --figure landing.png",),

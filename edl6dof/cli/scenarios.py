@@ -76,6 +76,26 @@ def check(
     raise typer.Exit(run_check(files, tuple(sets or ())))
 
 
+def serve(
+    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario file or name.")],
+    sets: Sets = None,
+    port: Annotated[
+        int, typer.Option(metavar="N", min=0, max=65535, help="Port to listen on; any that is free if 0.")
+    ] = 0,
+    trust: Trust = False,
+) -> None:
+    """Serve flights to programs, over a socket of this machine.
+
+    The first line printed is address and port; docs/serve.md has the protocol. Ctrl-C ends it.
+
+    Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.serve import run_serve
+
+    raise typer.Exit(run_serve(scenario, tuple(sets or ()), port))
+
+
 def scenarios(
     scenario: Annotated[
         str | None,

@@ -65,10 +65,13 @@ def commanded_thrust(vehicle, t, state, command):
 
 
 @kernel
-def believe_thrust(params, vehicle, t, disturbance, command, dt, memory, state):
+def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state):
     """What the engines lack, or hold, by the axial force that the thrusters do not explain."""
-    commanded, measured = commanded_thrust(vehicle, t, state, command), -disturbance.unexplained[0]
-    state.held_thrust = held_thrust(params.held_thrust, commanded, measured, dt, memory.held_thrust)
+    commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
+    full, weight = state.engine.full_thrust, state.mass * nav.gravity
+    state.held_thrust = held_thrust(
+        params.held_thrust, commanded, measured, full, weight, dt, memory.held_thrust
+    )
     lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
     state.thrust_lost = lost if state.held_thrust == 0.0 else 0.0
 
@@ -163,9 +166,7 @@ def run(onboard, sensed, k, fsw):
         fsw.estimation,
         disturbance,
     )
-    believe_thrust(
-        onboard.estimation, vehicle, nav.t, disturbance, command, control_dt, fsw.estimation, state
-    )
+    believe_thrust(onboard.estimation, vehicle, nav, disturbance, command, control_dt, fsw.estimation, state)
 
     # fault isolation
     diagnose(

@@ -4,7 +4,7 @@ them.
 Read: ``variableDef`` with ``initialValue``, limits and MathML ``calculation`` (arithmetic, elementary
 functions, comparisons and ``piecewise``), ``breakpointDef``, ``griddedTableDef`` and ``function`` with linear
 interpolation, held beyond its ends.  Everything else that would change a value is refused with file and line.
-Descriptions, provenance, uncertainty and check data change no value and are passed over.
+Descriptions, provenance and uncertainty change no value and are passed over; check data must be met.
 
 Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference; the last breakpoint of a table varies fastest.
 """
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.errors import ConfigError
+from edl6dof.interchange.daveml_checks import check_own_data
 from edl6dof.interchange.daveml_model import OPERATORS, Function, Model, Variable
 from edl6dof.interchange.xmlfile import line_of, local_name, read_xml, refused, text_of
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 _IGNORED = {
     "fileHeader",
-    "checkData",
     "description",
     "provenance",
     "provenanceRef",
@@ -41,7 +41,8 @@ def read_daveml(path: Path) -> Model:
     """Read a file.
 
     Raises:
-        ConfigError: it is no DAVE-ML, or holds something that is not supported; with file, line and element.
+        ConfigError: it is no DAVE-ML, holds something that is not supported, or does not meet its own check
+            data; with file, line and element.
     """
     root = read_xml(path)
     if local_name(root) != "DAVEfunc":
@@ -67,9 +68,11 @@ def read_daveml(path: Path) -> Model:
         elif kind == "function":
             output, function = reader.function(element)
             model.functions[output] = function
-        elif kind not in _IGNORED:
+        elif kind not in _IGNORED and kind != "checkData":
             raise reader.unsupported(element)
     _check_references(model)
+    for check_data in root.iterfind("{*}checkData"):
+        check_own_data(model, check_data)
     return model
 
 

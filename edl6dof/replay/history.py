@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: Rows kept per second.
 POSE_HZ = 25.0
+#: Rows from which on a flight keeps them all only beside its events, and how far beside, s.
+MANY, BESIDE_S = 30_000, 60.0
 
 #: Columns that say where everything is.
 POSES = (
@@ -122,7 +124,7 @@ class History:
         with np.errstate(over="ignore"):  # of a flight that diverged
             self.series = {name: table[name][rows].astype(np.float32) for name in plotted if name in table}
         self.series["t_s"] = table["t_s"][rows]
-        rows = rows[thin(table["t_s"][rows], POSE_HZ)]
+        rows = rows[poses(table["t_s"][rows], [event["t_s"] for event in flight.events])]
         components = flight.scenario.components if on_instruments(flight) else {}
         wanted = dict.fromkeys([*POSES, *names, *columns_of(components)])
         self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in wanted if name in table}
@@ -177,6 +179,22 @@ def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict
 def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:
     """Columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
     return np.stack([columns[f"{stem}_{axis}{suffix}"] for axis in axes.split()], axis=-1)
+
+
+def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
+    """Rows in which the vehicle is drawn: ``POSE_HZ``; of a flight of hours about ``MANY``, all beside its
+    events and the others evenly.
+    """
+    rows = thin(t, POSE_HZ)
+    if len(rows) <= MANY:
+        return rows
+    kept = np.zeros(len(rows), bool)
+    for event in events:
+        kept[slice(*t[rows].searchsorted((event - BESIDE_S, event + BESIDE_S)))] = True
+    seldom = np.flatnonzero(~kept)
+    kept[seldom[:: -(-len(seldom) // max(MANY - int(kept.sum()), MANY // 3))]] = True
+    kept[[0, -1]] = True
+    return rows[kept]
 
 
 def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:

@@ -249,6 +249,13 @@ class Figure:
         """Rows of panels."""
         return -(-len(self.panels) // self.columns)
 
+    @property
+    def entries(self) -> set[str]:
+        """Names in the legend: none where one alone would say nothing, but that of a lone kind of cells."""
+        names = {trace.name for panel in self.panels for trace in panel.traces if trace.legend and trace.name}
+        kinds = any(panel.heat is not None and panel.heat.kinds for panel in self.panels)
+        return names if len(names) > 1 or kinds else set()
+
     def size(self, index: int) -> tuple[float, float]:
         """Width and height (px) of one panel on a page 1000 px wide."""
         return 880.0 / self.columns, self.height * self.panels[index].weight

@@ -115,8 +115,8 @@ def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
     """Height (in) of a drawing ``letters`` wide whose panels are drawn smaller by a factor."""
     weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
     titled = 1 if figure.share_x else figure.rows
-    names = {trace.name for panel in figure.panels for trace in panel.traces if trace.name and trace.legend}
-    entries = 13.0 * -(-len(names) // _entries_in_line(names, letters)) if len(names) > 1 else 0.0
+    names = figure.entries
+    entries = 13.0 * -(-len(names) // _entries_in_line(names, letters)) if names else 0.0
     words = 46.0 * titled + 14.0 * figure.rows + 20.0 + entries
     return shrink * (figure.height * weights + words) / PIXELS_PER_INCH
 
@@ -140,7 +140,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
             axes.set_xlabel(panel.x.title)
         else:
             axes.tick_params(labelbottom=False)
-    if len(named) > 1:
+    if figure.entries:
         canvas.legend(  # type: ignore[call-overload]  # takes containers of bars too
             named.values(),
             named.keys(),

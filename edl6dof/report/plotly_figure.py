@@ -59,8 +59,7 @@ def plotly_layout(figure: Figure) -> dict[str, Any]:
         layout["margin"]["t"] += TITLE
         layout["height"] += TITLE
         layout["legend"]["y"] = 1.0 + TITLE / (layout["height"] - layout["margin"]["t"] - BOTTOM)
-    names = {trace.name for panel in figure.panels for trace in panel.traces if trace.legend and trace.name}
-    layout["showlegend"] = len(names) > 1
+    layout["showlegend"] = bool(figure.entries)
     return layout
 
 

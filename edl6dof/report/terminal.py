@@ -92,8 +92,8 @@ def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
     table = open_table(title, *heads)
     for row in rows:
         style = {True: "green", False: "bold red", None: ""}[row.kept]
-        told: list[str | Text] = [*row.cells[:4], Text(row.difference, style=style), row.sigmas]
-        table.add_row(*told[: len(heads)])
+        cells: list[str | Text] = [*row.cells[:4], Text(row.difference, style=style), row.sigmas]
+        table.add_row(*cells[: len(heads)])
     return table
 
 

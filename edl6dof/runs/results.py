@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 
 #: Rows written at a time: keeps the memory of writing small beside the telemetry itself.
-ROW_GROUP = 5_000
+ROW_GROUP = 2_500
 
 
 def write_run(flight: Flight, folder: Path) -> None:
@@ -59,8 +58,6 @@ def summary(flight: Flight) -> dict[str, Any]:
 
 def write_telemetry(flight: Flight, path: Path) -> None:
     """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
-    # arrow's own allocator keeps what it has freed: 9 MB
-    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -85,3 +82,5 @@ def write_telemetry(flight: Flight, path: Path) -> None:
             # numpy converts: arrow would load all it can compute
             part = [pa.array(np.asarray(values, float)) for values in columns]
             writer.write_table(pa.Table.from_arrays(part, schema=schema))
+            del columns, part
+    pa.default_memory_pool().release_unused()  # 30 MB that the system would not get back

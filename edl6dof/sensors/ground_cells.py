@@ -22,9 +22,11 @@ from edl6dof.sensors.sight import along
 from edl6dof.spatial.vector import cross, put3, sub, take3
 
 CORNERS = CAMERA_CELLS + 1
-#: Looks at the ground on the way to where a corner meets it: each leaves an error smaller than the one before
-#: by the slope of the ground times the tangent of the ray's angle to the vertical.
+#: Looks at the ground on the way to where a corner meets it, at most: each leaves an error smaller than the
+#: one before by the slope of the ground times the tangent of the ray's angle to the vertical.
 _LOOKS = 5
+#: Change of the way (m) below which there is none more.
+_CLOSE = 1e-6
 
 GROUND_CELLS = np.dtype(
     [
@@ -51,7 +53,9 @@ def lay_cells(case, tables, origin, axes, height, tangent, reach, cells):
             for _ in range(_LOOKS):
                 lat, lon = geodetic_of(terrain, origin[0] + way * ray[0], origin[1] + way * ray[1])
                 level = regional(terrain, tables.terrain, lat, lon)[0] - terrain.site_elevation
-                way = (level - origin[2]) / ray[2]
+                before, way = way, (level - origin[2]) / ray[2]
+                if abs(way - before) < _CLOSE:
+                    break
             if 0.0 < way <= reach:
                 y, x = origin[0] + way * ray[0], origin[1] + way * ray[1]
                 lat, lon = geodetic_of(terrain, y, x)

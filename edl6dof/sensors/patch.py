@@ -13,7 +13,7 @@ from math import copysign, sqrt
 
 import numpy as np
 
-from edl6dof.environment.landing_area.raster import lay_raster
+from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell
 
@@ -28,6 +28,7 @@ PATCH = np.dtype(
         ("east", "f8"),
         ("cell", "f8"),  # m: from node to node
         ("top", "f8"),  # m: the highest node
+        ("work", RASTER_WORK),
     ],
     align=True,
 )
@@ -44,7 +45,7 @@ def lay_patch(case, tables, north, east, patch):
     patch.cell = case.terrain.landing_area.cell
     half = 0.5 * (PATCH_NODES - 1) * patch.cell
     patch.north, patch.east = lay_raster(
-        case.terrain, tables.terrain, north - half, east - half, patch.heights
+        case.terrain, tables.terrain, north - half, east - half, patch.heights, patch.work
     )
     top = patch.heights[0, 0]
     for i in range(PATCH_NODES):

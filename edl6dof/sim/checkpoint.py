@@ -60,6 +60,10 @@ class State:
 
     def save(self, path: Path) -> None:
         """Write to ``path`` atomically."""
+        write_atomic(path, self.packed())
+
+    def packed(self) -> bytes:
+        """What :meth:`save` writes."""
         buffer = io.BytesIO()
         records: dict[str, Any] = {
             name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS
@@ -71,7 +75,7 @@ class State:
             layout=np.frombuffer(layout_hash().encode(), dtype=np.uint8),
             **records,
         )
-        write_atomic(path, buffer.getbuffer())
+        return buffer.getvalue()
 
     @classmethod
     def load(cls, path: Path) -> State:
@@ -82,15 +86,26 @@ class State:
                 values that no flight has; each with the field, the value and what is allowed.
         """
         try:
-            with zipfile.ZipFile(io.BytesIO(read_regular(path, _LARGEST_FILE))) as archive:
-                state = _read(archive, path)
+            content = read_regular(path, _LARGEST_FILE)
         except OSError as error:
             raise _problem(path, f"cannot be read: {error.strerror or error}") from None
+        return cls.unpacked(content, path)
+
+    @classmethod
+    def unpacked(cls, content: bytes, name: str | Path) -> State:
+        """A state from the bytes of its file, which is called ``name`` in messages.
+
+        Raises:
+            ConfigError: as of :meth:`load`.
+        """
+        try:
+            with zipfile.ZipFile(io.BytesIO(content)) as archive:
+                state = _read(archive, name)
         except ConfigError:
             raise
         except Exception:  # a broken archive makes its readers raise errors of a dozen kinds
-            raise _problem(path, "is not a state saved by 'edl6dof fly --save-state'") from None
-        if found := [Problem(str(path), 0, 0, *problem) for problem in state._impossible()]:
+            raise _problem(name, "is not a state saved by 'edl6dof fly --save-state'") from None
+        if found := [Problem(str(name), 0, 0, *problem) for problem in state._impossible()]:
             raise ConfigError(found)
         return state
 
@@ -145,7 +160,7 @@ class State:
         ]
 
 
-def _read(archive: zipfile.ZipFile, path: Path) -> State:
+def _read(archive: zipfile.ZipFile, path: str | Path) -> State:
     """The members of a saved state, none of them larger than it can be."""
     if _member(archive, "layout", 64).tobytes().decode() != layout_hash():
         raise _problem(
@@ -181,5 +196,5 @@ def _member(archive: zipfile.ZipFile, name: str, largest: int) -> np.ndarray:
     return np.frombuffer(file.read(), dtype).reshape(shape)
 
 
-def _problem(path: Path, message: str) -> ConfigError:
+def _problem(path: str | Path, message: str) -> ConfigError:
     return ConfigError([Problem(str(path), 0, 0, "", message)])

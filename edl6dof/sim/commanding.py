@@ -68,7 +68,10 @@ class Commander:
         if names != self._held:
             self._take_back(names)
         for name in names:
-            self._writers[name][1](command[name])  # type: ignore[index]  # with names there is a command
+            try:
+                self._writers[name][1](command[name])  # type: ignore[index]  # with names there is a command
+            except (TypeError, ValueError, OverflowError) as error:
+                raise ValueError(f"{name}: {error}") from None
 
     def _take_back(self, names: tuple[str, ...]) -> None:
         """Let the commands of these names count."""
@@ -95,6 +98,8 @@ class Commander:
         place = self._record[field]
 
         def write(value: Any) -> None:
+            if isinstance(value, str | bytes | bool):
+                raise ValueError(f"a command must be a number (got {value!r})")
             number = float(value) * factor
             if not -1e300 < number < 1e300:
                 raise ValueError(f"a command must be finite (got {value!r})")
@@ -113,13 +118,15 @@ class Commander:
 
     def _by_thruster(self, place: np.ndarray, value: Any) -> None:
         if isinstance(value, Mapping):
-            duties = np.zeros(len(self._thrusters))
+            duties: list[Any] = [0.0] * len(self._thrusters)
             for name, duty in value.items():
                 duties[self._index(name)] = duty
             value = duties
         _put(place[: len(self._thrusters)], value)
 
     def _isolate(self, place: np.ndarray, names: Iterable[str]) -> None:
+        if isinstance(names, str | bytes | Mapping) or not isinstance(names, Iterable):
+            raise ValueError(f"names of thrusters are needed, in a list (got {names!r})")
         place[:] = 0
         for name in names:
             place[self._index(name)] = 1
@@ -130,6 +137,8 @@ class Commander:
         return self._thrusters.index(name)
 
     def _estimate(self, value: Mapping[str, Any]) -> None:
+        if not isinstance(value, Mapping):
+            raise ValueError(f"an estimate needs {', '.join(ESTIMATE)}, each by its name (got {value!r})")
         for name in value:
             if name not in ESTIMATE:
                 raise ValueError(unknown("quantity of an estimate", name, ESTIMATE))
@@ -146,9 +155,14 @@ def _put(place: np.ndarray, value: Any) -> None:
     Raises:
         ValueError: they are not so many, or not finite.
     """
-    numbers = np.asarray(value, dtype=float)
-    if numbers.shape not in (place.shape, ()) or (numbers.shape == () and place.shape != (1,)):
-        raise ValueError(f"a command needs {place.shape[0]} numbers (got {value!r})")
+    count = place.shape[0]
+    needed = f"a command needs {count} number{'s' * (count > 1)} (got {value!r})"
+    try:
+        numbers = np.asarray(value)
+    except ValueError:  # lists of unlike lengths
+        raise ValueError(needed) from None
+    if numbers.dtype.kind not in "iuf" or numbers.shape not in ((count,), *[()] * (count == 1)):
+        raise ValueError(needed)
     if not np.isfinite(numbers).all():
         raise ValueError(f"a command must be finite (got {value!r})")
     place[:] = numbers

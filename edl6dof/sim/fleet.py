@@ -4,7 +4,8 @@ hold no lock.  Each flies as it would alone, bit for bit.
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+import weakref
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import Records
 from edl6dof.sensors.registry import SENSORS
+from edl6dof.sim.helper import Helper
 from edl6dof.sim.loop import fly_each
 from edl6dof.sim.outcome import FLYING
 from edl6dof.sim.underway import NO_BRIEFS, NO_TICKS, Moment
@@ -56,6 +58,7 @@ class Fleet:
         cases, onboards, plants, outputs, peaks, sensors, memories: records of each flight, shape (count,).
         cycles: base cycle that each is at, shape (count,).
         outcomes: outcome code of each, or ``HALTED``, shape (count,).
+        close: call it to end the threads.
     """
 
     def __init__(self, count: int, tables: np.ndarray, steps: int, workers: int = 1):
@@ -67,10 +70,21 @@ class Fleet:
         self.cycles = np.zeros(count, np.int64)
         self.outcomes = np.full(count, HALTED, np.int64)
         self._works = np.zeros(count, WORKSPACE)
+        self._current = np.zeros(count, np.int64)
         edges = np.linspace(0, count, min(workers, count) + 1).astype(int)
-        self._portions = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
-        others = len(self._portions) - 1
-        self._pool = ThreadPoolExecutor(others, thread_name_prefix="edl6dof") if others else None
+        mine, *others = (self._share(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True))
+        self._mine, self._helpers = mine, [Helper(share) for share in others]
+        self.close = weakref.finalize(self, _close, self._helpers)  # a fleet that is dropped ends its threads
+
+    def _share(self, first: int, end: int) -> Callable[[int], object]:
+        """What flies the flights ``first .. end - 1`` by some base cycles: their arrays are cut out once."""
+        some, steps = slice(first, end), self._steps
+        records = (
+            *(self.cases[some], self.onboards[some], self.tables, self.plants[some], self.outputs[some]),
+            *(self.peaks[some], self._works[some], self.sensors[some], self.memories[some]),
+            *(self.cycles[some], self.outcomes[some], self._current[some]),
+        )
+        return lambda count: fly_each(*records, count, steps, NO_TICKS, NO_BRIEFS)
 
     def __len__(self) -> int:
         return len(self.cycles)
@@ -84,7 +98,7 @@ class Fleet:
             rest = content[len(packed) :]
             if rest.any():  # pages that were never written to are left so: they take no memory
                 rest[:] = 0
-        self.cycles[index], self.outcomes[index] = start.cycle, FLYING
+        self.cycles[index], self.outcomes[index], self._current[index] = start.cycle, FLYING, 0
 
     def halt(self, which: np.ndarray) -> None:
         """Fly some flights no further, shape (count,), bool."""
@@ -92,32 +106,15 @@ class Fleet:
 
     def advance(self, cycles: int) -> None:
         """Fly some base cycles of every flight that still flies, a share of them in this thread."""
-        mine, *others = self._portions
-        under_way = [self._pool.submit(self._fly, some, cycles) for some in others] if self._pool else []
-        self._fly(mine, cycles)
-        for one in under_way:
-            one.result()
+        for helper in self._helpers:
+            helper.begin(cycles)
+        try:
+            self._mine(cycles)
+        finally:
+            for helper in self._helpers:
+                helper.wait()
 
-    def _fly(self, some: slice, cycles: int) -> None:
-        fly_each(
-            self.cases[some],
-            self.onboards[some],
-            self.tables,
-            self.plants[some],
-            self.outputs[some],
-            self.peaks[some],
-            self._works[some],
-            self.sensors[some],
-            self.memories[some],
-            self.cycles[some],
-            self.outcomes[some],
-            cycles,
-            self._steps,
-            NO_TICKS,
-            NO_BRIEFS,
-        )
 
-    def close(self) -> None:
-        """End the threads."""
-        if self._pool is not None:
-            self._pool.shutdown()
+def _close(helpers: list[Helper]) -> None:
+    for helper in helpers:
+        helper.close()

@@ -19,6 +19,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause
+from edl6dof.sim.flown import Flown
 from edl6dof.sim.happened import happened
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.termination import Termination, goal_code, termination
@@ -249,7 +250,7 @@ def fly(
     return flight_of(flight, saved)
 
 
-def flight_of(underway: Underway, saved: State | None = None) -> Flight:
+def flight_of(underway: Underway | Flown, saved: State | None = None) -> Flight:
     """What has become of a flight, with the telemetry since it began; the records stay its own."""
     loaded, code = underway.loaded, underway.code
     wrong = None

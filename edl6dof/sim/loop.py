@@ -59,14 +59,15 @@ def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
 @kernel
 def fly(
     cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
-    first, last, steps, log, brief, log_first,
+    first, last, current, steps, log, brief, log_first,
 ):  # fmt: skip
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
     All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one
     is empty and the other has a row for each logged cycle; with both empty nothing is logged.  Cycle ``k``
     starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and the last state
-    always.  A step that fails is undone: the last state is the one before it.
+    always.  A step that fails is undone: the last state is the one before it.  ``current``: whether the
+    outputs are those of the present state, as a call leaves them; else they are evaluated first.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     outputs, peaks, work = outputs_[0], peaks_[0], works[0]
@@ -74,7 +75,8 @@ def fly(
     measured, memory = sensors_.view(np.uint64), memories.view(np.uint64)
     cycle = 1.0 / onboard.rates.base
     rows = 0
-    evaluate(case, tables, plant, outputs, work)
+    if current == 0:
+        evaluate(case, tables, plant, outputs, work)
     for k in range(first, last):
         t = k * cycle
         survey(case, tables, plant, outputs)
@@ -108,19 +110,20 @@ def fly(
 @kernel
 def fly_each(
     cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
-    cycles, outcomes, count, steps, log, brief,
+    cycles, outcomes, current, count, steps, log, brief,
 ):  # fmt: skip
     """Fly ``count`` base cycles of each of several flights that still fly, as :func:`fly` does one.
 
     All record arrays have an element for each flight, but ``tables_``, which they share, and ``log`` and
-    ``brief``, which are empty.  ``cycles``, the base cycle that each is at, and ``outcomes``, its outcome
-    code, are updated.
+    ``brief``, which are empty.  ``cycles``, the base cycle that each is at, ``outcomes``, its outcome code,
+    and ``current`` are updated.
     """
     for i in range(len(plants)):
         if outcomes[i] == FLYING:
             outcomes[i], flown, _ = fly(
                 cases[i : i + 1], onboards[i : i + 1], tables_, plants[i : i + 1], outputs_[i : i + 1],
                 peaks_[i : i + 1], works[i : i + 1], sensors_[i : i + 1], memories[i : i + 1],
-                cycles[i], cycles[i] + count, steps, log, brief, 0,
+                cycles[i], cycles[i] + count, current[i], steps, log, brief, 0,
             )  # fmt: skip
             cycles[i] += flown
+            current[i] = 1

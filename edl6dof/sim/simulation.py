@@ -6,6 +6,7 @@ several, and the bits are the same.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,7 @@ from edl6dof.interface.external import EXTERNAL
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.commanding import Command, Commander
+from edl6dof.sim.commanding import Command, Commander, unknown
 from edl6dof.sim.flight import Flight, flight_of
 from edl6dof.sim.linear import LinearModel, Margins, control_gain, linear_plant, margins
 from edl6dof.sim.observing import Reader, navigated, true_state, wanted
@@ -65,11 +66,23 @@ class SteppedFlight:
             self._commander.give(command)
         return self.underway.advance(cycles) == FLYING
 
-    def observe(self) -> dict[str, Any]:
+    def observe(self, names: Iterable[str] | None = None) -> dict[str, Any]:
         """What the flight computer knows since the last cycle, by name: navigation, guidance, phase; zeros
         before the first.  Nothing of it is the truth, but as far as its instruments tell.
+
+        Args:
+            names: what is wanted of it, which is read quicker than all.
+
+        Raises:
+            ValueError: it knows nothing of such a name.
         """
-        return {name: read() for name, read in self._navigated.items()}
+        readers = self._navigated
+        if names is None:
+            return {name: read() for name, read in readers.items()}
+        try:
+            return {name: readers[name]() for name in names}
+        except KeyError as error:
+            raise ValueError(unknown("observation", error.args[0], readers)) from None
 
     def look_ahead(self) -> dict[str, Any]:
         """What the flight computer will know once the next base cycle begins: at the start of a flight, when

@@ -39,6 +39,13 @@ class Moment(NamedTuple):
     fsw: np.ndarray
 
 
+def beginning(loaded: LoadedScenario, case: np.ndarray, onboard: np.ndarray) -> Moment:
+    """The start of the flight of a scenario with these records."""
+    plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+    prepare(case, plant)
+    return Moment(0, plant, records.initial_peaks(), records.initial_sensors(), fsw)
+
+
 class Underway:
     """A flight under way.
 
@@ -71,10 +78,7 @@ class Underway:
             self.outputs, self.work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
             self.code, self.rows, self.cycle = FLYING, 0, 0
             if start is None:
-                self.plant = records.initial_plant(loaded.truth, self.case)
-                self.fsw = records.initial_fsw(self.onboard)
-                self.peaks, self.sensors = records.initial_peaks(), records.initial_sensors()
-                prepare(self.case, self.plant)
+                _, self.plant, self.peaks, self.sensors, self.fsw = beginning(loaded, self.case, self.onboard)
             else:
                 start.check_fits(scenario)
                 self.plant, self.fsw = duplicate(start.plant), duplicate(start.fsw)
@@ -93,7 +97,7 @@ class Underway:
                 *(self.peaks, self.work, self.sensors, self.fsw),
             )
             if members is not None:
-                compile_loop(members, *self._records, self.cycle, self.cycle, self._steps, *self._logs, 0)
+                compile_loop(members, *self._records, self.cycle, self.cycle, 0, self._steps, *self._logs, 0)
 
     @property
     def last_cycle(self) -> int:
@@ -105,7 +109,7 @@ class Underway:
         if self.code == FLYING:
             end = self.cycle + cycles
             self.code, flown, new = fly_cycles(
-                *self._records, self.cycle, end, self._steps, *self._logs, self.rows
+                *self._records, self.cycle, end, 0, self._steps, *self._logs, self.rows
             )
             self.cycle += flown
             self.rows += new

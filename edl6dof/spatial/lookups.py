@@ -6,7 +6,7 @@ in the share, so that what is read with it is none either.
 
 from __future__ import annotations
 
-import numpy as np
+from math import floor
 
 from edl6dof.jit import kernel
 
@@ -32,7 +32,7 @@ def endless_cell(position):
     """Index of the cell that ``position`` (in cells) lies in, on a lattice that goes on for ever both ways; 0
     for what is no place on it.
     """
-    return int(np.floor(position)) if abs(position) < 2.0**52 else 0
+    return int(floor(position)) if abs(position) < 2.0**52 else 0
 
 
 @kernel
@@ -84,4 +84,4 @@ def between(values, index, share):
 @kernel
 def wrapped(angle, turn):
     """``angle`` less whole turns: 0 .. ``turn``."""
-    return angle - turn * np.floor(angle / turn)
+    return angle - turn * endless_cell(angle / turn)

@@ -68,7 +68,7 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
     logs: list[Any] = [log, np.zeros(0, BRIEF)]
     if SETTINGS.DISABLE_JIT:
         arrays, logs = [Records(array) for array in arrays], [Records(array) for array in logs]
-    _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, s.steps, *logs, 0)
+    _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, 0, s.steps, *logs, 0)
     return {
         **{name: s.arrays[name] for name in ("plant", "outputs", "peaks", "sensors", "fsw")},
         "log": log[:rows],

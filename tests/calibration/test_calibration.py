@@ -5,12 +5,14 @@ says.
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 
 import edl6dof
 from edl6dof import cli
+from edl6dof.calibration import problem
 from edl6dof.calibration.findings import find
 from edl6dof.calibration.fit import fit
 from edl6dof.calibration.problem import load_calibration
@@ -31,6 +33,14 @@ calibration:
     atmosphere.density_factor: {{mean: 1.0, sigma: 0.08}}
     vehicle.mass.entry_kg: {{mean: {mass}, sigma: {sigma}}}
 """
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_neighbours():
+    """A quarter of the flights that the mean of a document rests on."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(problem, "fly_neighbours", partial(problem.fly_neighbours, count=8))
+        yield
 
 
 #: Flights of a design of the models below.

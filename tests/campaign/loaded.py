@@ -5,11 +5,14 @@ from contextlib import suppress
 from pathlib import Path
 
 from campaign_run import write_drop
+from in_process import PROGRAM
 
+from edl6dof import cli
 from edl6dof.app import campaign_flight, campaign_show  # noqa: F401  what a campaign asks for
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import CaseRunner
 
+cli.app = PROGRAM
 with suppress(ImportError):
     from distributed.cli import dask_scheduler, dask_worker  # noqa: F401  for those who have it
 with tempfile.TemporaryDirectory() as folder:

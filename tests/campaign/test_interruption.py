@@ -52,7 +52,7 @@ def file(tmp_path, monkeypatch):
         (run, "parse_plan"),
         (store.Store, "tidy"),
         (campaign_flight, "announce_compiling"),
-        (executor.CaseRunner, "_prepared"),
+        (executor.CaseRunner, "prepared"),
         (store.Store, "finish"),
     ],
     ids=lambda value: getattr(value, "__name__", value),

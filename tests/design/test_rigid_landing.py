@@ -18,6 +18,7 @@ from edl6dof.design.landing.rigid_body import RigidLanding
 from edl6dof.design.landing.transcription import Nodes, linearise, propagate
 
 pytest.importorskip("clarabel")
+from edl6dof.design.landing import successive
 from edl6dof.design.landing.conic import best_time
 from edl6dof.design.landing.successive import first_guess, land
 
@@ -132,7 +133,10 @@ def test_linearisation_is_the_derivative(column):
         assert found[:, own] == pytest.approx(by[:, own], rel=1e-5, abs=1e-7)
 
 
-@pytest.mark.parametrize("name", STARTS)
+@pytest.mark.parametrize(
+    "name",
+    ["near", "low", *(pytest.param(name, marks=pytest.mark.long) for name in ("aside", "far", "above"))],
+)
 def test_controls_flown_end_at_rest_and_keep_the_limits(name):
     landing, found = problem(STARTS[name]), landed(name)
     assert found.landed
@@ -153,7 +157,7 @@ def test_controls_flown_end_at_rest_and_keep_the_limits(name):
     assert t[-1] == pytest.approx(found.nodes.durations.sum())
 
 
-@pytest.mark.parametrize("name", ["near", "low"])
+@pytest.mark.parametrize("name", ["near", pytest.param("low", marks=pytest.mark.long)])
 def test_quick_attitude_comes_near_the_point_mass_and_does_not_beat_it(name):
     found = quickly_landed(name)
     assert found.landed
@@ -176,7 +180,8 @@ def test_without_full_level_the_whole_flight_is_in_the_band():
     assert found.fuel == pytest.approx(point_mass(landing, found.nodes.durations[0], 0.0), rel=1e-3)
 
 
-def test_a_start_that_cannot_be_landed_is_told():
+def test_a_start_that_cannot_be_landed_is_told(monkeypatch):
+    monkeypatch.setattr(successive, "PROGRAMS", 50)
     found = land(problem(((1000.0, 0.0, 300.0), *STARTS["near"][1:])), intervals=15)
     assert not found.landed
     assert found.defect > 1e-3

@@ -227,7 +227,7 @@ def test_thrusters_rest_for_thirteen_seconds_under_the_parachute(nominal):
     assert np.all(fired[(t > 0.3) & (t < rest_s)] == 0.0)
 
 
-FLIGHTS = 24
+FLIGHTS = 12
 
 
 def smallest_roll_deg_s():

@@ -33,7 +33,12 @@ def flown(*faults, sets=()):
 
 
 @pytest.mark.parametrize(
-    ("kind", "time_s"), [(kind, time_s) for kind, times in MOMENTS.items() for time_s in times]
+    ("kind", "time_s"),
+    [
+        pytest.param(kind, time_s, marks=pytest.mark.long if time_s in times[1:-1] else [])
+        for kind, times in MOMENTS.items()
+        for time_s in times
+    ],
 )
 def test_every_flight_ends_with_an_outcome_that_names_its_fault_and_keeps_its_telemetry(kind, time_s):
     flight = flown(f"{{kind: {kind}, at: {{time_s: {time_s}}}}}")
@@ -141,7 +146,10 @@ def test_late_engine_lights_late_and_lands(nominal):
 # ---- what the phase table and guidance make of them --------------------------------------------------------
 
 
-@pytest.mark.parametrize("time_s", [281, 300, 350, 400, 415, 420, 430, 440, 446])
+@pytest.mark.parametrize(
+    "time_s",
+    [281, 350, 415, 446, *(pytest.param(t, marks=pytest.mark.long) for t in (300, 400, 420, 430, 440))],
+)
 def test_lander_whose_riser_tears_leaves_early_and_comes_down_on_its_engine(time_s):
     """Far up it leaves the backshell at 4 km, faster than it was ever meant to; without that branch it met
     the ground at 85 to 160 m/s.

@@ -1,18 +1,21 @@
-"""Verifies: twenty flights with seeded density perturbations and gusts all end in a named outcome, at least
-18 within limits.
+"""Verifies: ten flights with seeded density perturbations and gusts all end in a named outcome, at least nine
+within limits.
 """
 
 from __future__ import annotations
+
+import pytest
 
 import edl6dof
 
 PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
 
 
-def test_twenty_seeds_with_perturbations_on():
-    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(1, 21)]
+@pytest.mark.parametrize("first", [1, pytest.param(11, marks=pytest.mark.long)])
+def test_ten_seeds_with_perturbations_on(first):
+    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(first, first + 10)]
     assert all(flight.outcome and flight.outcome != "flying" for flight in flights)
-    assert sum(flight.success for flight in flights) >= 18
+    assert sum(flight.success for flight in flights) >= 9
     # they really differ: landing points spread over more than a kilometre
     east = [flight.metrics["landing_east_m"] for flight in flights if flight.landed]
     assert max(east) - min(east) > 1000.0

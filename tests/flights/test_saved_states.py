@@ -21,7 +21,7 @@ from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
 from edl6dof.vehicle.plant import STATE
 
-CORRUPTIONS = 200
+CORRUPTIONS = 100
 MOMENTS = (150.0, 300.0, 500.0)
 RECORDS = ("plant", "peaks", "sensors", "fsw")
 
@@ -87,7 +87,7 @@ def test_corrupted_states_are_refused_or_flown(saved, tmp_path):
     assert len(ends) == CORRUPTIONS
     kinds = [kind for kind, _ in ends.values()]
     # both happen often enough for the test to mean something
-    assert kinds.count("refused") > 60 and kinds.count("flown") > 5
+    assert kinds.count("refused") > 30 and kinds.count("flown") > 2
     assert all(words and "flying" not in words for _, words in ends.values())
 
 

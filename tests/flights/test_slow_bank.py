@@ -51,8 +51,11 @@ def test_at_10_deg_s_the_aim_point_is_in_reach(law):
     assert flown(10.0, law)["parachute_miss_m"] < 4e3
 
 
-def test_fnpeg_plans_no_more_reversals_than_range_allows():
-    """Three at 5 deg/s lead 60 km too far."""
+def test_fnpeg_moves_its_reversal_to_where_range_and_crossrange_together_are_least(floor):
+    """For crossrange alone it ends 24 km away, and with all three reversals 60 km."""
     own = f"{ENTRY}.reversal.logic=own_sign"
-    assert flown(5.0, "fnpeg", own)["parachute_miss_m"] < 30e3
+    figures = flown(5.0, "fnpeg", own)
+    assert figures["bank_reversals"] == 1
+    assert figures["parachute_miss_m"] / 1e3 < 1.1 * floor
+    assert flown(7.0, "fnpeg", own)["parachute_miss_m"] < 2e3
     assert flown(10.0, "fnpeg", own)["parachute_miss_m"] < 2e3

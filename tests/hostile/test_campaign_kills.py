@@ -26,14 +26,19 @@ STORIES = {
 }
 
 
+#: Those for which the suite has no time.
+LONG = ("new:ENOSPC", "force:before")
+
+
 @pytest.fixture(scope="module")
-def tried(tmp_path_factory) -> list[dict]:
-    """Every story, told by one program."""
+def tried(request, tmp_path_factory) -> list[dict]:
+    """Every story that is asked for, told by one program."""
+    asked = [item.callspec.params["case"] for item in request.session.items if "tried" in item.fixturenames]
     words = [
         sys.executable,
         str(HERE / "campaign_faults.py"),
         str(tmp_path_factory.mktemp("kills")),
-        *STORIES,
+        *asked,
     ]
     environment = {**os.environ, "PYTHONPATH": str(HERE.parents[1])}
     done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=600)
@@ -41,7 +46,9 @@ def tried(tmp_path_factory) -> list[dict]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-@pytest.mark.parametrize("case", STORIES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.long if case in LONG else []) for case in STORIES]
+)
 def test_fault_at_every_durable_operation(tried, case):
     """Status, words, readers, and the table of the next attempt, byte for byte."""
     story, fault = case.split(":")

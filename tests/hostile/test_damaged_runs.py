@@ -42,14 +42,14 @@ def outcome(viewer: str, run: Path, out: Path):
 
 @pytest.mark.parametrize("name", FILES)
 def test_a_flipped_bit_anywhere_is_noticed_or_changes_nothing(name, run, flown):
-    """Twelve places in each file, seeded; the telemetry is compared value by value where it is still
+    """Six places in each file, seeded; the telemetry is compared value by value where it is still
     shown.
     """
     draw = random.Random(name)
     original = (run / name).read_bytes()
     true = called("export", flown, "-", "--format", "csv").stdout
     noticed = 0
-    for _ in range(12):
+    for _ in range(6):
         content = bytearray(original)
         content[draw.randrange(len(content))] ^= 1 << draw.randrange(8)
         (run / name).write_bytes(content)
@@ -63,7 +63,7 @@ def test_a_flipped_bit_anywhere_is_noticed_or_changes_nothing(name, run, flown):
         if report.returncode == 0:
             assert name == MANIFEST, "a whole file is needed for what is shown"
             (run.parent / "r.html").unlink()
-    assert noticed >= (12 if name != MANIFEST else 6)
+    assert noticed >= (6 if name != MANIFEST else 3)
 
 
 WRECKS = {
@@ -77,8 +77,14 @@ WRECKS = {
 }
 
 
-@pytest.mark.parametrize("viewer", VIEWERS)
-@pytest.mark.parametrize("wreck", WRECKS)
+@pytest.mark.parametrize(
+    ("wreck", "viewer"),
+    [
+        pytest.param(wreck, viewer, marks=[] if (number + place) % 3 == 0 else pytest.mark.long)
+        for number, wreck in enumerate(WRECKS)
+        for place, viewer in enumerate(VIEWERS)
+    ],
+)
 def test_wrecked_file_is_refused_in_one_line(viewer, wreck, flown, tmp_path):
     for name in FILES:
         run = Path(shutil.copytree(flown, tmp_path / name))

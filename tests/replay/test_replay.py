@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from made_up import NOT_ENTERED, read, synthetic_flight
 
-from edl6dof.replay.history import thin
+from edl6dof.replay.history import MANY, poses, thin
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.telemetry.spans import spans
 
@@ -217,3 +217,14 @@ def test_events_of_a_run_that_told_no_thruster_or_isolation_can_be_replayed():
     assert history(flight).diagnosed["D7"].text == diagnosis["name"]
     del diagnosis["thruster"]
     assert history(flight).diagnosed == {}
+
+
+def test_a_flight_of_hours_is_thinned_away_from_its_events_only():
+    t, events = np.arange(0.0, 9470.0, 0.1), [0.0, 300.0, 5000.0]
+    times = t[poses(t, events)]
+    assert len(times) < 1.1 * MANY < len(t)
+    assert (times[0], times[-1]) == (t[0], t[-1])
+    for event in events:
+        assert np.diff(times[np.abs(times - event) < 59.0]).max() < 0.11
+    assert np.diff(times).max() < 0.6
+    assert len(poses(t[:20_000], events)) == 20_000

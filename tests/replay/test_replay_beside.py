@@ -12,6 +12,7 @@ import pytest
 
 import edl6dof
 from edl6dof.app import replay_beside
+from edl6dof.app.fly import FlyOptions, run_fly
 from edl6dof.app.replay_beside import artist_beside
 from edl6dof.replay.recording import history
 
@@ -34,7 +35,7 @@ def test_the_other_process_has_the_flight_as_this_one_has_it(alone, tmp_path, mo
 
     monkeypatch.setattr("edl6dof.replay.recording.write_replay", drawn)
     with artist_beside(loaded, tmp_path / "replay.rrd") as artist:
-        flight = edl6dof.fly(loaded, log=artist.log)
+        flight = edl6dof.fly(loaded, log=artist.log.take())
         artist.draw(flight)
         assert artist.wait()
     wanted = history(flight).columns["truth.site_up_m"]
@@ -49,8 +50,23 @@ def test_what_goes_wrong_there_is_told(alone, tmp_path, monkeypatch):
     monkeypatch.setattr("edl6dof.replay.recording.write_replay", broken)
     loaded = edl6dof.load("tianwen1", BRIEF)
     with artist_beside(loaded, tmp_path / "replay.rrd") as artist:
-        artist.draw(edl6dof.fly(loaded, log=artist.log))
+        artist.draw(edl6dof.fly(loaded, log=artist.log.take()))
         assert not artist.wait()
+
+
+def test_where_the_other_process_fails_this_one_draws_the_same(alone, tmp_path, monkeypatch):
+    here = os.getpid()
+
+    def drawn(flights, path):
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        path.write_bytes(flights[0].columns["truth.site_up_m"].tobytes())
+
+    monkeypatch.setattr("edl6dof.replay.recording.write_replay", drawn)
+    target = tmp_path / "run"
+    run_fly(FlyOptions("tianwen1", BRIEF, target, False, True, False, True, False, None, None))
+    wanted = history(edl6dof.fly("tianwen1", BRIEF)).columns["truth.site_up_m"]
+    assert np.array_equal(np.frombuffer((target / "replay.rrd").read_bytes()), wanted)
 
 
 def test_ctrl_c_leaves_the_other_process_to_this_one(alone, tmp_path):

@@ -63,3 +63,25 @@ def test_no_section_is_empty(run, of_a_body):
     for report in (flight_report(run), of_a_body):
         assert all(section.blocks for section in report.sections)
         assert all(panel.traces or panel.heat for figure in report.figures() for panel in figure.panels)
+
+
+#: Words that a report may hold only where the vehicle has such parts.
+WORDS = {
+    "parachutes": r"parachute|canopy|mortar|riser",
+    "thrusters": r"thruster|valve",
+    "engines": r"engine|throttle|ignition",
+    "surfaces": r"wing",
+    "tanks": r"propellant",
+}
+
+
+@pytest.mark.parametrize("name", ["titan_probe", "genesis", "stardust", "msl", "viking1"])
+def test_report_speaks_of_no_part_that_a_vehicle_has_not(name, tmp_path):
+    flight = edl6dof.fly(name, ["simulation.time_limit_s=2", "mission.goal=time"])
+    write_run(flight, tmp_path)
+    seal(tmp_path, "flight")
+    text, vehicle = words(flight_report(Run(tmp_path))), flight.scenario.vehicle
+    parts = {**dict(vehicle), "thrusters": vehicle.rcs.thrusters}
+    absent = [word for part, word in WORDS.items() if not parts[part]]
+    assert absent
+    assert [line for line in text.splitlines() if re.search("|".join(absent), line, re.IGNORECASE)] == []

@@ -153,3 +153,9 @@ def test_names_along_a_long_axis_are_thinned():
     (figure,) = (one for one in blocks(results(rows)) if isinstance(one, Figure))
     shown = [name for name in figure.panels[0].x.names if name]
     assert len(figure.panels[0].x.names) == 54 and shown[:2] == ["0 s", "60 s"] and len(shown) == 9
+
+
+def test_a_map_of_one_colour_says_what_it_means():
+    (figure,) = (one for one in blocks(results([row(0, "A1", "10 s")])) if isinstance(one, Figure))
+    assert len(figure.entries) == 1
+    assert plotly_figure(figure)["layout"]["showlegend"]

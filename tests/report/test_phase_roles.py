@@ -152,7 +152,8 @@ def test_usual_faults_begin_in_the_same_phases_and_do_the_same(nominal, other, t
 
 
 @pytest.mark.parametrize(
-    "module, study, runs", [(rigs, HU2022, 1), (yan2016, yan2016.STUDY, yan2016.STUDY.runs)]
+    "module, study, runs",
+    [pytest.param(rigs, HU2022, 1, marks=pytest.mark.long), (yan2016, yan2016.STUDY, yan2016.STUDY.runs)],
 )
 def test_study_finds_the_same(module, study, runs, tmp_path, monkeypatch):
     """Of the avoidances of Hu et al., those with the thruster of the paper's figure, of Yan et al. two

@@ -27,7 +27,7 @@ from edl6dof.studies.wu2013.experiments import (
     count,
 )
 
-RUNS = 20
+RUNS = 12
 
 
 @pytest.fixture(scope="module")

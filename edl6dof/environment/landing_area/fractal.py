@@ -25,22 +25,74 @@ COARSE_CELLS = 16
 #: Wavelength, in cells of the lattice, that parts what is in the two tiles.
 SPLIT = 256.0
 TILES = np.dtype([("coarse", "f4", (NODES, NODES)), ("fine", "f4", (NODES, NODES))], align=True)
-_LAST = NODES - 1
+_LAST, _INNER = NODES - 1, COARSE_CELLS - 1
 _SPACINGS = {"coarse": float(COARSE_CELLS), "fine": 1.0}
 
 
 @kernel
 def fractal_at(area, tiles, i, j):
     """Height (m) of the fractal relief at node (``i`` north, ``j`` east) of the lattice."""
-    a, b = (j, i) if area.turn & 1 else (i, j)
-    a, b = -a if area.turn & 2 else a, -b if area.turn & 4 else b
+    a, b = in_tiles(area, i, j)
     fine = float(tiles.fine[(a + area.offset[0]) & _LAST, (b + area.offset[1]) & _LAST])
     a, b = a + area.offset[2], b + area.offset[3]
+    corners = coarse_corners(tiles, a, b)
+    return _height(area, fine, corners, float(a & _INNER) / COARSE_CELLS, float(b & _INNER) / COARSE_CELLS)
+
+
+@kernel
+def fractal_row(area, tiles, i, j, heights):
+    """Write the heights of :func:`fractal_at` at the nodes from (``i``, ``j``) on towards the east, run by
+    run within the cells of the coarse tile.
+    """
+    (a, b), (a_next, b_next) = in_tiles(area, i, j), in_tiles(area, i, j + 1)
+    step_a, step_b = a_next - a, b_next - b
+    k, count = 0, heights.shape[0]
+    while k < count:
+        along = a + area.offset[2] if step_a != 0 else b + area.offset[3]
+        left = COARSE_CELLS - (along & _INNER) if step_a + step_b > 0 else (along & _INNER) + 1
+        run = heights[k : min(k + left, count)]
+        _fractal_run(area, tiles, a, b, step_a, step_b, run)
+        k, a, b = k + left, a + left * step_a, b + left * step_b
+
+
+@kernel
+def _fractal_run(area, tiles, a, b, step_a, step_b, heights):
+    """Write the heights at nodes of one cell of the coarse tile, from the place (``a``, ``b``) on."""
+    fine_a, fine_b = a + area.offset[0], b + area.offset[1]
+    a, b = a + area.offset[2], b + area.offset[3]
+    corners = coarse_corners(tiles, a, b)
+    a, b = a & _INNER, b & _INNER
+    for k in range(heights.shape[0]):
+        fine = float(tiles.fine[(fine_a + k * step_a) & _LAST, (fine_b + k * step_b) & _LAST])
+        u, t = float(a + k * step_a) / COARSE_CELLS, float(b + k * step_b) / COARSE_CELLS
+        heights[k] = _height(area, fine, corners, u, t)
+
+
+@kernel
+def in_tiles(area, i, j):
+    """Place of a node in the tiles, turned and mirrored as the area lays them, without its offsets."""
+    a, b = (j, i) if area.turn & 1 else (i, j)
+    return -a if area.turn & 2 else a, -b if area.turn & 4 else b
+
+
+@kernel
+def coarse_corners(tiles, a, b):
+    """Values at the corners of the cell of the coarse tile that holds a place."""
     row, column = (a >> 4) & _LAST, (b >> 4) & _LAST
-    u, t = float(a & 15) / 16.0, float(b & 15) / 16.0
     below, right = (row + 1) & _LAST, (column + 1) & _LAST
-    first = (1.0 - t) * float(tiles.coarse[row, column]) + t * float(tiles.coarse[row, right])
-    second = (1.0 - t) * float(tiles.coarse[below, column]) + t * float(tiles.coarse[below, right])
+    return (
+        float(tiles.coarse[row, column]),
+        float(tiles.coarse[row, right]),
+        float(tiles.coarse[below, column]),
+        float(tiles.coarse[below, right]),
+    )
+
+
+@kernel
+def _height(area, fine, corners, u, t):
+    """Height (m) where the fine tile has this value, at the shares ``u`` and ``t`` of a coarse cell."""
+    first = (1.0 - t) * corners[0] + t * corners[1]
+    second = (1.0 - t) * corners[2] + t * corners[3]
     return area.roughness * (fine + (1.0 - u) * first + u * second) - area.level
 
 

@@ -37,6 +37,7 @@ POPULATION = np.dtype(
         ("cell", "f8", (MAX_CLASSES,)),  # m: side of its cells
         ("mean", "f8", (MAX_CLASSES,)),  # members drawn in a cell
         ("empty", "f8", (MAX_CLASSES,)),  # probability that none is
+        ("filled", "u8", (MAX_CLASSES,)),  # random bits of a cell from which on one is at least
     ],
     align=True,
 )
@@ -67,6 +68,8 @@ def cell_bits(population, k, i, j):
 @kernel
 def drawn_in(population, k, bits):
     """How many members are drawn in the cell of class ``k`` that has these bits."""
+    if bits < population.filled[k]:
+        return 0
     share = float(bits >> _11) * 2.0**-53
     probability = population.empty[k]
     count = 0
@@ -82,7 +85,22 @@ def member(population, k, bits, i, j, n):
     """Member ``n`` of those drawn in the cell (``i``, ``j``) of class ``k``: its place north and east (m),
     its diameter (m; 0: it did not stay) and its character, 0 .. 1.
     """
-    first, second = random_bits(bits, 2 * n + 1), random_bits(bits, 2 * n + 2)
+    north, east = place_of_member(population, k, bits, i, j, n)
+    diameter, character = size_of_member(population, k, bits, n)
+    return north, east, diameter, character
+
+
+@kernel
+def place_of_member(population, k, bits, i, j, n):
+    """Place north and east (m) of :func:`member`."""
+    first, side = random_bits(bits, 2 * n + 1), population.cell[k]
+    return (i + float(first & _LOW) * 2.0**-32) * side, (j + float(first >> _32) * 2.0**-32) * side
+
+
+@kernel
+def size_of_member(population, k, bits, n):
+    """Diameter (m) and character of :func:`member`."""
+    second = random_bits(bits, 2 * n + 2)
     b, low = population.exponent, population.smallest[k]
     span = 1.0 - (low / population.largest[k]) ** b
     diameter = low * (1.0 - span * float(second & _LOW) * 2.0**-32) ** (-1.0 / b)
@@ -90,12 +108,9 @@ def member(population, k, bits, i, j, n):
     if population.decay > 0.0:
         stays = exp(-population.decay * (diameter - low))
         if character >= stays:
-            return 0.0, 0.0, 0.0, 0.0
+            return 0.0, 0.0
         character /= stays
-    side = population.cell[k]
-    north = (i + float(first & _LOW) * 2.0**-32) * side
-    east = (j + float(first >> _32) * 2.0**-32) * side
-    return north, east, diameter, character
+    return diameter, character
 
 
 class Law(NamedTuple):
@@ -121,6 +136,8 @@ def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Ge
     for name, values in classes.items():
         record[name][: len(values)] = values
     record["empty"][: record["n"]] = np.exp(-classes["mean"])
+    # the 53 bits that the share is made of, and those below them
+    record["filled"] = np.ceil(record["empty"] * 2.0**53).astype(np.uint64) << _11
     record["key"] = rng.integers(0, 2**63 - 1, MAX_CLASSES)
 
 

@@ -2,48 +2,88 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.environment.landing_area.feature import with_member
+from edl6dof.environment.landing_area.fractal import fractal_row
 from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
-from edl6dof.environment.landing_area.surface import node_height
+from edl6dof.environment.landing_area.surface import share_at
 from edl6dof.environment.terrain import regional
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import endless_cell
 
-#: Nodes between which what is coarser than the landing area is drawn as a straight line: off it by a
-#: few millimetres where that bends.
+#: Nodes between which, both ways, what is coarser than the landing area is drawn straight: off it by a few
+#: millimetres where that bends.
 _APART = 8
+#: Most nodes of a row.
+LONGEST = 512
+
+#: What a raster is worked out with: heights (m) of a row's fractal relief, and, every ``_APART`` nodes of two
+#: rows, of what is coarser than the landing area.
+RASTER_WORK = np.dtype(
+    [
+        ("fractal", "f8", (LONGEST,)),
+        ("south", "f8", (LONGEST // _APART + 1,)),
+        ("north", "f8", (LONGEST // _APART + 1,)),
+    ],
+    align=True,
+)
 
 
 @kernel
-def lay_raster(terrain, grid, north, east, heights):
+def lay_raster(terrain, grid, north, east, heights, work):
     """Lay the ground into ``heights`` (f4, m above the site's elevation): at the nodes of the lattice, rows
-    from the south, columns from the west.
+    from the south, columns from the west, at most ``LONGEST``; ``work``: ``RASTER_WORK`` record.
 
     Returns:
         The place (m north and east of the site) of the first node: the nearest to ``north`` and ``east``.
     """
     area = terrain.landing_area
+    rows, columns = heights.shape
     i, j = endless_cell(north / area.cell + 0.5), endless_cell(east / area.cell + 0.5)
     heights[:] = 0.0
     _paint(area, area.rocks, i, j, heights)
     _paint(area, area.craters, i, j, heights)
-    for row in range(heights.shape[0]):
-        _finish_row(terrain, grid, i + row, j, heights[row])
+    _lay_regional(terrain, grid, i, j, columns, work.north)
+    for first in range(0, rows, _APART):
+        work.south[:] = work.north
+        _lay_regional(terrain, grid, i + first + _APART, j, columns, work.north)
+        for row in range(first, min(first + _APART, rows)):
+            _finish_row(area, grid.tiles, i + row, j, (row - first) / _APART, heights[row], work)
     return i * area.cell, j * area.cell
 
 
 @kernel
-def _finish_row(terrain, grid, i, j, heights):
-    """Put the ground under the craters and rocks of a row that begins at the node (``i``, ``j``)."""
-    area, count = terrain.landing_area, heights.shape[0]
-    start = _regional(terrain, grid, i, j)
-    for first in range(0, count, _APART):
-        end = _regional(terrain, grid, i, j + first + _APART)
-        for column in range(first, min(first + _APART, count)):
-            relief = node_height(area, grid.tiles, i, j + column, float(heights[column]), 0.0)
-            heights[column] = start + (column - first) / _APART * (end - start) + relief
-        start = end
+def _finish_row(area, tiles, i, j, up, heights, work):
+    """Put the ground under the craters and rocks of a row that begins at the node (``i``, ``j``), at the
+    share ``up`` of the way from the one to the other row of ``work``.
+    """
+    count, north, south = heights.shape[0], work.north, work.south
+    fractal_row(area, tiles, i, j, work.fractal[:count])
+    whole = _share_of_node(area, i, j) == 1.0 and _share_of_node(area, i, j + count) == 1.0
+    for k in range((count + _APART - 1) // _APART):
+        first = k * _APART
+        start, end = south[k] + up * (north[k] - south[k]), south[k + 1] + up * (north[k + 1] - south[k + 1])
+        part, fractal = heights[first : first + _APART], work.fractal[first : first + _APART]
+        for c in range(part.shape[0]):
+            share = 1.0 if whole else _share_of_node(area, i, j + first + c)
+            part[c] = start + c / _APART * (end - start) + share * (fractal[c] + float(part[c]))
+
+
+@kernel
+def _share_of_node(area, i, j):
+    """What is left of the relief at a node."""
+    return share_at(area, i * area.cell, j * area.cell)
+
+
+@kernel
+def _lay_regional(terrain, grid, i, j, count, heights):
+    """Write heights (m) of what is coarser than the landing area, at every ``_APART``th of ``count`` nodes of
+    a row that begins at the node (``i``, ``j``), and at the one beyond.
+    """
+    for k in range((count + _APART - 1) // _APART + 1):
+        heights[k] = _regional(terrain, grid, i, j + k * _APART)
 
 
 @kernel

@@ -6,7 +6,13 @@ from edl6dof.dispatch import numbers, on_its_own
 from edl6dof.environment.landing_area.feature import with_member
 from edl6dof.environment.landing_area.fractal import fractal_at
 from edl6dof.environment.landing_area.params import FADE
-from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, member
+from edl6dof.environment.landing_area.population import (
+    cell_bits,
+    drawn_in,
+    first_cell,
+    place_of_member,
+    size_of_member,
+)
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.vector import clamp
@@ -64,18 +70,22 @@ def share_at(area, north, east):
 def heights_at_corners(area, population, i, j):
     """What a population gives (m) at the corners of a cell, in the order of :func:`corners`."""
     step = area.cell
+    south, north, west, east = i * step, (i + 1) * step, j * step, (j + 1) * step
     sw = se = nw = ne = 0.0
     for k in range(population.n):
-        row, column = first_cell(population, k, i * step), first_cell(population, k, j * step)
+        row, column = first_cell(population, k, south), first_cell(population, k, west)
+        farthest = (population.reach * population.largest[k]) ** 2
         for a in range(row, row + 2):
             for b in range(column, column + 2):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
-                    north, east, diameter, character = member(population, k, bits, a, b, n)
+                    y, x = place_of_member(population, k, bits, a, b, n)
+                    y2, x2, yy2, xx2 = (south - y) ** 2, (west - x) ** 2, (north - y) ** 2, (east - x) ** 2
+                    if min(y2, yy2) + min(x2, xx2) >= farthest:
+                        continue
+                    diameter, character = size_of_member(population, k, bits, n)
                     if diameter == 0.0:
                         continue
-                    y2, x2 = (i * step - north) ** 2, (j * step - east) ** 2
-                    yy2, xx2 = ((i + 1) * step - north) ** 2, ((j + 1) * step - east) ** 2
                     sw = with_member(population, sw, diameter, character, y2 + x2)
                     se = with_member(population, se, diameter, character, y2 + xx2)
                     nw = with_member(population, nw, diameter, character, yy2 + x2)

@@ -4,7 +4,9 @@ The thrust that the specific force shows is smoothed, and where it rests it is n
 at which it came to rest: what the command has done since, it has not followed.  What follows its command from
 there, even by a share of it, is noted anew: a weak engine gives less, and the drag of the air or a thruster
 that is stuck on show as thrust beside it.  Where the command has fallen and the thrust rests, the throttle
-stands.  That is believed for good, and the thrust followed from then on whenever it rests.  A command that
+stands.  A throttle that stops on its way down to the end of its band has followed a share, and its command
+falls no more: it stands where the thrust rests above its command by more than drag and thrusters hold of the
+lander.  Either is believed for good, and the thrust followed from then on whenever it rests.  A command that
 rises and is not followed says less: a weak engine is made up for so (:mod:`.engine_shortfall`).
 
 Source: this project.
@@ -35,6 +37,14 @@ class HeldThrustParams(Params):
         status="estimate",
         gt=0.0,
     )
+    over_from: float = param(
+        0.4,
+        "thrust above its command, over the weight, from which it is believed: more than all axial thrusters "
+        "and the drag without a canopy, less than an engine at the lower end of its band has over it if it "
+        "stops the lander in the air",
+        status="estimate",
+        gt=0.0,
+    )
 
 
 HELD_THRUST = np.dtype(
@@ -61,13 +71,23 @@ def is_away(params, commanded, memory):
 
 
 @kernel
-def held_thrust(params, commanded, measured, dt, memory):
+def is_over(params, commanded, full, weight, memory):
+    """Whether the thrust, as far as engines can give it, lies farther above its command than anything but a
+    throttle that stands explains.
+    """
+    return min(memory.smoothed, full) - commanded > params.over_from * weight
+
+
+@kernel
+def held_thrust(params, commanded, measured, full, weight, dt, memory):
     """Thrust (N) of a throttle that is believed to stand; 0 while there is none.
 
     Args:
         params: ``HeldThrustParams`` record.
         commanded: thrust of all engines that burn, N; 0: none burns.
         measured: thrust that the specific force shows, N.
+        full: thrust of all engines that burn at full level, N.
+        weight: of the lander, N.
         dt: since the last call, s.
         memory: ``HELD_THRUST`` record, updated.
     """
@@ -82,7 +102,11 @@ def held_thrust(params, commanded, measured, dt, memory):
     if abs(memory.smoothed - memory.resting) > RESTS * memory.resting:
         memory.resting, memory.meanwhile = memory.smoothed, commanded
         memory.rested = memory.stayed = 0.0
-    away = memory.held > 0.0 or is_away(params, commanded, memory)
+    away = (
+        memory.held > 0.0
+        or is_away(params, commanded, memory)
+        or is_over(params, commanded, full, weight, memory)
+    )
     if not away:
         memory.stayed = 0.0
     if memory.stayed >= params.settled:

@@ -63,6 +63,23 @@ def chord(radius, row):
 
 
 @kernel
+def add_cells(chart, i, row, sign, shift, planes):
+    """Add the cells of row ``i`` of the map, which is that many a ``row`` off the middle, to the running sums
+    ``shift`` columns farther on, where they enter the footprint (``sign`` 1) or leave it (-1).
+    """
+    first, end = shift, shift + MAP_CELLS
+    mean, weight = chart.mean[i], chart.weight[i]
+    known, total = planes.known[first:end], planes.sum[first:end]
+    east, north = planes.east_sum[first:end], planes.north_sum[first:end]
+    for c in range(MAP_CELLS):
+        z = sign * float(mean[c])
+        known[c] += sign if weight[c] > 0.0 else 0.0
+        total[c] += z
+        east[c] += c * z
+        north[c] += row * z
+
+
+@kernel
 def fit_row(chart, radius, i, planes):
     """Planes of the footprints around all cells of row ``i``, none of which reaches beyond the map."""
     reach = chord(radius, 0)
@@ -73,18 +90,8 @@ def fit_row(chart, radius, i, planes):
         half = chord(radius, row)
         cells += 2 * half + 1
         second += row * row * (2 * half + 1)
-        enters, leaves = reach - half, reach + half + 1
-        mean, weight = chart.mean[i + row], chart.weight[i + row]
-        for c in range(MAP_CELLS):
-            z, known = float(mean[c]), 1.0 if weight[c] > 0.0 else 0.0
-            planes.known[c + enters] += known
-            planes.sum[c + enters] += z
-            planes.east_sum[c + enters] += c * z
-            planes.north_sum[c + enters] += row * z
-            planes.known[c + leaves] -= known
-            planes.sum[c + leaves] -= z
-            planes.east_sum[c + leaves] -= c * z
-            planes.north_sum[c + leaves] -= row * z
+        add_cells(chart, i + row, row, -1.0, reach + half + 1, planes)
+        add_cells(chart, i + row, row, 1.0, reach - half, planes)
     known = total = east = north = 0.0
     for c in range(MAP_CELLS + reach):
         known += planes.known[c]

@@ -31,12 +31,17 @@ def figures(run: Run) -> Iterator[Figure]:
         "disturbance_torque",
         "Disturbance torque",
         panels,
-        f"Moment of everything but the thrusters, in body axes. An axis ends at what {100.0 * BULK:g} % of "
+        f"Moment of {_all_acting(run)}, in body axes. An axis ends at what {100.0 * BULK:g} % of "
         f"the values stay within where a peak, as of touchdown, is over {PEAK:g} times as large.",
         160,
     )
     if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
         yield force(run, rows)
+
+
+def _all_acting(run: Run) -> str:
+    """What a disturbance is of."""
+    return "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
 
 
 def _span(run: Run, curves: Sequence[Curve], rows: np.ndarray) -> tuple[float, float] | None:
@@ -64,8 +69,8 @@ def force(run: Run, rows: np.ndarray) -> Figure:
         panels.append(
             replace(panel, traces=[*panel.traces, Trace(run.t[rows], acted * free, "true", colour=BLUE)])
         )
-    caption = (
-        "All but the thrusters, in body axes: air and, along x, the engine. True values are left out while "
-        "the parachute pulls."
-    )
+    vehicle = run.scenario["vehicle"]
+    engine = " and, along x, the engine" if vehicle["engines"] else ""
+    pulled = " True values are left out while the parachute pulls." if vehicle["parachutes"] else ""
+    caption = f"Force of {_all_acting(run)}, in body axes: air{engine}.{pulled}"
     return stacked("disturbance_force", "Disturbance force", panels, caption, 160)

@@ -30,8 +30,9 @@ SPREADS = (
 )
 ENTRY = "flight_software.guidance.entry"
 LAWS = {"ehgo_fl": "EHGO+FL", "fl": "FL"}
-#: The paper stops its range update nowhere: flown on to 100 m/s before the terminal speed.
-UPDATED_TO_THE_END = f"{ENTRY}.tracking.update_stop_m_s=600"
+#: The paper stops its range update nowhere, and prints no limit of the bank angle: flown on to 100 m/s before
+#: the terminal speed, and to 15 deg of lift down.
+AS_PRINTED = (f"{ENTRY}.tracking.update_stop_m_s=600", f"{ENTRY}.bank_max_deg=105")
 #: A true value by dotted path.
 Truth = dict[str, Any]
 

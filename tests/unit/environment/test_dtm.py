@@ -11,7 +11,7 @@ import pytest
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment.landing_area.params import LandingAreaParams
 from edl6dof.environment.landing_area.plane import geodetic_of
-from edl6dof.environment.landing_area.raster import lay_raster
+from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
 from edl6dof.environment.terrain import (
     TERRAIN,
     TerrainParams,
@@ -104,7 +104,7 @@ def test_it_passes_into_the_map_at_its_edge_without_a_step_and_with_its_gradient
 def test_raster_shows_it(tmp_path):
     terrain, grid = build(write_ascii(tmp_path / "hill.asc"))
     heights = np.zeros((128, 128), "f4")
-    south, west = lay_raster(terrain, grid, 20.0, -50.0, heights)
+    south, west = lay_raster(terrain, grid, 20.0, -50.0, heights, np.zeros(1, RASTER_WORK)[0])
     for a, b in ((0, 0), (60, 100), (127, 3)):
         own = at(terrain, grid, south + 0.1 * a, west + 0.1 * b)[0] + 4099.4
         assert heights[a, b] == pytest.approx(own, abs=3e-3)  # drawn straight over its bends

@@ -14,7 +14,7 @@ from edl6dof.environment.landing_area.census import list_within, within
 from edl6dof.environment.landing_area.craters import DEPTH, EDGE, RIM, WORN_DEPTH, crater_height
 from edl6dof.environment.landing_area.params import CRATER_DIAMETER, LandingAreaParams, landing_area_problems
 from edl6dof.environment.landing_area.plane import geodetic_of, place_of
-from edl6dof.environment.landing_area.raster import lay_raster
+from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
 from edl6dof.environment.landing_area.surface import corners, relief
 from edl6dof.environment.terrain import (
     TERRAIN,
@@ -49,7 +49,9 @@ def build(seed=1, given=None, case=0, **area):
 
 def laid(terrain, grid, north, east, size=512):
     heights = np.zeros((size, size), "f4")
-    return heights, *lay_raster(terrain, grid, float(north), float(east), heights)
+    return heights, *lay_raster(
+        terrain, grid, float(north), float(east), heights, np.zeros(1, RASTER_WORK)[0]
+    )
 
 
 @kernel

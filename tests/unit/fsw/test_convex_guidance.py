@@ -10,11 +10,12 @@ from math import cos, radians, tan
 import numpy as np
 import pytest
 
-from edl6dof.design.landing.onboard import landing_record, plan_onboard, solve_onboard
+from edl6dof.design.landing.onboard import first_guess, landing_record, plan_onboard, solve_onboard
 from edl6dof.design.landing.problem import Landing, classic_mars, held_controls
 from edl6dof.fsw.guidance.powered.convex.flight_time import growth
 from edl6dof.fsw.guidance.powered.convex.glide_slope import outside
 from edl6dof.fsw.guidance.powered.convex.grid import lay_grid, shift_controls
+from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS, PLAN
 from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
 
@@ -151,6 +152,16 @@ def test_best_time_beats_every_other():
                 assert plan["cost"] < other[0]["cost"] + 0.3
     again = plan_onboard(LANDER, 8.0, 60.0)[0]
     assert again["cost"] == pytest.approx(plan["cost"], rel=5e-3)
+
+
+def test_multipliers_that_have_died_away_are_nothing():
+    """Handed on from plan to plan they would shrink into the subnormal numbers, where an iteration took 25 us
+    in the place of 1.
+    """
+    landing, plan = landing_record(LANDER)[0], first_guess(LANDER, 40.0)[0]
+    plan["glide"][:-1] = 1e-290
+    solve(landing, 300, plan)
+    assert (np.abs(plan["glide"][plan["glide"] != 0.0]) > 1e-100).all()
 
 
 def test_unreachable_target_gives_the_least_landing_error():

@@ -145,6 +145,20 @@ def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side
     assert time == pytest.approx(expected_time, abs=0.5)
 
 
+def test_aim_point_that_is_passed_is_missed_by_as_much_more(sphere):
+    """The end stays where it is while the aim point moves from 3 km ahead to 3 km behind."""
+    nav = state(26.0, 110.0, 12e3, 700.0, -10.0, 180.0)
+    radius, site = float(sphere["planet"]["equatorial_radius"]), sphere["site"]
+    site["aim_longitude"] = nav["longitude"]
+    ends = []
+    for ahead in (3e3, 1e3, -1e3, -3e3):
+        site["aim_latitude"] = nav["latitude"] - ahead / radius
+        down, *_ = predict(sphere, nav, out_record(), in_plane_shifted(0.0, 0.0, 0.0))
+        ends.append(ahead + down)
+    assert min(ends) > 5e3
+    assert np.ptp(ends) < 5.0
+
+
 def test_prediction_to_a_mach_number_ends_at_it(sphere):
     """At Mach 1.8 of the believed air instead of 420 m/s: later by the speed still to be lost, and lower."""
     nav = state(26.0, 110.0, 20e3, 1500.0, -14.0, 181.0)

@@ -9,7 +9,7 @@ import pytest
 
 import edl6dof
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.laws.fnpeg import MEMORY, correct, ends, start, within_limits
+from edl6dof.fsw.guidance.entry.laws.fnpeg import MEMORY, bank_plan, correct, ends, start, within_limits
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank, shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import NAV
@@ -61,6 +61,39 @@ def test_corrections_end_at_the_aim_point_in_range_and_crossrange(onboard):
     down, aside = ends(params, record, nav, memory, out, memory["bank"], memory["turn"])
     assert max(abs(x) for x in first) > 5e3
     assert abs(down) < params["tolerance"] and abs(aside) < params["tolerance"]
+
+
+def test_bank_beyond_the_largest_raises_the_last_one(onboard):
+    """So a plan that asks for more than the limit is flown at the limit for longer, and is predicted so."""
+    record, nav, memory = onboard[0], on_the_way(), np.zeros(1, MEMORY)[0]
+    entry = record["guidance"]["entry"]
+    params, most = entry["fnpeg"], entry["bank_max"]
+    memory["side"] = 1.0
+    for bank, now, last in ((1.0, 1.0, 0.0), (most, most, 0.0), (most + 0.3, most, 0.3)):
+        plan = bank_plan(params, record, nav, memory, bank, 0.0)
+        assert planned_bank(record, plan, nav["speed"]) == pytest.approx(now)
+        end = min(params["last_bank"] + last, most)
+        assert planned_bank(record, plan, entry["final_speed"]) == pytest.approx(end)
+
+
+def test_out_of_reach_the_reversal_takes_both_misses_into_account(onboard):
+    """Rolling at 5 deg/s to an aim point 60 km too near: reversed sooner or later it ends farther."""
+    record, nav, out, memory = onboard[0], on_the_way(60.0), as_believed(), np.zeros(1, MEMORY)[0]
+    record["site"]["aim_latitude"] += 60e3 / record["planet"]["equatorial_radius"]
+    entry = record["guidance"]["entry"]
+    params, slowest = entry["fnpeg"], float(entry["align_speed"])
+    entry["bank_rate"], entry["bank_max"] = radians(5.0), radians(90.0)
+    out["crossrange"] = 1.0
+    start(params, record, nav, memory, out)
+    for _ in range(20):
+        correct(params, record, nav, memory, out, slowest)
+    assert memory["left"] == 1 and memory["miss"] > params["tolerance"]
+    turns = memory["turn"] + np.linspace(-600.0, 600.0, 13)
+    around = [np.hypot(*ends(params, record, nav, memory, out, memory["bank"], turn)) for turn in turns]
+    here = np.hypot(memory["miss"], memory["aside"])
+    assert here < 1.001 * min(around)
+    assert here < 0.99 * min(around[0], around[-1])
+    assert abs(memory["aside"]) > 1e3  # range and crossrange are bought from each other
 
 
 def test_slow_reversal_is_predicted_to_fly_farther(onboard):

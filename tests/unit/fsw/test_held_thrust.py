@@ -10,7 +10,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.estimation.held_thrust import HELD_THRUST, HeldThrustParams, held_thrust
 from edl6dof.fsw.guidance.powered.held_thrust import LEAST_DESCENT, stop_height
 
-DT = 0.04
+DT, FULL, WEIGHT = 0.04, 7500.0, 4500.0
 
 
 def believed(commanded, measured, noise=0.0, seed=1):
@@ -20,7 +20,7 @@ def believed(commanded, measured, noise=0.0, seed=1):
     rng = np.random.default_rng(seed)
     return np.array(
         [
-            held_thrust(params, c, m + noise * rng.standard_normal(), DT, memory)
+            held_thrust(params, c, m + noise * rng.standard_normal(), FULL, WEIGHT, DT, memory)
             for c, m in zip(commanded, measured, strict=True)
         ]
     )
@@ -68,12 +68,26 @@ def test_jolt_while_the_throttle_stands_does_not_hide_it():
     assert believed(commanded, measured, noise=60.0)[-1] == pytest.approx(4300.0, rel=0.02)
 
 
-def test_throttle_that_stops_on_its_way_down_is_believed_to_stand():
-    """It has followed more of the whole fall than a weak engine has to; of the rest it follows nothing."""
-    full, falls = np.full(75, 7500.0), np.linspace(5000.0, 1500.0, 75)
-    commanded = np.concatenate([full, falls, np.full(100, 1500.0)])
-    found = believed(commanded, np.maximum(followed(commanded), 5190.0), noise=60.0)
-    assert found[-1] == pytest.approx(5190.0, rel=0.02)
+@pytest.mark.parametrize("falls_s", [3.0, 0.5])
+@pytest.mark.parametrize("stands", [7000.0, 5190.0, 4000.0])
+def test_throttle_that_stops_on_its_way_down_is_believed_to_stand(stands, falls_s):
+    """It has followed more of the whole fall than a weak engine has to; of the rest it follows nothing, also
+    where nothing is left because the command was down before it stopped.
+    """
+    full, falls = np.full(75, 7500.0), np.linspace(5000.0, 1500.0, int(falls_s / DT))
+    commanded = np.concatenate([full, falls, np.full(150, 1500.0)])
+    found = believed(commanded, np.maximum(followed(commanded), stands), noise=60.0)
+    assert found[-1] == pytest.approx(stands, rel=0.02)
+
+
+def test_drag_and_all_axial_thrusters_beside_the_lowest_thrust_are_no_throttle_that_stands():
+    commanded = np.concatenate([np.full(75, 7500.0), np.full(200, 1500.0)])
+    assert not believed(commanded, followed(commanded, more=1500.0), noise=60.0).any()
+
+
+def test_canopy_that_brakes_beside_the_full_level_is_no_throttle_that_stands():
+    """Rockets that cannot be throttled burn below their parachute."""
+    assert not believed(np.full(200, FULL), np.full(200, FULL + WEIGHT), noise=60.0).any()
 
 
 def test_weak_engine_whose_command_rises_once_it_rests_and_falls_again_does_not_stand():

@@ -2,8 +2,11 @@
 small demands are left alone; against the law of steady duties, and a modulator written anew in ticks.
 """
 
+import itertools
+
 import numpy as np
 import pytest
+from numba import njit
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.modulation import MODULATION, ModulationParams, modulate
@@ -33,25 +36,36 @@ def operate(thrusters, duties, cycle=CYCLE, p=None, start=0.0):
     (open, close).
     """
     p = settings() if p is None else p
-    memory = np.zeros(1, MODULATION)[0]
-    opens, closes = np.zeros(32), np.zeros(32)
-    on, pulses = np.zeros_like(duties), [[] for _ in range(8)]
-    padded, vehicle = np.zeros(32), np.zeros(1, ONBOARD["vehicle"])[0]
+    vehicle, padded = np.zeros(1, ONBOARD["vehicle"]), np.zeros((len(duties), 32))
     vehicle["thrusters"], vehicle["n_thrusters"] = thrusters, 8
-    for k, row in enumerate(duties):
-        t = start + k * cycle
-        padded[:8] = row
-        modulate(p, vehicle, padded, t, cycle, memory, opens, closes)
-        assert np.all(opens[:8] >= t - 1e-12)
-        assert np.all(closes[:8] <= t + cycle + 1e-9)
-        on[k] = closes[:8] - opens[:8]
-        for i in range(8):
-            if on[k, i] > 0.0:
-                if pulses[i] and abs(pulses[i][-1][1] - opens[i]) < 1e-9:
-                    pulses[i][-1][1] = closes[i]
-                else:
-                    pulses[i].append([opens[i], closes[i]])
-    return on, pulses
+    padded[:, :8] = duties
+    t, memory = start + np.arange(len(duties)) * cycle, np.zeros(1, MODULATION)
+    opens, closes = np.zeros_like(padded), np.zeros_like(padded)
+    modulate_each(np.asarray(p).reshape(1), vehicle, padded, t, cycle, memory, opens, closes)
+    opens, closes = opens[:, :8], closes[:, :8]
+    assert np.all(opens >= t[:, None] - 1e-12)
+    assert np.all(closes <= t[:, None] + cycle + 1e-9)
+    on = closes - opens
+    return on, [merged(opens[open_, i], closes[open_, i]) for i, open_ in enumerate(on.T > 0.0)]
+
+
+@njit
+def modulate_each(p, vehicle, duties, t, cycle, memory, opens, closes):
+    """All cycles, compiled: most of the time of a call from Python goes into its records."""
+    for k in range(len(duties)):
+        for i in range(opens.shape[1] if k > 0 else 0):
+            opens[k, i], closes[k, i] = opens[k - 1, i], closes[k - 1, i]
+        modulate(p[0], vehicle[0], duties[k], t[k], cycle, memory[0], opens[k], closes[k])
+
+
+def merged(opens, closes):
+    """Pulses of what opens when it closes."""
+    apart = np.abs(opens[1:] - closes[:-1]) >= 1e-9
+    return (
+        np.column_stack([opens[np.append(True, apart)], closes[np.append(apart, True)]]).tolist()
+        if len(opens)
+        else []
+    )
 
 
 @pytest.mark.parametrize("cycle", [0.02, 0.04, 0.05, 0.1])
@@ -192,10 +206,9 @@ def test_delivered_impulse_is_linear_in_the_duty_with_deadband_and_saturation(je
         _, pulses = operate(jets, duties)
         impulse, level = 0.0, 0.0
         edges = [0.0, *np.ravel(pulses[slot]).tolist(), cycles * CYCLE]
-        for begin, end in zip(edges[:-1], edges[1:], strict=True):
+        for number, (begin, end) in enumerate(itertools.pairwise(edges)):
             if end > begin:
-                is_open = [begin, end] in pulses[slot]
-                opens, closes = (begin, end) if is_open else (end, end)
+                opens, closes = (begin, end) if number % 2 else (end, end)
                 mean, _, level = linear_level(level, lag, lag, begin, end - begin, opens, closes)
                 impulse += mean * (end - begin)
         expected = 0.0 if duty <= deadband else 1.0 if duty > 1.0 - deadband else duty

@@ -6,6 +6,7 @@ from math import radians
 
 import numpy as np
 import pytest
+from numba import njit
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.control import phase_plane
@@ -26,14 +27,21 @@ def params():
 
 
 def drive(p, error, rate, duration, disturbance=0.0, dt=DT):
-    firing, history = 0, []
-    for _ in range(int(duration / dt)):
+    history = np.zeros((3, int(duration / dt)))
+    drive_each(np.asarray(p).reshape(1), error, rate, disturbance, dt, history)
+    return history
+
+
+@njit
+def drive_each(params, error, rate, disturbance, dt, history):
+    """A double integrator under the law, compiled with it."""
+    p, firing = params[0], 0
+    for k in range(history.shape[1]):
         firing = switch_axis(p, firing, error, rate)
-        history.append((error, rate, firing))
-        a = firing * p["acceleration"] + disturbance
+        history[0, k], history[1, k], history[2, k] = error, rate, firing
+        a = firing * p.acceleration + disturbance
         error -= rate * dt + 0.5 * a * dt * dt
         rate += a * dt
-    return np.array(history).T
 
 
 def test_random_initial_errors_are_driven_into_the_deadband_and_stay(params):

@@ -1,6 +1,9 @@
 """A bench for one sensor: the records that it reads, at rest in vacuum at the start, and a step of it."""
 
+from functools import cache
+
 import numpy as np
+from numba import njit
 
 import edl6dof
 from edl6dof.config.dtype import dtype_of, fill
@@ -32,6 +35,7 @@ class Bench:
         self.memory = np.zeros(1, member.memory)[0]
         self.sensed = np.zeros(1, SENSED)[0]
         self.kernel = member.kernels["measure"]
+        self._taken = (self.params, self.unit, self.case, self.tables, self.plant, self.outputs, self.memory)
 
     def put(self, t=None, r=None, v=None, q=None, w=None):
         """Move the plant."""
@@ -45,7 +49,28 @@ class Bench:
     def measure(self, **state):
         """Move the plant and let the sensor measure."""
         self.put(**state)
-        self.kernel(
-            self.params, self.unit, self.case, self.tables, self.plant, self.outputs, self.memory, self.sensed
-        )
+        self.kernel(*self._taken, self.sensed)
         return self.sensed
+
+    def series(self, cycles, h, part):
+        """What the sensor writes into a part of the sensed record, in many cycles of ``h`` s at rest.
+
+        In one compiled loop: at each call from Python numpy describes all fields of the records, in 0.1 ms.
+        """
+        kind = SENSED[part]
+        rows = np.zeros((cycles, *kind.shape), kind.base)
+        every = (np.asarray(record).reshape(1) for record in (*self._taken, self.sensed))
+        _loop(self.kernel, part)(*every, rows, h)
+        return rows
+
+
+@cache
+def _loop(measure, part):
+    @njit
+    def loop(params, unit, case, tables, plant, outputs, memory, sensed, rows, h):
+        for k in range(len(rows)):
+            plant[0].t = k * h
+            measure(params[0], unit[0], case[0], tables[0], plant[0], outputs[0], memory[0], sensed[0])
+            rows[k] = sensed[0][part]
+
+    return loop

@@ -56,11 +56,10 @@ def test_errors_of_the_copies_have_the_given_spread_and_differ_from_case_to_case
 def test_noise_of_the_flow_is_white_and_of_its_size_whatever_the_cycle():
     """A mean over 0.04 s scatters by 0.1 % / sqrt(0.04) = 0.5 % of the full flow."""
     for h in (0.02, 0.01):
-        bench, rows = meters(noise_pct=0.1), []
-        for k in range(20_001):
-            rows.append(bench.measure(t=k * h)["branch_used"][:N].copy())
+        bench = meters(noise_pct=0.1)
+        rows = bench.series(20_001, h, "branch_used")[:, :N]
         full, every = bench.case["branches"]["full_flow"][:N], round(0.04 / h)
-        flow = np.diff(np.array(rows)[::every], axis=0) / (0.04 * full)
+        flow = np.diff(rows[::every], axis=0) / (0.04 * full)
         assert flow.std() == pytest.approx(0.005, rel=5.0 / np.sqrt(2.0 * flow.size))
         assert abs(flow.mean()) < 5.0 * 0.005 / np.sqrt(flow.size)
         unit = flow / flow.std(axis=0)

@@ -40,11 +40,14 @@ def unit(gyros=None, accelerometers=None, seed=1, case=0, **others):
 
 def series(bench, cycles, motion=None):
     """Counts of gyros and accelerometers and readings of the rate, shape (cycles, 8) each."""
+    if motion is None:
+        rows = bench.series(cycles, H, "inertial")
+        return rows["angle"], rows["gain"], rows["rate"]
     rows = []
     for k in range(cycles):
-        read = bench.measure(t=k * H, **({} if motion is None else motion(k * H)))["inertial"]
+        read = bench.measure(t=k * H, **motion(k * H))["inertial"]
         rows.append((read["angle"].copy(), read["gain"].copy(), read["rate"].copy()))
-    return (np.array(column) for column in zip(*rows, strict=True))
+    return tuple(np.array(column) for column in zip(*rows, strict=True))
 
 
 def allan_variance(count, m, h):
@@ -248,7 +251,7 @@ def covariance(variance, frequency, width, window, lag):
     """Of two samples ``lag`` (s) apart of what ``window`` (of f) makes of a random motion with one half-power
     band ``width`` about ``frequency`` (Hz): the integral of its spectrum, without any oscillator.
     """
-    f = np.geomspace(1e-4, 1e6, 2_000_001)
+    f = np.geomspace(1e-4, 1e6, 200_001)
     band = (width * f) ** 2 / ((f * f - frequency**2) ** 2 + (width * f) ** 2)
     spectrum = variance * band / trapezoid(band, f)
     return trapezoid(spectrum * window(f) * np.cos(2.0 * np.pi * f * lag), f)

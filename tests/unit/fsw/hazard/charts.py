@@ -1,6 +1,7 @@
 """Maps of made-up ground for tests of hazard detection."""
 
 import numpy as np
+from numba import njit
 
 from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, MAP_CELLS, begin_map
 
@@ -45,11 +46,19 @@ def rocks(abundance, seed, smallest=0.15, largest=3.0):
 
 def rocky(stones, north=NORTH, east=EAST):
     """Height (m) of half-ellipsoids half as high as wide, at places of an array's shape."""
-    heights = np.zeros(north.shape)
+    heights = np.zeros(north.size)
+    raise_stones(np.array(stones, float), np.ravel(north), np.ravel(east), heights)
+    return heights.reshape(north.shape)
+
+
+@njit
+def raise_stones(stones, north, east, heights):
+    """Thousands of stones in a hundred thousand places, compiled."""
     for n, e, d in stones:
-        square = 1.0 - ((north - n) ** 2 + (east - e) ** 2) / (0.5 * d) ** 2
-        heights = np.maximum(heights, 0.5 * d * np.sqrt(np.maximum(square, 0.0)))
-    return heights
+        for i in range(len(heights)):
+            square = 1.0 - ((north[i] - n) ** 2 + (east[i] - e) ** 2) / (0.5 * d) ** 2
+            if square > 0.0:
+                heights[i] = max(heights[i], 0.5 * d * np.sqrt(square))
 
 
 def new(dtype):

@@ -5,8 +5,10 @@ Every call flies the onboard prediction to the parachute: from the bank angle th
 rate at which it rolls, through the reversals that are left.  The bank magnitude runs linearly in energy from
 the one that is sought to a fixed one at the end; it is corrected by Gauss-Newton steps, halved until the
 predicted range is better.  The speed of the next reversal is corrected alike until the predicted crossrange
-is none; the one after it is foreseen at a set share of that speed.  Where load or heat rate would pass their
-limits, vertical lift is added until the altitude rate is one that keeps them.
+is none; the one after it is foreseen at a set share of that speed.  Where the largest bank angle ends beyond
+the aim point all the same, the reversal is moved to where both misses together are least: rolling through
+lift up adds range, the more the slower the vehicle rolls.  Where load or heat rate would pass their limits,
+vertical lift is added until the altitude rate is one that keeps them.
 Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
 and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
 "Verification of a fully numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216
@@ -19,7 +21,7 @@ planned reversals are flown; with another logic the magnitude alone.
 
 from __future__ import annotations
 
-from math import acos, copysign, cos, sin, sqrt
+from math import acos, copysign, cos, hypot, sin, sqrt
 
 import numpy as np
 
@@ -78,7 +80,7 @@ MEMORY = np.dtype(
     [
         ("started", FLAG),
         ("side", "f8"),  # +1 right, -1 left
-        ("bank", "f8"),  # magnitude now, rad
+        ("bank", "f8"),  # magnitude now, rad; beyond the largest, what is added to the last
         ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
         ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
         ("left", COUNT),  # reversals left
@@ -91,8 +93,17 @@ MEMORY = np.dtype(
 
 @kernel
 def bank_plan(params, onboard, nav, memory, bank, turn):
-    """The plan of bank magnitude ``bank`` (rad) now and the next reversal at ``turn`` (m/s)."""
-    return linear(bank, params.last_bank, nav.speed, memory.side, turn, memory.later)
+    """The plan of bank magnitude ``bank`` (rad) now and the next reversal at ``turn`` (m/s); what ``bank`` is
+    beyond the largest is added to the last bank.
+    """
+    now = min(bank, onboard.guidance.entry.bank_max)
+    return linear(now, params.last_bank + (bank - now), nav.speed, memory.side, turn, memory.later)
+
+
+@kernel
+def most_bank(params, entry):
+    """The largest bank angle all the way, as the number that is sought (rad)."""
+    return entry.bank_max + max(entry.bank_max - params.last_bank, 0.0)
 
 
 @kernel
@@ -106,14 +117,15 @@ def ends(params, onboard, nav, memory, out, bank, turn):
 def correct_range(params, onboard, nav, memory, out):
     """One Gauss-Newton step of the bank magnitude, halved until the predicted range is better."""
     entry = onboard.guidance.entry
-    nudge = NUDGE_BANK if memory.bank + NUDGE_BANK <= entry.bank_max else -NUDGE_BANK
+    most = most_bank(params, entry)
+    nudge = NUDGE_BANK if memory.bank + NUDGE_BANK <= most else -NUDGE_BANK
     beside, _ = ends(params, onboard, nav, memory, out, memory.bank + nudge, memory.turn)
     slope = (beside - memory.miss) / nudge
     if slope >= 0.0:  # more bank, less range; elsewhere a prediction has left the air
         return
     way = clamp(-memory.miss / slope, -STEP_BANK, STEP_BANK)
     for _ in range(params.halvings + 1):
-        better = clamp(memory.bank + way, entry.bank_min, entry.bank_max)
+        better = clamp(memory.bank + way, entry.bank_min, most)
         down, aside = ends(params, onboard, nav, memory, out, better, memory.turn)
         if abs(down) < abs(memory.miss):
             memory.bank, memory.miss, memory.aside = better, down, aside
@@ -134,16 +146,38 @@ def correct_turn(params, onboard, nav, memory, out, slowest):
 
 
 @kernel
+def least_of_both(params, onboard, nav, memory, out, slowest):
+    """One Gauss-Newton step of the next reversal's speed for downrange and crossrange together, halved until
+    the predicted end is nearer to the aim point.
+    """
+    nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
+    down, aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn + nudge)
+    down_slope, aside_slope = (down - memory.miss) / nudge, (aside - memory.aside) / nudge
+    square = max(down_slope * down_slope + aside_slope * aside_slope, 1e-12)
+    way = -(memory.miss * down_slope + memory.aside * aside_slope) / square
+    way = clamp(way, -STEP_TURN, STEP_TURN)
+    for _ in range(params.halvings + 1):
+        turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
+        down, aside = ends(params, onboard, nav, memory, out, memory.bank, turn)
+        if hypot(down, aside) < hypot(memory.miss, memory.aside):
+            memory.turn, memory.miss, memory.aside = turn, down, aside
+            return
+        way *= 0.5
+
+
+@kernel
 def correct(params, onboard, nav, memory, out, slowest):
     """Correct the plan, where its predicted end is off by more than the tolerance."""
     memory.miss, memory.aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn)
     if abs(memory.miss) > params.tolerance:
         correct_range(params, onboard, nav, memory, out)
-    if memory.left > 1 and memory.miss > params.tolerance and memory.bank >= onboard.guidance.entry.bank_max:
+    beyond = memory.miss > params.tolerance and memory.bank >= most_bank(params, onboard.guidance.entry)
+    if beyond and memory.left > 1:
         memory.left -= 1  # through lift up so often leads beyond the aim point, whatever the bank angle
         foresee(params, nav, memory)
-        return
-    if memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
+    elif beyond and memory.turn > 0.0:
+        least_of_both(params, onboard, nav, memory, out, slowest)
+    elif memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
         correct_turn(params, onboard, nav, memory, out, slowest)
 
 

@@ -28,6 +28,7 @@ from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, uni
 SPEED_STEP = 40.0  # m/s lost in one step
 LONGEST_STEP, SHORTEST_STEP = 4.0, 0.05  # s
 MAX_STEPS = 400
+OFF_COURSE = 0.87  # cosine of the largest angle between course and aim point that is still ahead
 LOWEST = -5000.0  # m: below it a prediction has failed to slow down
 
 
@@ -40,13 +41,14 @@ def predict(onboard, nav, out, plan):
 
     Returns:
         downrange miss (m, positive beyond the aim point) and crossrange miss (m, positive right of it)
-        relative to the great circle from here to the aim point; altitude (m) and time (s) at the end.  Where
-        the heading is aligned, a flight out of the plane has for crossrange the one at which that begins.
+        relative to the great circle from here to the aim point, to the course where the aim point is all but
+        passed; altitude (m) and time (s) at the end.  Where the heading is aligned, a flight out of the plane
+        has for crossrange the one at which that begins.
     """
     planet, entry = onboard.planet, onboard.guidance.entry
     r, v = fixed_state(planet, nav)
     here, target = unit(r), aim_direction(onboard)
-    ahead = unit(sub(target, scale(dot(target, here), here)))
+    ahead, offset = direction_ahead(here, target, v)
     steered_above = max(entry.align_speed, entry.heading.speed)
     bank = present_bank(nav, out) if in_plane(plan) else nav.bank
     height_here = height_above_ellipsoid(planet, r)
@@ -91,13 +93,28 @@ def predict(onboard, nav, out, plan):
         t -= back * dt
     there = unit(r)
     beyond = atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here))
-    aside = planet.equatorial_radius * asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0))
+    aside = planet.equatorial_radius * (asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0)) - offset)
     return (
         beyond * planet.equatorial_radius,
         at_handover if aligning else aside,
         height_above_ellipsoid(planet, r),
         t,
     )
+
+
+@kernel
+def direction_ahead(here, target, v):
+    """Horizontal direction at ``here`` along which downrange is counted, and how far (rad) the aim point in
+    direction ``target`` lies to the right of it.
+
+    Towards the aim point, which tells nothing of what is beyond once that lies abeam or behind: where it is
+    far off the course, along the course.
+    """
+    ahead = unit(sub(target, scale(dot(target, here), here)))
+    along = unit(sub(v, scale(dot(v, here), here)))
+    if dot(ahead, along) > OFF_COURSE:
+        return ahead, 0.0
+    return along, asin(clamp(dot(target, cross(along, here)), -1.0, 1.0))
 
 
 @kernel

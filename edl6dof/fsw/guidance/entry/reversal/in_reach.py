@@ -3,7 +3,8 @@ largest bank angle cannot take out again is missed.
 
 While the aim point stays in reach a reversal is made when the logic asks for it.  Where it does not, the
 miss of range and crossrange together decides: a reversal waits as long as a little later, or none at all,
-ends nearer to the aim point.  Source: derived; flown ahead at the vehicle's bank rate.
+ends nearer to the aim point or hardly farther away: shortly before the aim point a corridor of heading is
+narrower than anything that matters.  Source: derived; flown ahead at the vehicle's bank rate.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from edl6dof.jit import kernel
 
 #: Speed (m/s) by which a reversal is put off to see whether later is better.
 LATER = 100.0
+#: By how much (m) a reversal has to end nearer to be made: what guidance itself leaves in calm air.
+WORTH = 100.0
 
 
 @kernel
@@ -31,7 +34,7 @@ def nearest_end(onboard, nav, out, side, turn):
 @kernel
 def reversed_in_reach(onboard, nav, out, sign):
     """Side to bank to where the logic asks to leave side ``sign``: the other one, or ``sign`` while that ends
-    nearer to the aim point.
+    nearer to the aim point or hardly farther away.
     """
     over, aside = nearest_end(onboard, nav, out, -sign, 0.0)
     if over == 0.0:
@@ -39,6 +42,6 @@ def reversed_in_reach(onboard, nav, out, sign):
     now = hypot(over, aside)
     for turn in (nav.speed - LATER, 0.0):
         over, aside = nearest_end(onboard, nav, out, sign, turn)
-        if hypot(over, aside) < now:
+        if hypot(over, aside) < now + WORTH:
             return sign
     return -sign

@@ -12,6 +12,7 @@ from math import sqrt
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.vector import put3, take3
 
 
 @kernel
@@ -68,9 +69,10 @@ def shift_controls(plan, elapsed, time, full_time):
     """
     share = (plan.time - elapsed) / time
     old_full, old_time, old_count = plan.full_time, plan.time, full_controls(plan)
-    plan.w[:] = plan.u
     push = plan.push
-    push[:] = plan.glide
+    for k in range(CONTROLS):
+        for axis in range(3):
+            plan.w[k, axis], push[k, axis] = plan.u[k, axis], plan.glide[k, axis]
     plan.time, plan.full_time = time, full_time
     lay_grid(plan)
     for k in range(CONTROLS):
@@ -93,12 +95,11 @@ def copy_plan(source, target):
     target.fuel, target.cost, target.miss = source.fuel, source.cost, source.miss
     target.height_error, target.change = source.height_error, source.change
     target.iterations, target.converged = source.iterations, source.converged
-    target.primer_end[:] = source.primer_end
-    target.pull[:] = source.pull
-    target.end_velocity[:] = source.end_velocity
-    target.u[:] = source.u
-    target.w[:] = source.w
-    target.glide[:] = source.glide
-    target.step[:] = source.step
-    target.to_go[:] = source.to_go
-    target.mass[:] = source.mass
+    put3(target.primer_end, 0, take3(source.primer_end, 0))
+    put3(target.pull, 0, take3(source.pull, 0))
+    put3(target.end_velocity, 0, take3(source.end_velocity, 0))
+    for k in range(CONTROLS):
+        for axis in range(3):
+            target.u[k, axis], target.w[k, axis] = source.u[k, axis], source.w[k, axis]
+            target.glide[k, axis] = source.glide[k, axis]
+        target.step[k], target.to_go[k], target.mass[k] = source.step[k], source.to_go[k], source.mass[k]

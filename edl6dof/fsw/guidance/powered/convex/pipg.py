@@ -67,7 +67,8 @@ def solve(landing, most, plan):
     tau = STEP * landing.high / landing.mass
     sigma = 1.0 / tau
     count = full_controls(plan)
-    w[:] = u
+    for k in range(CONTROLS):
+        w[k, 0], w[k, 1], w[k, 2] = u[k, 0], u[k, 1], u[k, 2]
     plan.mass[:] = 0.0
     weigh(landing, plan)
 

@@ -1,0 +1,84 @@
+"""The engine of a campaign that flies on a GPU: cases are prepared and rows are made here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numba import cuda
+
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.engines import Range, by_range
+from edl6dof.campaign.executor import CaseRunner, Ready
+from edl6dof.campaign.fault_response import collected
+from edl6dof.campaign.gpu.batch import Batch, Size
+from edl6dof.campaign.gpu.device import entry
+from edl6dof.campaign.rows import Row, failed_row, flown_row
+from edl6dof.sim.flight import flight_of
+from edl6dof.telemetry.channels import BRIEF, TICK
+
+#: Share of the free memory of the GPU that a batch may take.
+SHARE = 0.8
+
+#: Cases, each with what flies, or why it cannot.
+Prepared = list[tuple[Case, Ready | str]]
+
+
+class Gpu:
+    """A GPU of this machine."""
+
+    def __init__(self, device: str, kernel: Any, memory: int):
+        """
+        Args:
+            device: what it is called.
+            kernel: the entry, compiled for it.
+            memory: bytes that the flights of a batch may take.
+        """
+        self.device: str | None = device
+        self._kernel, self._memory = kernel, memory
+
+    def __str__(self) -> str:
+        return f"GPU ({self.device})"
+
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
+        """Rows of each range."""
+        runner = CaseRunner(plan.loaded, collected(plan))
+        return by_range(plan, ranges, lambda cases: self.fly(runner, cases))
+
+    def fly(self, runner: CaseRunner, cases: Iterable[Case]) -> Iterator[Row]:
+        """Fly cases and hand out their rows, in the order of the cases."""
+        log = BRIEF if runner.collect is None else TICK
+        for some in _batches(runner, cases, log, self._memory):
+            yield from self._together(runner, some, log)
+
+    def _together(self, runner: CaseRunner, some: Prepared, log: np.dtype) -> Iterator[Row]:
+        """Rows of a batch, whose memory on the GPU is free afterwards."""
+        ready = [one.variant for _, one in some if isinstance(one, Ready)]
+        flown = Batch(ready, log).fly(self._kernel) if ready else iter(())
+        for case, one in some:
+            if isinstance(one, str):
+                yield failed_row(case, one)
+            else:
+                yield flown_row(case, one.changes, flight_of(next(flown)), runner.collect)
+
+
+def _batches(runner: CaseRunner, cases: Iterable[Case], log: np.dtype, memory: int) -> Iterator[Prepared]:
+    """Cases, prepared, as many together as the memory holds."""
+    some, size = Prepared(), Size(log)
+    for case in cases:
+        ready = runner.prepared(case)
+        if isinstance(ready, Ready) and size.add(ready.variant) > memory and some:
+            yield some
+            some, size = [], Size(log)
+            size.add(ready.variant)
+        some.append((case, ready))
+    if some:
+        yield some
+
+
+def gpu_engine(device: str) -> Gpu:
+    """Engine on the GPU of this machine, which is called ``device``."""
+    free, _ = cuda.current_context().get_memory_info()
+    return Gpu(device, entry(), int(SHARE * free))

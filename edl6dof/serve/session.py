@@ -1,0 +1,179 @@
+"""What a client may ask of its flight, and the answers.
+
+Everything in a request was written by somebody else: each field is looked at before the flight goes on, and
+an answer says what is wrong and what was probably meant.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from edl6dof.api.overrides import texts
+from edl6dof.api.simulation import Simulation
+from edl6dof.config.errors import ConfigError
+from edl6dof.config.wording import got
+from edl6dof.serve.description import described
+from edl6dof.sim.checkpoint import State
+from edl6dof.sim.commanding import unknown
+
+#: Version of the protocol: it goes up where a program that was written for the one before would fail.
+PROTOCOL = 1
+#: Base cycles of a step, and seeds, at most.
+MOST_CYCLES, LARGEST_SEED = 10_000_000, 2**31 - 1
+#: What a change names, and the texts that it may set: words, so that nobody has this program read a file.
+_PATH, _WORD = re.compile(r"[A-Za-z0-9_.]{1,200}"), re.compile(r"[A-Za-z0-9_]{1,64}")
+
+Answer = dict[str, Any]
+
+
+class Session:
+    """One client's flight.
+
+    Args:
+        scenario: file, or name of a shipped one.
+        sets: changes, as of ``--set``.
+
+    Attributes:
+        simulation: the flight.
+        open: whether the client has not taken its leave.
+
+    Raises:
+        ConfigError: the scenario is wrong.
+    """
+
+    def __init__(self, scenario: str, sets: Sequence[str] = ()):
+        self._scenario, self._sets = scenario, tuple(sets)
+        self._changes: tuple[str, ...] = ()
+        self.simulation: Simulation = self._changed(())
+        self.open = True
+
+    def answer(self, request: Any) -> Answer:
+        """The answer to a request: ``ok`` says whether it was done, ``error`` why not."""
+        try:
+            return {"ok": True, **self._done(request)}
+        except ConfigError as error:
+            return refused("; ".join(str(error).splitlines()))
+        except (ValueError, TypeError, RecursionError) as error:
+            return refused(str(error))
+
+    def _done(self, request: Any) -> Answer:
+        if not isinstance(request, dict) or not isinstance(name := request.pop("do", None), str):
+            raise ValueError("a request is a map that says under 'do' what is to be done")
+        if name not in _REQUESTS:
+            raise ValueError(unknown("request", name, _REQUESTS))
+        act, fields = _REQUESTS[name]
+        for field in request:
+            if field not in fields:
+                raise ValueError(
+                    unknown(f"field of {name}", field, fields) if fields else f"{name} has no fields"
+                )
+        return act(self, **request)
+
+    def _describe(self) -> Answer:
+        return {"protocol": PROTOCOL, **described(self.simulation)}
+
+    def _reset(self, seed: Any = None, overrides: Any = None) -> Answer:
+        """Begin anew, with these changes and no others; what fails leaves the flight as it is."""
+        number = None if seed is None else _whole("seed", seed, LARGEST_SEED, 0)
+        changes = () if overrides is None else _as_texts(overrides)
+        simulation = self.simulation if changes == self._changes else self._changed(changes)
+        seen = simulation.reset(number)
+        self.simulation, self._changes = simulation, changes
+        return {**self._standing(), "observation": seen}
+
+    def _step(self, command: Any = None, cycles: Any = 1, observe: Any = None) -> Answer:
+        if command is not None and not isinstance(command, dict):
+            raise ValueError(f"command must be a map of commands by name (got {got(command)})")
+        number = _whole("cycles", cycles, MOST_CYCLES)
+        self._look(observe)
+        self.simulation.step(command, number)
+        return {**self._standing(), **self._look(observe)}
+
+    def _observe(self, names: Any = True) -> Answer:
+        return {**self._standing(), **self._look(names)}
+
+    def _look(self, names: Any) -> Answer:
+        """What is observed of what is wanted: all, names in a list, or nothing."""
+        if names is None or names is False:
+            return {}
+        if names is not True and not isinstance(names, list):
+            raise ValueError(f"what is to be observed is true, or a list of names (got {got(names)})")
+        return {"observation": self.simulation.observe(None if names is True else map(str, names))}
+
+    def _own(self) -> Answer:
+        return {"own": self.simulation.own()}
+
+    def _truth(self) -> Answer:
+        return {"truth": self.simulation.truth()}
+
+    def _state(self) -> Answer:
+        return {"state": self.simulation.state().packed()}
+
+    def _restore(self, state: Any = None) -> Answer:
+        if not isinstance(state, bytes):
+            raise ValueError(f"state must be the bytes that the answer to state held (got {got(state)})")
+        self.simulation.restore(State.unpacked(state, "state"))
+        return self._standing()
+
+    def _close(self) -> Answer:
+        self.open = False
+        return {}
+
+    def _standing(self) -> Answer:
+        """Where the flight stands; how it ended once it has."""
+        simulation = self.simulation
+        found: Answer = {
+            "flying": simulation.flying,
+            "cycle": simulation.cycle,
+            "time_s": simulation.time_s,
+        }
+        if not simulation.flying:
+            found["outcome"] = simulation.outcome
+        return found
+
+    def _changed(self, changes: tuple[str, ...]) -> Simulation:
+        return Simulation(self._scenario, (*self._sets, *changes), telemetry=False)
+
+
+_REQUESTS: dict[str, tuple[Callable[..., Answer], tuple[str, ...]]] = {
+    "describe": (Session._describe, ()),
+    "reset": (Session._reset, ("seed", "overrides")),
+    "step": (Session._step, ("command", "cycles", "observe")),
+    "observe": (Session._observe, ("names",)),
+    "own": (Session._own, ()),
+    "truth": (Session._truth, ()),
+    "state": (Session._state, ()),
+    "restore": (Session._restore, ("state",)),
+    "close": (Session._close, ()),
+}
+
+
+def refused(reason: str) -> Answer:
+    """The answer to what cannot be done: one line, of at most 500 characters."""
+    line = " ".join(reason.split())[:500]
+    return {"ok": False, "error": "".join(ch if ch.isprintable() else "?" for ch in line)}
+
+
+def _whole(name: str, value: Any, most: int, least: int = 1) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+        raise ValueError(f"{name} must be a whole number from {least} to {most} (got {got(value)})")
+    return value
+
+
+def _as_texts(overrides: Any) -> tuple[str, ...]:
+    """Changes of the scenario, as of ``--set``."""
+    if not isinstance(overrides, dict):
+        raise ValueError(f"overrides must be a map of values by dotted path (got {got(overrides)})")
+    for path, value in overrides.items():
+        if not isinstance(path, str) or not _PATH.fullmatch(path):
+            raise ValueError(f"overrides: {path!r} is no dotted path of letters, digits and _")
+        for one in value if isinstance(value, list) else (value,):
+            if isinstance(one, str) and not _WORD.fullmatch(one):
+                raise ValueError(f"overrides: {path} may be set to a word, not to {got(one)}")
+            if not isinstance(one, str | int | float | None):
+                raise ValueError(
+                    f"overrides: {path} may be set to a number, true or false, a word, or a list"
+                )
+    return texts(overrides)

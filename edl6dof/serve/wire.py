@@ -1,0 +1,110 @@
+"""Messages on the wire: four bytes that count those that follow, the highest first, and as many of
+MessagePack.
+
+What comes in was written by anybody who can connect: it is bounded in size, in what it unpacks to, and in
+depth.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from io import BufferedIOBase
+from typing import Any
+
+import numpy as np
+
+from edl6dof.api.optional import library
+
+#: Bytes of a message; the largest saved state fits.
+LARGEST = 16 * 1024 * 1024
+#: Lists and maps of a message, one in the other or side by side, and what each may hold: an empty one takes a
+#: byte on the wire and a hundred in memory.
+_CONTAINERS, _LONGEST = 256, 1024
+_LENGTH = struct.Struct(">I")
+
+
+class Unreadable(ValueError):
+    """What follows cannot be made out: where the next message begins is not known."""
+
+
+class Wire:
+    """Packs and unpacks messages.
+
+    Raises:
+        ImportError: msgpack is not installed.
+    """
+
+    def __init__(self) -> None:
+        self._msgpack = library("msgpack", "edl6dof serve", extra="serve")
+
+    def receive(self, stream: BufferedIOBase) -> bytes | None:
+        """The next message; ``None`` where its sender is gone, in the middle of it or before.
+
+        Raises:
+            Unreadable: it would be too long.
+        """
+        head = stream.read(_LENGTH.size)
+        if len(head) < _LENGTH.size:
+            return None
+        (size,) = _LENGTH.unpack(head)
+        if size > LARGEST:
+            raise Unreadable(
+                f"a message has at most {LARGEST} bytes (this one says {size}: does it begin with its "
+                "length, four bytes, the highest first?)"
+            )
+        body = stream.read(size)
+        return body if len(body) == size else None
+
+    def unpack(self, body: bytes) -> Any:
+        """What a message says.
+
+        Raises:
+            ValueError: it is no MessagePack, or not what a request may be made of.
+        """
+        count = _counter()
+        try:
+            return self._msgpack.unpackb(
+                body,
+                list_hook=count,
+                object_hook=count,
+                max_array_len=_LONGEST,
+                max_map_len=_LONGEST,
+                max_ext_len=0,
+            )
+        except UnicodeDecodeError as error:
+            raise ValueError(f"a text is not UTF-8 ({error.reason})") from None
+        except _TooMany as error:
+            raise ValueError(str(error)) from None
+        except Exception as error:  # a dozen kinds, some without a word
+            reason = str(error) or type(error).__name__
+            raise ValueError(f"the message is no MessagePack that a request is made of ({reason})") from None
+
+    def pack(self, message: dict[str, Any]) -> bytes:
+        """A message, its length before it."""
+        body = self._msgpack.packb(message, default=_listed)
+        return _LENGTH.pack(len(body)) + body
+
+
+class _TooMany(Exception):
+    """A message unpacks to more than any request holds."""
+
+
+def _counter() -> Callable[[Any], Any]:
+    left = _CONTAINERS
+
+    def count(container: Any) -> Any:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise _TooMany(f"a request holds at most {_CONTAINERS} lists and maps")
+        return container
+
+    return count
+
+
+def _listed(value: Any) -> Any:
+    """An array as a list."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    raise TypeError(f"{value!r} cannot be sent")

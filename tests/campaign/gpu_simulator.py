@@ -1,0 +1,66 @@
+"""A few flights of Tianwen-1 on numba's simulator of a GPU (NUMBA_ENABLE_CUDASIM=1), which calls the
+processor's machine code; prints the rows and the flights of each batch.
+"""
+
+import json
+
+import numpy as np
+
+import edl6dof
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.executor import CaseRunner
+
+CASES = [
+    Case(0, truth={"vehicle.mass.entry_kg": 1290.0}),
+    Case(1, truth={"vehicle.mass.entry_kg": 10.0}),
+    Case(2, belief={"vehicle.mass.entry_kg": 1290.0}),
+    Case(3, truth={"vehicle.parachutes.main.drag_factor": 0.05}),
+    Case(4, truth={"initial.flight_path_angle_deg": -9.0}),
+]
+#: Telemetry of a batch is as long as the longest flight in it may be: this holds three flights.
+MEMORY = 80_000_000
+
+
+class Memory:
+    """Memory of the GPU as the processor's machine code takes it: plain arrays."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self._array, self.shape = array, array.shape
+
+    def __len__(self) -> int:
+        return len(self._array)
+
+    def __getitem__(self, index):
+        return self._array[index]
+
+    def __setitem__(self, index, value) -> None:
+        self._array[index] = value
+
+
+class Bare:
+    """Makes that of each argument of the entry, as numba lets an extension do."""
+
+    def prepare_args(self, kind, value, **_):
+        return kind, Memory(value._ary) if hasattr(value, "_ary") else value
+
+
+def main() -> None:
+    from edl6dof.campaign.gpu import engine as module
+    from edl6dof.campaign.gpu.entry import fly_flights
+
+    fly_flights.extensions.append(Bare())
+    batches = []
+
+    class Watched(module.Batch):
+        def __init__(self, variants, log):
+            batches.append(len(variants))
+            super().__init__(variants, log)
+
+    module.Batch = Watched
+    runner = CaseRunner(edl6dof.load("tianwen1"))
+    rows = list(module.Gpu("simulator", fly_flights, MEMORY).fly(runner, CASES))
+    print(json.dumps({"rows": rows, "batches": batches}))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+"""The engine that flies on a GPU, where there is none: on numba's simulator, and refused."""
+
+from __future__ import annotations
+
+import json
+import os
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from campaign_run import ROOT, write_drop
+from gpu_simulator import CASES
+
+import edl6dof as package
+from edl6dof.campaign import run
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.executor import CaseRunner
+from edl6dof.campaign.gpu import device
+from edl6dof.campaign.storage.files import StoreError
+from edl6dof.campaign.storage.store import Store
+
+
+def test_simulated_gpu_gives_the_rows_of_threads():
+    """To the last bit: a batch for a GPU changes nothing in a flight, and one that cannot fly keeps its
+    place.
+    """
+    mine = CaseRunner(package.load("tianwen1")).fly(CASES)  # compiles what the simulator calls
+    words = [sys.executable, str(Path(__file__).with_name("gpu_simulator.py"))]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_ENABLE_CUDASIM": "1"}
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=1200)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert len({row["outcome"] for row in mine}) > 2 and found["batches"] == [3, 1]
+    assert found["rows"] == json.loads(json.dumps(mine))
+
+
+def test_without_numba_cuda_or_a_gpu_a_line_says_what_is_missing(edl6dof, tmp_path, monkeypatch):
+    words = ("campaign", write_drop(tmp_path), "--engine", "gpu")
+    monkeypatch.setattr(device, "find_spec", lambda name: None)
+    status, out, err = edl6dof(*words)
+    assert (status, out) == (2, "") and "pip install 'edl6dof[gpu]'" in err and "Traceback" not in err
+    monkeypatch.setattr(device, "find_spec", lambda name: name)
+    monkeypatch.setattr("numba.cuda.is_available", lambda: False)
+    status, out, err = edl6dof(*words)
+    assert (status, out) == (2, "") and "no GPU that CUDA can use" in err and "Traceback" not in err
+    assert not Path("runs").exists()
+    assert "leave it out" in edl6dof(*words, "--workers", "2")[2]
+
+
+def test_rows_of_two_devices_never_stand_in_one_table(edl6dof, tmp_path):
+    """A campaign begun on a GPU goes on there or not at all."""
+    store = Store(tmp_path / "begun")
+    run.begin(load_plan(write_drop(tmp_path)), store, None, device="GP100")
+    run.require_device(store, "GP100")
+    with pytest.raises(StoreError, match=r"not on a GPU \(another\)"):
+        run.require_device(store, "another")
+    status, _, err = edl6dof("campaign", str(store.folder), "--resume")
+    assert status == 2 and "was begun on a GPU (GP100), not on the processor" in err
+
+
+def test_two_engines_are_told_from_two_models():
+    """The samples of flights that went their own way after a while are alike; a tenth more of a figure is
+    not.
+    """
+    compared = runpy.run_path(str(ROOT / "tools/two_engines.py"))["compared"]
+    case, figure = np.arange(200), np.random.default_rng(1).normal(10.0, 1.0, (2, 200))
+    threads = pa.table({"case": case, "lift_start_s": figure[0], "end_s": figure[0]})
+    gpu = pa.table({"case": case, "lift_start_s": figure[0], "end_s": figure[1]})
+    before, after = compared(threads, gpu)
+    assert before[:4] == ("lift_start_s", 200, 200, 0.0)
+    assert after[2] == 0 and after[3] > 1.0 and after[4] > 0.01
+    shifted = pa.table({"case": case, "end_s": 1.1 * figure[1]})
+    assert compared(threads, shifted)[0][4] < 1e-6
