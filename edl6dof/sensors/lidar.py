@@ -101,7 +101,7 @@ def read(params, unit, way, number):
         return 0.0
     noise, _ = normal_pair(unit.key, 2 * number + 1)
     told = way + unit.bias + params.range_noise * noise + 0.5 * params.quantum
-    return max(np.floor(told / params.quantum) * params.quantum, 0.0)
+    return max(told - told % params.quantum, 0.0)
 
 
 def plan(params: LidarParams, rng: np.random.Generator, unit: np.void) -> None:

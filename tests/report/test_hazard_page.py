@@ -62,6 +62,17 @@ def test_words_count_what_was_passed_over(seen, drawn):
         assert f"{count} for {name}" in caption
 
 
+def test_words_say_what_the_nearest_safe_spot_lacks(seen, drawn):
+    found = seen.landing_map
+    rows, columns = np.nonzero(found.verdict == VERDICTS.index("safe"))
+    places = found.corner_m + (np.column_stack([columns, rows]) + 0.5) * found.cell_m
+    away = np.hypot(*(places - found.hover_m[:2]).T)
+    first = np.argmin(away)
+    clear = found.clearance_m[rows[first], columns[first]]
+    told = f"The nearest safe one, {away[first]:.1f} m away, is clear of unsafe ones by {clear:.1f} m only"
+    assert told in drawn["hazard_map"].caption
+
+
 def test_coarse_choice_takes_a_part_of_the_image(seen, drawn):
     traces = named(drawn["coarse_choice"].panels[0])
     parts, taken = traces["parts of the image"], traces["part taken"]

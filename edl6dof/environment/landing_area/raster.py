@@ -47,7 +47,8 @@ def lay_raster(terrain, grid, north, east, heights, work):
     _paint(area, area.craters, i, j, heights)
     _lay_regional(terrain, grid, i, j, columns, work.north)
     for first in range(0, rows, _APART):
-        work.south[:] = work.north
+        for k in range(work.north.shape[0]):
+            work.south[k] = work.north[k]
         _lay_regional(terrain, grid, i + first + _APART, j, columns, work.north)
         for row in range(first, min(first + _APART, rows)):
             _finish_row(area, grid.tiles, i + row, j, (row - first) / _APART, heights[row], work)

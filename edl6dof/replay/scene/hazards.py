@@ -26,7 +26,7 @@ PAINT: dict[str, RGB] = {
 CHOSEN: RGB = (245, 250, 255)
 PASSED_OVER: RGB = (255, 205, 60)
 RAY: RGB = (120, 235, 140)
-LEGEND = "green is safe, amber too steep, red too rough"
+LEGEND = "green is safe, amber too steep, red too rough, grey not all seen; yellow dots were passed over"
 #: How far (m) above the ground the map is drawn, and every how many cells a vertex.
 _ABOVE, _EVERY = 0.04, 2
 #: Rays of a row that are drawn.

@@ -82,11 +82,13 @@ def _fine(run: Run, found: LandingMap) -> Figure:
         equal=True,
         title="what it saw: height above the ground below",
     )
-    return Figure("hazard_map", "Map of hazards from hover", [judged, seen], _words(found), 2, height=480)
+    return Figure(
+        "hazard_map", "Map of hazards from hover", [judged, seen], _words(run, found), 2, height=480
+    )
 
 
-def _words(found: LandingMap) -> str:
-    """What the map says, in a sentence or two."""
+def _words(run: Run, found: LandingMap) -> str:
+    """What the map says, and why the spot is where it is, in a few sentences."""
     safe = 100.0 * np.mean(found.verdict == VERDICTS.index("safe"))
     away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
     reasons = Counter(found.reasons())
@@ -94,8 +96,8 @@ def _words(found: LandingMap) -> str:
     text = f"Of the map {safe:.0f} % is safe for the whole footprint. "
     if passed:
         text += (
-            f"On its way out from the point below, the search passed over {passed} (of those that lie a "
-            f"footprint apart, the first {len(found.rejected_m)}); "
+            f"On its way out from the point below, the search passed over unsafe spots: {passed} (the first "
+            f"{len(found.rejected_m)} that lie a footprint apart); "
         )
     else:
         text += "The search passed over nothing; "
@@ -103,7 +105,24 @@ def _words(found: LandingMap) -> str:
         return text + f"no spot was safe, and it took the least bad one, {away:.1f} m away."
     cell = np.floor((found.spot_m - found.corner_m) / found.cell_m).astype(int)
     clear = float(found.clearance_m[cell[1], cell[0]])
-    return text + f"the chosen spot lies {away:.1f} m away and {clear:.1f} m from the nearest unsafe one."
+    text += f"the chosen spot lies {away:.1f} m away and {clear:.1f} m from the nearest unsafe one. "
+    return text + _nearer(run, found, away, clear)
+
+
+def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
+    """Why it is not the nearest safe spot, where another is nearer (m) but less clear (m) of unsafe ones."""
+    east, north = middles(found)
+    distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
+    distance[found.verdict != VERDICTS.index("safe")] = np.inf
+    nearest = np.unravel_index(np.argmin(distance), distance.shape)
+    near, its_clear = float(distance[nearest]), float(found.clearance_m[nearest])
+    if away - near < 1.0 or clear - its_clear < 0.1:
+        return ""
+    choice = run.scenario["flight_software"]["hazard"]["choice"]
+    return (
+        f"The nearest safe one, {near:.1f} m away, is clear of unsafe ones by {its_clear:.1f} m only: each "
+        f"metre of that, up to {choice['clearance_m']:g} m, is worth {choice['clearance_worth']:g} m of way."
+    )
 
 
 def _coarse(run: Run, found: LandingMap) -> Figure:
