@@ -249,7 +249,7 @@ def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path):
 @pytest.mark.parametrize(
     "options, words",
     [
-        ({"engine": "thread"}, "must be threads or dask"),
+        ({"engine": "thread"}, "must be threads, dask or gpu"),
         ({"cluster": "tcp://x"}, "needs --engine dask"),
         ({"until": "soon"}, "--until"),
     ],
