@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numba.core.errors import NumbaError
+from rich.text import Text
 
 from edl6dof import plugins
 from edl6dof.config.document.locate import shown
@@ -147,7 +148,8 @@ def _argument(name: str, key: str, member: Member) -> Any:
 
 
 def _first_cause(text: str) -> str:
-    """The telling line of a numba error, and the line of the file it speaks of."""
+    """The telling line of a numba error, which is coloured where colorama is, and the line that it is of."""
+    text = Text.from_ansi(text).plain
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("Failed in")]
     place = re.search(r'File "([^"]*)", line (\d+)', text)
     where = f" (line {place[2]} of {Path(place[1]).name})" if place else ""

@@ -47,8 +47,12 @@ def test_notebook_runs_and_ends_in_a_figure(name, drawn, monkeypatch):
     assert all(axes.has_data() and axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes)
 
 
+@pytest.mark.long
 def test_law_of_the_notebook_flies(tmp_path):
-    """In a process of its own: a plugin is there before what it joins."""
+    """In a process of its own: a plugin is there before what it joins.
+
+    The example law of the plugin tests flies in every run.
+    """
     code = f"{short('write_a_law')}\nassert mine.landed and len(top.lines) == len(bottom.lines) * 2 == 4"
     calm = os.environ | {"MPLBACKEND": "agg"}
     done = subprocess.run(

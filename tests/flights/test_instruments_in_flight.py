@@ -43,11 +43,10 @@ def cycles(loaded, state, count):
     steps = loaded.scenario.steps_per_cycle
     loop.take_up(case, plant, fsw)
     sensors["inertial_unit"] = 0
+    flown = (case, onboard, tables, plant, outputs, peaks, work, sensors, fsw)
     for k in range(state.cycle, state.cycle + count):
         before, centre = plant[0].copy(), outputs[0]["centre"].copy()
-        loop.fly(
-            case, onboard, tables, plant, outputs, peaks, work, sensors, fsw, k, k + 1, steps, log, brief, 0
-        )
+        loop.fly(*flown, k, k + 1, 0, steps, log, brief, 0)
         if k > state.cycle:
             yield before, centre, sensors[0]["sensed"]["inertial"]
 
