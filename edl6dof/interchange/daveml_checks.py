@@ -3,8 +3,8 @@
 A model that does not come to them was damaged on its way, or is read here otherwise than its author meant it;
 to fly it would be worse than to refuse it.
 
-Source: ANSI/AIAA S-119-2011, ``checkData``; the tolerance is absolute, and where none stands, one part in a
-million of the value.
+Source: ANSI/AIAA S-119-2011, ``checkData``; the tolerance is absolute.  Where none stands, one part in a
+million of the value counts as equal, a choice of this software.
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ def untyped(source: str) -> list[str]:
     """
     found = []
     for node in ast.walk(parsed(source)):
-        if isinstance(node, ast.FunctionDef) and not _is_kernel(node):
+        if isinstance(node, ast.FunctionDef) and not is_kernel(node):
             names = [
                 a.arg for a in _parameters(node) if a.annotation is None and a.arg not in ("self", "cls")
             ]
@@ -145,10 +145,11 @@ def _parameters(function: ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef) -
 
 def has_kernels(source: str) -> bool:
     """Whether a source defines a compiled function."""
-    return any(isinstance(node, ast.FunctionDef) and _is_kernel(node) for node in ast.walk(parsed(source)))
+    return any(isinstance(node, ast.FunctionDef) and is_kernel(node) for node in ast.walk(parsed(source)))
 
 
-def _is_kernel(function: ast.FunctionDef) -> bool:
+def is_kernel(function: ast.FunctionDef) -> bool:
+    """Whether a function is compiled."""
     return any(
         getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "inlined_kernel", "njit", "jit")
         for mark in function.decorator_list
@@ -243,44 +244,10 @@ def whole_numbers_in_kernels(source: str) -> list[str]:
     return [
         f"{call.lineno}: {function.name} calls {_called(call)}"
         for function in ast.walk(parsed(source))
-        if isinstance(function, ast.FunctionDef) and _is_kernel(function)
+        if isinstance(function, ast.FunctionDef) and is_kernel(function)
         for call in ast.walk(function)
         if isinstance(call, ast.Call) and _called(call) in WHOLE
     ]
-
-
-#: What numpy functions GPU code has that the processor's also has.
-NUMPY_ON_GPU = ("uint64", "int64", "float32", "float64", "tan")
-
-
-def foreign_to_gpus(source: str) -> list[str]:
-    """``line: kernel: statement`` of what numba makes no GPU code of: exceptions, printing, most of numpy,
-    and arrays copied whole, through an array in between.
-    """
-    return [
-        f"{node.lineno}: {function.name}: {ast.unparse(node)}"
-        for function in ast.walk(parsed(source))
-        if isinstance(function, ast.FunctionDef) and _is_kernel(function)
-        for node in ast.walk(function)
-        if isinstance(node, ast.Raise | ast.Try | ast.Assert | ast.With)
-        or (isinstance(node, ast.Call) and _no_gpu_has(node.func))
-        or (isinstance(node, ast.Assign) and _copies_array(node))
-    ]
-
-
-def _no_gpu_has(called: ast.expr) -> bool:
-    if isinstance(called, ast.Attribute) and getattr(called.value, "id", "") == "np":
-        return called.attr not in NUMPY_ON_GPU
-    return getattr(called, "id", "") == "print" or getattr(called, "attr", "") == "copy"
-
-
-def _copies_array(node: ast.Assign) -> bool:
-    whole = any(isinstance(target, ast.Subscript) and _has_slice(target.slice) for target in node.targets)
-    return whole and not isinstance(node.value, ast.Constant)
-
-
-def _has_slice(index: ast.expr) -> bool:
-    return any(isinstance(part, ast.Slice) for part in getattr(index, "elts", [index]))
 
 
 def whole_number_names(source: str) -> set[str]:

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from source_rules import breaches, foreign_to_gpus, modules
+from gpu_rules import foreign_to_gpus
+from source_rules import breaches, modules
 
 FLYING = modules("environment", "fsw", "interface", "sensors", "sim", "spatial", "vehicle", "telemetry")
 
