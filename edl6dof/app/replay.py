@@ -20,6 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import refusal
+from edl6dof.config.wording import nearest
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.scenario.schema import Scenario
@@ -118,6 +119,7 @@ def show_replay(options: ReplayOptions) -> list[Path]:
         ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run here.
     """
     from edl6dof.replay.film import encoder
+    from edl6dof.replay.views.layout import TITLES
 
     targets = [path for path in (options.html, options.screenshot, options.video) if path is not None]
     for path in targets:
@@ -130,6 +132,10 @@ def show_replay(options: ReplayOptions) -> list[Path]:
         raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
     if options.page and options.runs[0].is_file():
         raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
+    if options.page not in ("", *TITLES):
+        near = nearest(options.page, TITLES)
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise refusal("--page", f"no page {options.page!r}{hint} (there are: {', '.join(TITLES)})")
     for run in options.runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")

@@ -149,7 +149,11 @@ def range_of(beam: str) -> str:
 
 
 def describe(name: str) -> tuple[str, str]:
-    """Unit and meaning of a telemetry column."""
+    """Unit and meaning of a telemetry column.
+
+    Raises:
+        UnknownChannel: there is none of this name.
+    """
     if name == "t_s":
         return "s", "time since the initial state"
     if name.startswith("rcs."):
@@ -169,6 +173,8 @@ def describe(name: str) -> tuple[str, str]:
         return "kg", f"what the flow meter of branch {name[8:-3]} has counted of it; 0 without a meter"
     if name.startswith("expected."):
         return "kg/s", f"flow through branch {name[9:-5]} that commands call for, mean of a control cycle"
+    if name not in _BY_NAME:
+        raise UnknownChannel(name, _BY_NAME)
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 
