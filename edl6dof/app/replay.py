@@ -121,7 +121,7 @@ def show_replay(options: ReplayOptions) -> list[Path]:
 
     targets = [path for path in (options.html, options.screenshot, options.video) if path is not None]
     for path in targets:
-        refuse_existing_file(path, options.force)
+        refuse_existing_file(path, options.force, options.runs[0])
     if options.at_s is not None and options.screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
     if options.video is not None and options.video.suffix.lower() != ".mp4":
@@ -146,14 +146,14 @@ def _show(recording: Path, options: ReplayOptions) -> None:
 
     title = f"edl6dof replay: {', '.join(_labels(options.runs))}"
     if options.screenshot is not None:
-        with atomic_file(options.screenshot, options.force) as partial:
+        with atomic_file(options.screenshot, options.force, options.runs[0]) as partial:
             viewer.screenshot(recording, partial, _time(recording, "--at", options.at_s))
     if options.video is not None:
         cut = _cut(recording, options.film)
-        with atomic_file(options.video, options.force) as partial, _told() as told:
+        with atomic_file(options.video, options.force, options.runs[0]) as partial, _told() as told:
             film.film(recording, partial, cut, told)
     if options.html is not None:
-        with atomic_file(options.html, options.force) as partial:
+        with atomic_file(options.html, options.force, options.runs[0]) as partial:
             partial.write_bytes(page.page(recording, title))
     if options.screenshot is None and options.html is None and options.video is None:
         if options.web:

@@ -41,7 +41,7 @@ def show_matrix(store: Store, options: CampaignOptions) -> int:
     rows = store.table().to_pylist()
     figures = stated(store.summary.faults)
     if not (page := store.folder / "report.html").exists():
-        write_page(report_of(store.folder), page, force=False)
+        write_page(report_of(store.folder), page, False, store.folder)
     if options.as_json:
         print(json_text({**figures, "rows": rows}), end="")
     else:
