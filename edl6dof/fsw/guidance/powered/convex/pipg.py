@@ -139,11 +139,11 @@ def solve(landing, most, plan):
     qx, qy, qz = qx / norm, qy / norm, qz / norm
     put3(plan.pull, 0, (qx, qy, qz))
     put3(plan.primer_end, 0, (flat * px - mean * qx, flat * py - mean * qy, flat * pz - mean * qz))
-    judge(landing, plan)
+    evaluate(landing, plan)
 
 
 @kernel
-def judge(landing, plan):
+def evaluate(landing, plan):
     """What the thrust ``w`` of a plan comes to: fuel, cost, and where it misses."""
     spent = weigh(landing, plan)
     (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, plan.time)
