@@ -2,7 +2,7 @@
 README.md and docs/, in document order, in a fresh folder for each page.
 
     python tools/run_docs.py                          # all pages: an hour of one core
-    python tools/run_docs.py --page docs/python.md    # one of them; --show prints what the commands print
+    python tools/run_docs.py --page docs/python.md    # one of them; --show prints what they print
     python tools/run_docs.py --list                   # what would be run, and what not, and why
 
 ``tools/docs_commands.py`` says which remarks in a page change what is run.
@@ -40,10 +40,10 @@ class Done:
         return self.status == self.step.status
 
 
-def run_page(page: str, show: bool) -> list[Done]:
-    """Run the steps of a page in a folder of their own."""
+def run_page(page: str, show: bool, since: int = 1) -> list[Done]:
+    """Run the steps of a page, from a line on, in a folder of their own."""
     text = (ROOT / page).read_text(encoding="utf-8")
-    wanted = [step for step in steps(page, text) if not step.reason]
+    wanted = [step for step in steps(page, text) if not step.reason and step.line >= since]
     if not wanted:
         return []
     with TemporaryDirectory(prefix="edl6dof-docs-") as place:
@@ -106,6 +106,7 @@ def main() -> int:
     parser.add_argument(
         "--page", action="append", help="page, such as docs/python.md; repeatable; all if not given"
     )
+    parser.add_argument("--since", type=int, default=1, metavar="LINE", help="line of each page to begin at")
     parser.add_argument("--show", action="store_true", help="print what the commands print")
     parser.add_argument("--list", action="store_true", help="run nothing; print what would be run")
     wanted = parser.parse_args()
@@ -116,7 +117,7 @@ def main() -> int:
                 reason = f"NOT RUN ({step.reason}): " if step.reason else ""
                 print(f"{_place(step)} {reason}{_words(step)}")
         return 0
-    done = [each for page in chosen for each in run_page(page, wanted.show)]
+    done = [each for page in chosen for each in run_page(page, wanted.show, wanted.since)]
     wrong = [each for each in done if not each.right]
     cpu_s = sum(each.cpu_s for each in done)
     print(f"{len(done)} commands, {cpu_s:.0f} s of CPU, {len(wrong)} not as they should")

@@ -44,7 +44,7 @@ def stale(text):
         if block.language not in ("sh", "python")
         or not remark["rest"]
         or remark["text"]
-        and not any(remark["text"] in line for line in block.lines)
+        and not any(remark["text"] in re.sub(r"\s+#.*", "", line) for line in block.lines)
     ]
 
 
