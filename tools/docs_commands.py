@@ -5,7 +5,9 @@ above a block on how ``tools/run_docs.py`` runs it.  A remark is an HTML comment
     <!-- not run: WHY -->                   nothing of the block can run by itself
     <!-- not run: `TEXT`: WHY -->           nor can the commands that contain TEXT
     <!-- run with: `TEXT` => `OTHER` -->    less of the same, where all of it takes long, or opens a window
-    <!-- status 1: `TEXT`: WHY -->          the commands that contain TEXT say so that a limit is not kept
+    <!-- or status 1: `TEXT`: WHY -->       the commands that contain TEXT may say that a limit is not kept
+
+A command whose own remark is ``# exit status 1`` has to.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 _REMARK = re.compile(
-    r"<!-- (?P<kind>before|not run|run with|status 1): (?:`(?P<text>[^`]+)`(?:: | => )?)?(?P<rest>.*?) -->"
+    r"<!-- (?P<kind>before|not run|run with|or status 1): (?:`(?P<text>[^`]+)`(?:: | => )?)?(?P<rest>.*?) -->"
 )
 
 
@@ -30,7 +32,7 @@ class Step:
     run: str
     reason: str = ""  #: why it is not run; empty where it is
     python: bool = False
-    status: int = 0  #: exit status that is right
+    statuses: tuple[int, ...] = (0,)  #: exit statuses that are right
 
 
 @dataclass
@@ -96,10 +98,14 @@ def _of_shell(page: str, block: Block) -> list[Step]:
         if remark["kind"] == "before"
     ]
     return first + [
-        _remarked(Step(page, number, command, command), block)
+        _remarked(Step(page, number, command, command, statuses=_told(line)), block)
         for number, line in enumerate(block.lines, block.line)
         if (command := re.sub(r"(^|\s{2,})#.*| # .*", "", line).strip())
     ]
+
+
+def _told(line: str) -> tuple[int, ...]:
+    return (1,) if "# exit status 1" in line else (0,)
 
 
 def _of_python(page: str, block: Block) -> Step:
@@ -108,7 +114,7 @@ def _of_python(page: str, block: Block) -> Step:
 
 
 def _remarked(step: Step, block: Block) -> Step:
-    run, reason, status = step.shown, "", 0
+    run, reason, statuses = step.shown, "", step.statuses
     for remark in block.remarks:
         if remark["text"] is not None and remark["text"] not in step.shown:
             continue
@@ -116,9 +122,9 @@ def _remarked(step: Step, block: Block) -> Step:
             reason = remark["rest"]
         elif remark["kind"] == "run with":
             run = run.replace(remark["text"], remark["rest"].strip("`"))
-        elif remark["kind"] == "status 1":
-            status = 1
-    return replace(step, run=_without_window(run), reason=reason, status=status)
+        elif remark["kind"] == "or status 1":
+            statuses = (0, 1)
+    return replace(step, run=_without_window(run), reason=reason, statuses=statuses)
 
 
 def _without_window(command: str) -> str:

@@ -95,9 +95,7 @@ def fly(
     return flight
 
 
-def _loaded(
-    scenario: LoadedScenario | str | Path, overrides: Overrides, trust: bool
-) -> LoadedScenario:
+def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides, trust: bool) -> LoadedScenario:
     if isinstance(scenario, str | Path):
         return load(scenario, overrides, trust)
     if not hasattr(scenario, "document"):

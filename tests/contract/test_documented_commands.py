@@ -93,12 +93,13 @@ PAGE = """
 <!-- before: edl6dof fly msl -->
 <!-- run with: `-n 1000` => `-n 4` -->
 <!-- not run: `gpu`: needs one -->
-<!-- status 1: `faults`: not all land -->
+<!-- or status 1: `faults`: not all land -->
 ```sh
 edl6dof campaign a_mc -n 1000        # many
 edl6dof campaign a_mc --engine gpu
 edl6dof faults a --set 'x=[1]'  # '#' begins a remark
 edl6dof replay runs/a
+edl6dof fly genesis  # exit status 1: as flown
 ```
 
 <!-- not run: no program -->
@@ -118,18 +119,19 @@ b = a
 
 def test_remarks_say_what_is_run():
     found = steps("p.md", PAGE)
-    assert [(step.run, step.reason, step.status) for step in found if not step.python] == [
-        ("edl6dof fly msl", "", 0),
-        ("edl6dof campaign a_mc -n 4", "", 0),
-        ("edl6dof campaign a_mc --engine gpu", "needs one", 0),
-        ("edl6dof faults a --set 'x=[1]'", "", 1),
-        ("edl6dof replay runs/a --html replay.html --force", "", 0),
+    assert [(step.run, step.reason, step.statuses) for step in found if not step.python] == [
+        ("edl6dof fly msl", "", (0,)),
+        ("edl6dof campaign a_mc -n 4", "", (0,)),
+        ("edl6dof campaign a_mc --engine gpu", "needs one", (0,)),
+        ("edl6dof faults a --set 'x=[1]'", "", (0, 1)),
+        ("edl6dof replay runs/a --html replay.html --force", "", (0,)),
+        ("edl6dof fly genesis", "", (1,)),
     ]
     assert [(step.line, step.run.strip().split("\n")[0], step.reason) for step in found if step.python] == [
-        (15, "x = y", "no program"),
-        (23, "a = 1", ""),
+        (16, "x = y", "no program"),
+        (24, "a = 1", ""),
     ]
-    assert found[-1].run.splitlines()[22] == "b = a", "an error has its line"
+    assert found[-1].run.splitlines()[23] == "b = a", "an error has its line"
 
 
 def test_what_the_tool_does_not_see_is_found():
