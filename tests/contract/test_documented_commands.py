@@ -71,6 +71,22 @@ def test_every_command_of_a_page_is_run_or_says_why_not(page):
                 assert step.python or step.reason or TYPED.match(command), command
 
 
+def begun_twice(page, text):
+    """Folders in which a page begins two campaigns; the second would be refused."""
+    begun = [
+        str(found.params["out"] or (found.info_name, found.params["scenario"]))
+        for step in steps(page, text)
+        if not step.python and step.shown.startswith(("edl6dof campaign", "edl6dof faults"))
+        if not (found := parsed(step.shown)).params["resume"]
+    ]
+    return [folder for folder in begun if begun.count(folder) > 1]
+
+
+@pytest.mark.parametrize("page", pages())
+def test_no_page_begins_two_campaigns_in_a_folder(page):
+    assert begun_twice(page, text_of(page)) == []
+
+
 def test_there_is_something_to_run():
     found = [step for page in pages() for step in steps(page, text_of(page))]
     run = [step for step in found if not step.reason]
@@ -139,5 +155,9 @@ def test_what_the_tool_does_not_see_is_found():
     assert unseen("```\npython tools/x.py\n```\n") == ["python tools/x.py"]
     assert unseen("```sh\nedl6dof fly a\n```\n") == []
     assert stale("<!-- not run: `msl`: slow -->\n```sh\nedl6dof fly a\n```\n")
+    assert (
+        begun_twice("p.md", "```sh\nedl6dof campaign a\nedl6dof campaign a -n 4\n```\n")
+        == ["('campaign', 'a')"] * 2
+    )
     with pytest.raises(Exception, match="--colour"):
         parsed("edl6dof fly a --colour")
