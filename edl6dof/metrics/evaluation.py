@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.config.units import split_unit
 from edl6dof.fsw.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
-from edl6dof.metrics.figures import FIGURES
+from edl6dof.metrics.figures import LIMITS
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
@@ -41,10 +41,6 @@ class Check:
     def ok(self) -> bool:
         """Whether the limit is kept; a value that could not be formed does not keep it."""
         return bool(self.value <= self.limit)
-
-
-#: Figures that have a limit, in the order in which they are told of.
-LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
