@@ -33,10 +33,11 @@ STEERING = np.dtype(
 
 
 @kernel
-def limited(onboard, wanted):
-    """Bank magnitude (rad) inside the limits that all laws share."""
-    p = onboard.guidance.entry
-    return clamp(abs(wanted), p.bank_min, p.bank_max)
+def limited(onboard, out, wanted):
+    """Bank magnitude (rad) inside the limits that all laws share; the lower one is that which the law allows
+    now.
+    """
+    return clamp(abs(wanted), out.least_bank, onboard.guidance.entry.bank_max)
 
 
 @kernel
@@ -65,7 +66,7 @@ def steer_bank(onboard, nav, memory, out, wanted):
     elif nav.speed < p.heading.speed:
         goal = heading_bank(p.heading, out.range_to_go, out.crossrange)
     else:
-        goal = chosen_side(onboard, nav, memory, out, wanted) * limited(onboard, wanted)
+        goal = chosen_side(onboard, nav, memory, out, wanted) * limited(onboard, out, wanted)
     if memory.t > 0.0:
         step = p.bank_rate * (nav.t - memory.t)
         goal = clamp(goal, memory.bank - step, memory.bank + step)
