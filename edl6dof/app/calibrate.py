@@ -52,6 +52,9 @@ def run_calibrate(options: CalibrateOptions) -> int:
 def _show(found: Findings, target: Path) -> None:
     console = Console(highlight=False, soft_wrap=True)
     letters = [chr(ord("a") + k) for k in range(len(found.fit.x))]
+    console.print("[bold]Parameters[/]")
+    for letter, path in zip(letters, found.calibration.params.parameters, strict=True):
+        console.print(f"  {letter}   {path}", markup=False)  # never broken, as in a column of the table
     console.print(_parameters(found, letters))
     console.print(_figures(found))
     console.print(_slopes(found, letters))
@@ -62,9 +65,7 @@ def _show(found: Findings, target: Path) -> None:
 
 
 def _parameters(found: Findings, letters: Sequence[str]) -> Table:
-    table = open_table(
-        "Parameters", "", "parameter", "prior>", "posterior>", "shift (sigma)>", "told by figures>"
-    )
+    table = open_table("", "", "prior>", "posterior>", "shift (sigma)>", "told by figures>")
     for k, (path, prior) in enumerate(found.calibration.params.parameters.items()):
         cells = (
             f"{prior.mean:g} +- {prior.sigma:g}",
@@ -72,7 +73,7 @@ def _parameters(found: Findings, letters: Sequence[str]) -> Table:
             f"{found.fit.x[k]:+.2f}",
             f"{100 * found.fit.resolution[k]:.0f} %",
         )
-        table.add_row(letters[k], path, *cells)
+        table.add_row(letters[k], *cells)
     return table
 
 

@@ -29,6 +29,10 @@ from edl6dof.studies.write import to_json, write_study
 MOST_RUNS = 1_000_000
 
 
+#: A smaller spread, as a share of the value, is rounding: flights that do not differ in it.
+ROUNDING = 1e-6
+
+
 @dataclass(frozen=True)
 class StudyOptions:
     """Options of ``edl6dof study``."""
@@ -182,15 +186,18 @@ def _numbers(finding: Finding) -> tuple[str, str]:
     published = (
         "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
     )
-    spread = "" if finding.spread is None else f" +- {significant(finding.spread, 2)}"
-    return significant(finding.computed) + spread, published
+    if finding.spread is None:
+        return significant(finding.computed), published
+    spread = finding.spread if finding.spread > ROUNDING * abs(finding.computed) else 0.0
+    return f"{significant(finding.computed)} +- {significant(spread, 2)}", published
 
 
 def _difference(finding: Finding) -> str:
     """Computed less published, where that is a flown value."""
     if finding.bound or finding.published is None:
         return ""
-    return f"{finding.computed - finding.published:+.2g}"
+    difference = finding.computed - finding.published
+    return f"{'' if difference < 0.0 else '+'}{significant(difference, 2)}"
 
 
 def _mark(finding: Finding) -> Text:

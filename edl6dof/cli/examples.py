@@ -28,7 +28,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "compare": ("edl6dof compare runs/tianwen1 runs/heavy", "edl6dof compare runs/a_mc runs/b_mc --json"),
     "export": ("edl6dof export runs/tianwen1 --format csv", "edl6dof export runs/tianwen1 - --nesc"),
     "verify": ("edl6dof verify", "edl6dof verify kepler tumbling --plots plots"),
-    "validate": ("edl6dof validate", "edl6dof validate msl_mc -n 1000"),
+    "validate": ("edl6dof validate", "edl6dof validate viking1_mc -n 1000"),
     "figures": (
         "edl6dof figures tianwen1 -n 30",
         "edl6dof figures tianwen1 --set vehicle.mass.entry_kg=1350",

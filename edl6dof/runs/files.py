@@ -55,5 +55,5 @@ def refuse_existing_file(target: Path, force: bool, made_from: Path | None = Non
     if made_from is None:
         raise refusal(target, "exists; name another file, or replace it with --force")
     if not is_made_from(made_from, target):
-        words = f"exists, and is not what was made from {made_from}, unchanged"
+        words = "exists, and is not, byte for byte, what was made of this result before"
         raise refusal(target, f"{words}; name another file, or replace it with --force")

@@ -49,7 +49,7 @@ def test_a_second_pass_makes_it_again_unless_it_is_the_users(home, words, name):
     edited = (home / name).read_bytes() + b"\nmy remark"
     (home / name).write_bytes(edited)
     done = outcome()
-    assert refused(done) and "not what was made from run, unchanged" in done.stderr
+    assert refused(done) and "byte for byte, what was made of this result" in done.stderr
     assert (home / name).read_bytes() == edited
 
 
@@ -57,7 +57,7 @@ def test_what_another_result_was_made_into_is_kept(home):
     shutil.copytree(home / "run", home / "other")
     assert called("export", "run", "x.csv", "--format", "csv", cwd=home).returncode == 0
     done = called("export", "other", "x.csv", "--format", "csv", cwd=home)
-    assert refused(done) and "made from other" in done.stderr
+    assert refused(done) and "made of this result" in done.stderr
 
 
 def test_a_file_that_was_there_before_is_kept(home):
