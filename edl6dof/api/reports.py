@@ -20,18 +20,18 @@ def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bo
     target = out or folder / "report.html"
     print_out = target.with_suffix(".pdf")
     for path in [print_out] * pdf or [target] * (not png):
-        refuse_existing_file(path, force)
+        refuse_existing_file(path, force, folder)
     report = report_of(folder)
     if png:
-        yield from _write_figures(report, target.with_suffix(""), force)
+        yield from _write_figures(report, target.with_suffix(""), force, folder)
     if pdf:
         from edl6dof.report.pdf import write_pdf
 
-        with atomic_file(print_out, force) as partial:
+        with atomic_file(print_out, force, folder) as partial:
             write_pdf(report, partial)
         yield print_out
     if not (pdf or png):
-        write_page(report, target, force)
+        write_page(report, target, force, folder)
         yield target
 
 
@@ -55,19 +55,19 @@ def report_of(folder: Path) -> Report:
     raise refusal(folder, "holds nothing to report on (no telemetry.parquet); name the folder of a run")
 
 
-def write_page(report: Report, path: Path, force: bool) -> None:
-    """Write a report as one HTML file."""
+def write_page(report: Report, path: Path, force: bool, made_from: Path) -> None:
+    """Write a report as one HTML file, made from the result in a folder."""
     from edl6dof.report.page import page
 
-    with atomic_file(path, force) as partial:
+    with atomic_file(path, force, made_from) as partial:
         partial.write_text(page(report), encoding="utf-8")
 
 
-def _write_figures(report: Report, folder: Path, force: bool) -> Iterator[Path]:
+def _write_figures(report: Report, folder: Path, force: bool, made_from: Path) -> Iterator[Path]:
     from edl6dof.report.matplotlib_figure import write_figure
 
     for figure in report.figures():
         path = folder / f"{figure.key}.png"
-        with atomic_file(path, force) as partial:
+        with atomic_file(path, force, made_from) as partial:
             write_figure(figure, partial)
         yield path

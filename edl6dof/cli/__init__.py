@@ -12,7 +12,7 @@ from edl6dof.cli.covariance import covariance
 from edl6dof.cli.design import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
-from edl6dof.cli.group import app
+from edl6dof.cli.group import Command, app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve
 
@@ -30,7 +30,7 @@ COMMANDS = (
     *(verify, validate, figures, calibrate, study, campaign, covariance, refly, faults, serve, version),
 )
 for command in COMMANDS:
-    app.command(epilog=examples(command.__name__))(command)
+    app.command(cls=Command, epilog=examples(command.__name__))(command)
 app.add_typer(design, name="design")
 
 
