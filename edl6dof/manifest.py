@@ -24,10 +24,14 @@ from edl6dof.durable import sync, write_atomic
 
 MANIFEST = "manifest.json"
 
+#: What was made from the result later, and may be made again (:mod:`edl6dof.runs.made`).
+MADE = "made.json"
+
 #: What commands write later into a folder of each kind; a user's own files never look like these.
 LATER = {
     "flight": (
         *(
+            MADE,
             "report.html",
             "report.pdf",
             "report/*.png",
@@ -59,7 +63,7 @@ def seal(folder: Path, kind: str) -> None:
     content = {
         "written_by": f"edl6dof {__version__}",
         "kind": kind,
-        "files": {name: _hash_of(folder / name) for name in names},
+        "files": {name: hash_of(folder / name) for name in names},
     }
     write_atomic(folder / MANIFEST, (json.dumps(content, indent=1) + "\n").encode())
 
@@ -129,14 +133,14 @@ class Manifest:
             path = self.folder / name
             if path.is_symlink() or not (name in (MANIFEST, *self.files) or _is_later(name, self.kind)):
                 return f"{name}, which edl6dof did not write"
-            if name in self.files and _hash_of(path) != self.files[name]:
+            if name in self.files and hash_of(path) != self.files[name]:
                 return f"{name}, which has changed since edl6dof wrote it"
         return None
 
 
 def listed(folder: Path) -> str:
-    """Names of the files in a folder as they are told to the user, who has no use for the manifest."""
-    return ", ".join(sorted(path.name for path in folder.iterdir() if path.name != MANIFEST))
+    """Names of the files in a folder as they are told to the user, who has no use for those about files."""
+    return ", ".join(sorted(path.name for path in folder.iterdir() if path.name not in (MANIFEST, MADE)))
 
 
 def _is_later(name: str, kind: str) -> bool:
@@ -177,7 +181,11 @@ def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _hash_of(path: Path) -> str:
-    """The same of a file, of which a part at a time is held."""
+def hash_of(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal; a part of it at a time is held.
+
+    Raises:
+        ConfigError: it cannot be read.
+    """
     with _opened(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

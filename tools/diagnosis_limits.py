@@ -74,7 +74,7 @@ def share(values: list[bool]) -> str:
 def named_right(rows: list[Row]) -> tuple[str, str]:
     """Share of the faults that began of which the right thruster was named, and the median time to that."""
     begun = [row for row in rows if row.get("fault_s") is not None]
-    times = [row["verdict_s"] for row in begun if row["name_right"]]
+    times = [row["isolation_s"] for row in begun if row["name_right"]]
     return share([row["name_right"] for row in begun]), f"{np.median(times):.2f}" if times else "-"
 
 

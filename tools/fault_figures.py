@@ -68,13 +68,13 @@ def single_faults(title: str, rows: list[Row]) -> str:
     """Figures of the flights with one fault that began."""
     begun = [row for row in rows if row.get("fault_s") is not None]
     right = [row for row in begun if row["kind_right"]]
-    times = np.array([row["verdict_s"] for row in right])
+    times = np.array([row["isolation_s"] for row in right])
     lines = [
         (f"{title}: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the fault began"),
         f"  right thruster and kind named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, flights "
-        f"with a wrong verdict {sum(row['wrongly_named'] is not None for row in begun)}",
+        f"with a wrong isolation {sum(row['wrongly_named'] is not None for row in begun)}",
         (
-            f"  time to the verdict: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, "
+            f"  time to isolation: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, "
             f"largest {times.max():.2f} s"
         ),
         f"  landed within limits {sum(row['success'] for row in begun)}",

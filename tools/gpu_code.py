@@ -3,6 +3,7 @@ how many registers it takes and what it spills.
 
     python tools/gpu_code.py --part derivative   # the equations of motion: half a minute of one core
     python tools/gpu_code.py                     # the closed loop, as edl6dof campaign --engine gpu flies it
+    python tools/gpu_code.py --part loop-with-eyes   # and with images and maps
     python tools/gpu_code.py --no-assembly       # as far as PTX
 
 It needs `pip install 'edl6dof[gpu]'`, which brings NVVM and the assembler of CUDA.  Exit status 1: no code
@@ -27,13 +28,14 @@ from numba import cuda, types
 from numba.cuda import dispatcher
 
 from edl6dof.campaign.gpu.entry import fly_flights
-from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.campaign.gpu.layouts import LEAN, WHOLE_LOG, Layout
+from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.metrics.telling_rows import TELLING
 from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import TABLES
-from edl6dof.sensors.registry import SENSORS
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.motion.runge_kutta import evaluate
-from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
+from edl6dof.vehicle.plant import OUTPUTS, STATE, WORKSPACE
 
 
 def derivative(cases, tables_, plants, outputs_, works):
@@ -54,17 +56,24 @@ def lines(layout: Any) -> types.Array:
 
 
 WHOLE, MANY = types.int64, types.int64[::1]
+
+
+def loop(layout: Layout) -> tuple[Callable[..., Any], list[types.Type]]:
+    """The closed loop, for records of a layout."""
+    case, *changing = layout.own.values()
+    return fly_flights.py_func, [
+        *(records(case), records(ONBOARD), MANY, records(TABLES), MANY),
+        *(records(kind) for kind in changing),
+        *(MANY, MANY, MANY, WHOLE, WHOLE, lines(TICK), lines(BRIEF)),
+        *(records(TELLING), MANY, types.int8[:, ::1], WHOLE),
+    ]
+
+
 #: What is compiled, and for which arguments.
 PARTS: dict[str, tuple[Callable[..., Any], list[types.Type]]] = {
     "derivative": (derivative, [records(d) for d in (CASE, TABLES, STATE, OUTPUTS, WORKSPACE)]),
-    "loop": (
-        fly_flights.py_func,
-        [
-            *(records(CASE), records(ONBOARD), MANY, records(TABLES), MANY),
-            *(records(d) for d in (STATE, OUTPUTS, PEAKS, WORKSPACE, SENSORS, FSW)),
-            *(MANY, MANY, MANY, WHOLE, WHOLE, lines(TICK), lines(BRIEF)),
-        ],
-    ),
+    "loop": loop(LEAN),
+    "loop-with-eyes": loop(WHOLE_LOG),
 }
 
 

@@ -17,7 +17,7 @@ broken = edl6dof.fly("tianwen1", {"faults": [fault]})
 print(broken.outcome)  # landed within limits
 
 # %% [markdown]
-# The timeline has both the fault and the verdict of the flight computer.
+# The timeline has both the fault and the isolation of the flight computer.
 
 # %%
 found = {event["key"]: event for event in broken.events if event["key"] in ("fault", "diagnosis")}

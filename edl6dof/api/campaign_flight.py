@@ -16,6 +16,9 @@ from edl6dof.config.errors import refusal
 #: What may fly a campaign.
 ENGINES = ("threads", "dask", "gpu")
 
+#: As many threads, or processes, at most.
+MOST_WORKERS = 1024
+
 #: Makes what is told how a campaign of so many cases stands.
 Watch = Callable[[int], AbstractContextManager[run.Report | None]]
 
@@ -29,7 +32,7 @@ class EngineChoice:
     cluster: str | None = None
 
     def check(self) -> None:
-        """See that there is such an engine.
+        """See that there is such an engine, with so many workers.
 
         Raises:
             ConfigError: there is not.
@@ -38,6 +41,8 @@ class EngineChoice:
             raise refusal("--engine", f"must be threads, dask or gpu (got {self.name!r})")
         if self.cluster is not None and self.name != "dask":
             raise refusal("--cluster", "needs --engine dask")
+        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
+            raise refusal("--workers", f"must be 1 .. {MOST_WORKERS} (got {self.workers})")
         if self.workers is not None and self.name == "gpu":
             raise refusal("--workers", "a GPU flies as many at a time as its memory holds; leave it out")
 

@@ -12,15 +12,19 @@ import numpy as np
 
 from edl6dof.api.overrides import Overrides, texts
 from edl6dof.api.results import FlightResults
-from edl6dof.metrics.evaluation import LIMITS, Check
+from edl6dof.metrics.evaluation import Check
+from edl6dof.metrics.figures import LIMITS
 from edl6dof.runs.run import Run
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim import flight as sim
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.flight import attitude_at
 from edl6dof.telemetry.columns import describe
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from pyquaternion import Quaternion
 
     from edl6dof.scenario.records import Records
 
@@ -30,9 +34,11 @@ class Flight(sim.Flight, FlightResults):
 
     Attributes:
         differences: of a case of a campaign flown again: columns in which it is not as its row.
+        folder: where it was saved last; ``None`` of one that is in memory only.
     """
 
     differences: tuple[str, ...] = ()
+    folder: Path | None = None
 
     @classmethod
     def of(cls, flight: sim.Flight) -> Flight:
@@ -58,7 +64,8 @@ class Flight(sim.Flight, FlightResults):
 
         with atomic_folder(Path(folder), "flight", force) as partial:
             write_files(self, partial, replay)
-        return Path(folder)
+        self.folder = Path(folder)
+        return self.folder
 
 
 class RecordedFlight(FlightResults):
@@ -131,6 +138,10 @@ class RecordedFlight(FlightResults):
             )
             for limit in self._run.summary["limits"]
         ]
+
+    def attitude(self, t: float) -> Quaternion:
+        """Attitude at time ``t`` (s); see :meth:`edl6dof.sim.flight.Flight.attitude`."""
+        return attitude_at(t, self["t_s"], [self[f"truth.q_I2B_{c}"] for c in "wxyz"])
 
     @property
     def scenario_text(self) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from edl6dof.report.terminal import VERDICT, aligned_pair
+from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair
 
 if TYPE_CHECKING:
     from edl6dof.api.results import FlightResults
@@ -45,7 +45,7 @@ def flight_html(flight: FlightResults) -> str:
                 check.label,
                 check.unit,
                 *aligned_pair(check.value, check.limit, check.ok),
-                VERDICT[check.ok],
+                LIMIT_STATUS[check.ok],
             )
             for check in flight.checks
         ),

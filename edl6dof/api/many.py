@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from edl6dof.api.one import Overrides, activate
+from edl6dof.api.wording import in_python, scenario_name
 
 if TYPE_CHECKING:
     from edl6dof.api.campaigns import CampaignResult
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 
+@in_python()
 def campaign(
     scenario: str | Path,
     overrides: Overrides = (),
@@ -46,7 +48,7 @@ def campaign(
         seed: of the dispersions.
         sampling: ``monte_carlo``, ``latin_hypercube``, ``sobol`` or ``sobol_indices``.
         until: when to stop early, such as ``"p_success +- 0.5%"``.
-        engine: ``threads`` or ``dask``.
+        engine: ``threads``, ``dask`` or ``gpu``.
         workers: threads or processes; all cores if not given.
         cluster: address of a Dask scheduler.
         out: folder to keep it in, which can be gone on with; in memory only if not given.
@@ -58,6 +60,7 @@ def campaign(
     Raises:
         ConfigError: the campaign is wrong, or its folder must not be replaced.
     """
+    scenario = scenario_name(scenario)
     activate(scenario, trust=trust)
     from edl6dof.api.public import EngineChoice, fly_campaign
 
@@ -76,6 +79,7 @@ def campaign(
     )
 
 
+@in_python(after="after_s")
 def faults(
     scenario: str | Path = "tianwen1",
     overrides: Overrides = (),
@@ -115,6 +119,7 @@ def faults(
     Raises:
         ConfigError: everything that is wrong with what is wanted.
     """
+    scenario = scenario_name(scenario)
     activate(scenario, trust=trust)
     from edl6dof.api.public import faults as fly_faults
 
@@ -137,6 +142,7 @@ def faults(
     )
 
 
+@in_python()
 def refly(
     campaign: str | Path | CampaignResult,
     case: int,
@@ -166,6 +172,7 @@ def refly(
     return refly_case(campaign, case, out, replay, force)
 
 
+@in_python()
 def calibrate(
     scenario: str | Path,
     overrides: Overrides = (),
@@ -188,6 +195,7 @@ def calibrate(
     Raises:
         ConfigError: the section is wrong, or too few flights come to the figures.
     """
+    scenario = scenario_name(scenario)
     activate(scenario, trust=trust)
     from edl6dof.api.public import calibrate as fit
 

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from edl6dof.api.wording import in_python, scenario_name
+
 if TYPE_CHECKING:
     from edl6dof.api.campaigns import CampaignResult
     from edl6dof.api.flights import Flight, RecordedFlight
@@ -24,6 +26,7 @@ def activate(*scenarios: str | Path | LoadedScenario, trust: bool = False) -> No
     activate([one for one in scenarios if isinstance(one, str | Path)], trust)
 
 
+@in_python()
 def load(name_or_path: str | Path, overrides: Overrides = (), trust: bool = False) -> LoadedScenario:
     """Read and validate a scenario file, or a shipped scenario by name.
 
@@ -35,15 +38,18 @@ def load(name_or_path: str | Path, overrides: Overrides = (), trust: bool = Fals
 
     Raises:
         ConfigError: with every problem found, each with file, line and key, and what was probably meant.
+        TypeError: an argument is of a wrong kind.
     """
     from edl6dof.api.overrides import texts
 
-    activate(name_or_path, trust=trust)
+    name = scenario_name(name_or_path)
+    activate(name, trust=trust)
     from edl6dof.scenario.loading import load_scenario
 
-    return load_scenario(name_or_path, texts(overrides))
+    return load_scenario(name, texts(overrides))
 
 
+@in_python(save_state="save_at_s")
 def fly(
     scenario: LoadedScenario | str | Path | None = None,
     overrides: Overrides = (),
@@ -69,6 +75,7 @@ def fly(
 
     Raises:
         ConfigError: the scenario is wrong, or ``out`` cannot be written.
+        TypeError: an argument is of a wrong kind, or there are overrides of a scenario that is loaded.
     """
     if start is not None and scenario is None:
         activate(trust=trust)
@@ -78,7 +85,7 @@ def fly(
     elif scenario is None:
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     else:
-        loaded = load(scenario, overrides, trust) if isinstance(scenario, str | Path) else scenario
+        loaded = _loaded(scenario, overrides, trust)
         options["start"] = start
     from edl6dof.api.public import fly as fly_scenario
 
@@ -88,6 +95,17 @@ def fly(
     return flight
 
 
+def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides, trust: bool) -> LoadedScenario:
+    if isinstance(scenario, str | Path):
+        return load(scenario, overrides, trust)
+    if not hasattr(scenario, "document"):
+        scenario_name(scenario)  # which says what it may be
+    if overrides:
+        raise TypeError("the scenario is loaded already: give the overrides to edl6dof.load")
+    return scenario
+
+
+@in_python()
 def open_run(folder: str | Path, trust: bool = False) -> RecordedFlight | CampaignResult:
     """Open the folder of a flight, or of a campaign: what flying it returned, from its files.
 
@@ -105,8 +123,9 @@ def open_run(folder: str | Path, trust: bool = False) -> RecordedFlight | Campai
     return open_folder(folder)
 
 
+@in_python()
 def report(
-    run: str | Path | RecordedFlight | CampaignResult,
+    run: str | Path | Flight | RecordedFlight | CampaignResult,
     *,
     out: str | Path | None = None,
     pdf: bool = False,
@@ -116,7 +135,7 @@ def report(
     """Write the report of a run or a campaign, as ``edl6dof report`` does; returns what was written.
 
     Args:
-        run: its folder, or what :func:`open_run` returned.
+        run: its folder, or what :func:`open_run` returned, or :func:`fly` with ``out``.
         out: file to write; ``report.html`` in the folder if not given.
         pdf, png: write the forms for papers instead.
         force: whether files that are there may be replaced.
@@ -129,8 +148,9 @@ def report(
     return write_report(run, out, pdf, png, force)
 
 
+@in_python(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})
 def replay(
-    *runs: str | Path | RecordedFlight | CampaignResult,
+    *runs: str | Path | Flight | RecordedFlight | CampaignResult,
     web: bool = False,
     html: str | Path | None = None,
     screenshot: str | Path | None = None,
@@ -147,7 +167,8 @@ def replay(
     """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; returns what was written.
 
     Args:
-        runs: folders, or what :func:`open_run` returned; the first may be a campaign's.
+        runs: folders, or what :func:`open_run` returned, or :func:`fly` with ``out``; the first may be a
+            campaign's.
         web: show it in the browser.
         html, screenshot, video: files to write instead: a page, a picture (PNG), a film (MP4).
         at_s: time of the picture, s.
@@ -158,7 +179,10 @@ def replay(
 
     Raises:
         ConfigError: there is no such replay, or the options do not fit together.
+        TypeError: no run is named.
     """
+    if not runs:
+        raise TypeError("name a run, such as 'runs/tianwen1'")
     activate(*(one for one in runs[:1] if isinstance(one, str | Path)), trust=trust)
     from edl6dof.api.public import replay as show_replay
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
+
+from edl6dof.config.errors import ConfigError, Problem
 
 #: Texts ``"dotted.path=value"``; or data by dotted path, or nested as in a scenario file.
 Overrides = Iterable[str] | Mapping[str, Any]
@@ -21,14 +24,21 @@ def texts(overrides: Overrides) -> tuple[str, ...]:
     ('wind.gust.enabled=true',)
 
     Raises:
-        TypeError: a value is neither a number, a text, true or false, nothing, nor lists or mappings of
-            them.
+        TypeError: they are neither; or a value is neither a number, a text, a path, true or false, nothing,
+            nor lists or mappings of them.
+        ConfigError: a number is not finite.
     """
     if isinstance(overrides, str):
         raise TypeError(f"overrides are a list of texts or a mapping; write [{overrides!r}]")
     if isinstance(overrides, Mapping):
-        return tuple(f"{path}={_text(value)}" for path, value in _leaves(overrides))
-    return tuple(overrides)
+        return tuple(f"{path}={_text(path, value)}" for path, value in _leaves(overrides))
+    if not isinstance(overrides, Iterable):
+        raise TypeError(f"overrides are a list of texts 'path=value' or a mapping (got {overrides!r})")
+    found = tuple(overrides)
+    for one in found:
+        if not isinstance(one, str):
+            raise TypeError(f"overrides are texts 'path=value', or a mapping of all of them (got {one!r})")
+    return found
 
 
 def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -43,9 +53,14 @@ def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
             yield path, value
 
 
-def _text(value: Any) -> str:
+def _text(path: str, value: Any) -> str:
     """A value as JSON, which is YAML."""
-    return json.dumps(value, default=_plain, allow_nan=False)
+    try:
+        return json.dumps(value, default=_plain, allow_nan=False)
+    except TypeError as error:
+        raise TypeError(f"{path}: {error}") from None
+    except ValueError:
+        raise ConfigError([Problem("overrides", 0, 0, path, f"must be finite (got {value!r})")]) from None
 
 
 def _plain(value: Any) -> Any:
@@ -53,4 +68,6 @@ def _plain(value: Any) -> Any:
         return dict(value)
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
+    if isinstance(value, PurePath):
+        return str(value)
     raise TypeError(f"{value!r} cannot stand in a scenario")

@@ -68,7 +68,9 @@ def faults(
     wanted = Wanted(sensors, listed(kinds), listed(components), pairs, listed(phases), after_s, moments)
     matrix = matrix_of(wanted, load_scenario(scenario, sets))
     plan = matrix_plan(str(scenario), matrix, sets, vehicles, seed)
-    return flown(plan, EngineChoice(workers=workers), None, out, force, progress)
+    engine = EngineChoice(workers=workers)
+    engine.check()
+    return flown(plan, engine, None, out, force, progress)
 
 
 def refly(
@@ -83,7 +85,7 @@ def refly(
 
 
 def report(
-    run: str | Path | RecordedFlight | CampaignResult,
+    run: str | Path | Flight | RecordedFlight | CampaignResult,
     out: str | Path | None,
     pdf: bool,
     png: bool,
@@ -97,7 +99,7 @@ def report(
 
 
 def replay(
-    runs: Sequence[str | Path | RecordedFlight | CampaignResult],
+    runs: Sequence[str | Path | Flight | RecordedFlight | CampaignResult],
     *,
     web: bool,
     html: str | Path | None,
@@ -120,16 +122,20 @@ def replay(
     return show_replay(ReplayOptions(folders, web, page_file, picture, at_s, page, force, film, cut))
 
 
-def folder_of(run: str | Path | RecordedFlight | CampaignResult) -> Path:
+def folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:
     """The folder of what was flown.
 
     Raises:
         ValueError: it has none.
+        TypeError: it is nothing that was flown.
     """
     if isinstance(run, str | Path):
         return Path(run)
+    if not isinstance(run, Flight | RecordedFlight | CampaignResult):
+        raise TypeError(f"a run is its folder, or what edl6dof.open_run returned (got {run!r})")
     if run.folder is None:
-        raise ValueError("this campaign is in memory only; fly it with out=FOLDER")
+        kind = "campaign" if isinstance(run, CampaignResult) else "flight"
+        raise ValueError(f"this {kind} is in memory only; fly it with out=FOLDER")
     return run.folder
 
 

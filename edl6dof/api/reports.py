@@ -8,7 +8,6 @@ from pathlib import Path
 from edl6dof.config.errors import refusal
 from edl6dof.report.document import Report
 from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.runs.run import TELEMETRY, Run
 
 
 def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> Iterator[Path]:
@@ -21,18 +20,18 @@ def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bo
     target = out or folder / "report.html"
     print_out = target.with_suffix(".pdf")
     for path in [print_out] * pdf or [target] * (not png):
-        refuse_existing_file(path, force)
+        refuse_existing_file(path, force, folder)
     report = report_of(folder)
     if png:
-        yield from _write_figures(report, target.with_suffix(""), force)
+        yield from _write_figures(report, target.with_suffix(""), force, folder)
     if pdf:
         from edl6dof.report.pdf import write_pdf
 
-        with atomic_file(print_out, force) as partial:
+        with atomic_file(print_out, force, folder) as partial:
             write_pdf(report, partial)
         yield print_out
     if not (pdf or png):
-        write_page(report, target, force)
+        write_page(report, target, force, folder)
         yield target
 
 
@@ -42,8 +41,9 @@ def report_of(folder: Path) -> Report:
     Raises:
         ConfigError: nothing in it can be reported on.
     """
-    if (folder / TELEMETRY).is_file():
+    if (folder / "telemetry.parquet").is_file():
         from edl6dof.report.flight.build import flight_report
+        from edl6dof.runs.run import Run
 
         return flight_report(Run(folder))
     if (folder / "campaign.json").is_file():
@@ -52,22 +52,22 @@ def report_of(folder: Path) -> Report:
         return campaign_report(folder)
     if not folder.is_dir():
         raise refusal(folder, "no such folder; name that of a run or a campaign")
-    raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
+    raise refusal(folder, "holds nothing to report on (no telemetry.parquet); name the folder of a run")
 
 
-def write_page(report: Report, path: Path, force: bool) -> None:
-    """Write a report as one HTML file."""
+def write_page(report: Report, path: Path, force: bool, made_from: Path) -> None:
+    """Write a report as one HTML file, made from the result in a folder."""
     from edl6dof.report.page import page
 
-    with atomic_file(path, force) as partial:
+    with atomic_file(path, force, made_from) as partial:
         partial.write_text(page(report), encoding="utf-8")
 
 
-def _write_figures(report: Report, folder: Path, force: bool) -> Iterator[Path]:
+def _write_figures(report: Report, folder: Path, force: bool, made_from: Path) -> Iterator[Path]:
     from edl6dof.report.matplotlib_figure import write_figure
 
     for figure in report.figures():
         path = folder / f"{figure.key}.png"
-        with atomic_file(path, force) as partial:
+        with atomic_file(path, force, made_from) as partial:
             write_figure(figure, partial)
         yield path

@@ -105,11 +105,14 @@ class FlightResults(ABC):
 
         Raises:
             ConfigError: there is no such channel, or nothing between these times.
+            TypeError: a channel is no name.
         """
         from edl6dof.config.errors import refusal
         from edl6dof.report.channels import channel_plot, chosen
         from edl6dof.report.matplotlib_figure import styled
 
+        if wrong := [one for one in channels if not isinstance(one, str)]:
+            raise TypeError(f"channels are names, one after the other: plot('truth.mach') (got {wrong[0]!r})")
         if not channels:
             raise refusal("plot", "name a channel, such as truth.mach; flight.telemetry has them all")
         names = chosen(self, channels, self.name)

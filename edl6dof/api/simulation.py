@@ -11,6 +11,7 @@ from typing import Any
 from edl6dof.api.flights import Flight
 from edl6dof.api.one import activate
 from edl6dof.api.overrides import texts
+from edl6dof.api.wording import scenario_name, told_in_python
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
@@ -44,9 +45,11 @@ class Starts:
     ):
         self._plan: Plan | None = None
         if isinstance(scenario, LoadedScenario):
+            if overrides:
+                raise TypeError("the scenario is loaded already: give the overrides to edl6dof.load")
             self.loaded = scenario
             return
-        document = read_document(resolve_scenario(str(scenario)))
+        document = read_document(resolve_scenario(scenario_name(scenario)))
         if isinstance(campaign := document.data.get(CAMPAIGN_SECTIONS[0]), dict):
             if faults:
                 campaign["faults"] = [{"chance": 1.0, "one_of": [dict(fault) for fault in faults]}]
@@ -100,6 +103,7 @@ class Simulation(SteppedFlight):
 
     Raises:
         ConfigError: the scenario is wrong.
+        TypeError: an argument is of a wrong kind, or there are overrides of a scenario that is loaded.
     """
 
     def __init__(
@@ -111,9 +115,14 @@ class Simulation(SteppedFlight):
         trust: bool = False,
     ):
         activate(scenario, trust=trust)
-        self._starts = Starts(scenario, overrides)
+        with told_in_python():
+            self._starts = Starts(scenario, overrides)
         base = self._starts.base
         super().__init__(base.loaded, base.records, telemetry)
+
+    def __repr__(self) -> str:
+        stands = f"in phase {self.phase}" if self.flying else self.outcome
+        return f"<Simulation {self.loaded.scenario.name}: {stands} at t = {self.time_s:.2f} s>"
 
     def reset(self, seed: int | None = None) -> dict[str, Any]:
         """Go back to the start; returns what is observed there.

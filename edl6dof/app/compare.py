@@ -55,7 +55,7 @@ def _compare_flights(first: Path, second: Path, out: Path | None, force: bool) -
 
     one, two = Run(first), Run(second)
     target = out or second / f"compared-with-{first.resolve().name}.html"
-    refuse_existing_file(target, force)
+    refuse_existing_file(target, force, second)
     report = comparison_report(one, two)
     console = Console(highlight=False, soft_wrap=True)
     for section in report.sections[:4]:
@@ -71,7 +71,7 @@ def _compare_flights(first: Path, second: Path, out: Path | None, force: bool) -
                 for row in rows:
                     table.add_row(*map(escape, row))
                 console.print(table)
-    write_page(report, target, force)
+    write_page(report, target, force, second)
     console.print(str(target), markup=False)
     return 0
 

@@ -44,7 +44,7 @@ def run_export(folder: Path, form: str, target: Path | None, force: bool) -> int
             sys.stdout.write((Path(place) / FILES[form]).read_text(encoding="utf-8"))
         return 0
     target = target or folder / FILES[form]
-    with atomic_file(target, force) as partial_file:
+    with atomic_file(target, force, folder) as partial_file:
         rows = writer(run, partial_file)
     print(f"{target}: {counted(rows, 'row')}")
     return 0

@@ -53,7 +53,7 @@ def run_fly(options: FlyOptions) -> int:
     if options.report:
         from edl6dof.api.reports import report_of, write_page
 
-        write_page(report_of(target), target / "report.html", force=False)
+        write_page(report_of(target), target / "report.html", False, target)
     _show(flight, target, options)
     if options.save_state_s is not None and flight.saved is None:
         message = (

@@ -42,9 +42,9 @@ def run_plot(
     target = out or folder / "plots" / f"{channels[0]}{'-and-more' if len(channels) > 1 else ''}.html"
     if target.suffix not in SUFFIXES:
         raise refusal(target, f"must end in {', '.join(SUFFIXES)}")
-    refuse_existing_file(target, force)
+    refuse_existing_file(target, force, folder)
     figure = channel_plot(run, channels, x, rows)
-    with atomic_file(target, force) as partial:
+    with atomic_file(target, force, folder) as partial:
         _write(run, figure, partial)
     print(target)
     return 0

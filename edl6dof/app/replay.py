@@ -20,6 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import refusal
+from edl6dof.config.wording import nearest
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.scenario.schema import Scenario
@@ -118,10 +119,11 @@ def show_replay(options: ReplayOptions) -> list[Path]:
         ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run here.
     """
     from edl6dof.replay.film import encoder
+    from edl6dof.replay.views.layout import TITLES
 
     targets = [path for path in (options.html, options.screenshot, options.video) if path is not None]
     for path in targets:
-        refuse_existing_file(path, options.force)
+        refuse_existing_file(path, options.force, options.runs[0])
     if options.at_s is not None and options.screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
     if options.video is not None and options.video.suffix.lower() != ".mp4":
@@ -130,6 +132,10 @@ def show_replay(options: ReplayOptions) -> list[Path]:
         raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
     if options.page and options.runs[0].is_file():
         raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
+    if options.page not in ("", *TITLES):
+        near = nearest(options.page, TITLES)
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise refusal("--page", f"no page {options.page!r}{hint} (there are: {', '.join(TITLES)})")
     for run in options.runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
@@ -146,14 +152,14 @@ def _show(recording: Path, options: ReplayOptions) -> None:
 
     title = f"edl6dof replay: {', '.join(_labels(options.runs))}"
     if options.screenshot is not None:
-        with atomic_file(options.screenshot, options.force) as partial:
+        with atomic_file(options.screenshot, options.force, options.runs[0]) as partial:
             viewer.screenshot(recording, partial, _time(recording, "--at", options.at_s))
     if options.video is not None:
         cut = _cut(recording, options.film)
-        with atomic_file(options.video, options.force) as partial, _told() as told:
+        with atomic_file(options.video, options.force, options.runs[0]) as partial, _told() as told:
             film.film(recording, partial, cut, told)
     if options.html is not None:
-        with atomic_file(options.html, options.force) as partial:
+        with atomic_file(options.html, options.force, options.runs[0]) as partial:
             partial.write_bytes(page.page(recording, title))
     if options.screenshot is None and options.html is None and options.video is None:
         if options.web:

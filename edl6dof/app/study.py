@@ -195,4 +195,4 @@ def _difference(finding: Finding) -> str:
 
 def _mark(finding: Finding) -> Text:
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
-    return Text(finding.verdict, style=style)
+    return Text(finding.result, style=style)

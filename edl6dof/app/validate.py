@@ -80,7 +80,7 @@ def _table(missions: Sequence[Compared]) -> Table:
         table.add_section()
         table.add_row(*(Text(words, style=style) for words in heading(mission)))
         for one in mission.predicted:
-            *told, verdict = cells(one)
-            marked = "bold red" if OUTSIDE in verdict else ""
-            table.add_row(*map(Text, told), Text(verdict, style=marked))
+            *told, remark = cells(one)
+            marked = "bold red" if OUTSIDE in remark else ""
+            table.add_row(*map(Text, told), Text(remark, style=marked))
     return table

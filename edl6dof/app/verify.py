@@ -16,12 +16,13 @@ from rich.text import Text
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
+from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.verify.outcome import Result
 from edl6dof.verify.registry import CASES
 from edl6dof.verify.runner import Report, run_case
 
 
-def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
+def run_verify(names: Sequence[str], as_json: bool, plots: Path | None, force: bool = False) -> int:
     """Run the named check cases, or all, and print the table; returns the exit status."""
     unknown = [name for name in names if name not in CASES]
     if unknown:
@@ -33,10 +34,12 @@ def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
             plots.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             return refuse(f"{plots}: cannot be written: {error.strerror or error}")
+        for name in names or CASES:
+            refuse_existing_file(plots / f"{name}.png", force, plots)
     begin = time.perf_counter()
     reports = _run(names or list(CASES), quiet=as_json)
     seconds = time.perf_counter() - begin
-    drawn = _draw(reports, plots) if plots is not None else []
+    drawn = _draw(reports, plots, force) if plots is not None else []
     passed = all(report.passed for report in reports)
     if as_json:
         print(
@@ -64,14 +67,15 @@ def _run(names: Sequence[str], quiet: bool) -> list[Report]:
     return reports
 
 
-def _draw(reports: Sequence[Report], folder: Path) -> list[Path]:
+def _draw(reports: Sequence[Report], folder: Path, force: bool) -> list[Path]:
     from edl6dof.verify.plots import save_plot
 
     drawn = []
     for report in reports:
         if report.history is not None:
             drawn.append(folder / f"{report.name}.png")
-            save_plot(report.history, drawn[-1])
+            with atomic_file(drawn[-1], force, folder) as partial:
+                save_plot(report.history, partial)
     return drawn
 
 

@@ -19,7 +19,7 @@ UNEXPLAINED = 2.0
 UNTOLD, ALIKE = 0.1, 0.9
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Findings:
     """A calibration that has been done.
 
@@ -34,6 +34,9 @@ class Findings:
     fit: Fit
     before: np.ndarray
     after: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"<Findings: {', '.join(f'{path} = {value:.5g}' for path, value in self.values.items())}>"
 
     @property
     def values(self) -> dict[str, float]:

@@ -1,8 +1,8 @@
 """Figures of a fault matrix: how many flights end within limits, whom the flight computer names, and how
 fast.
 
-A verdict is right when it names what has failed and the kind of the fault.  What is never used after its
-fault cannot be known; such flights count as flown, and are left out of the shares of right verdicts.
+An isolation is right when it names what has failed and the kind of the fault.  What is never used after its
+fault cannot be known; such flights count as flown, and are left out of the shares of right isolations.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class Requirement:
 REQUIRED = (
     Requirement("within_limits_pct", "within limits", "%", at_least=99.5),
     Requirement("kind_right_pct", "right name and kind, of those that fire or leak", "%", at_least=99.0),
-    Requirement("wrong_verdicts_pct", "flights with a wrong verdict on anything", "%", at_most=1.0),
-    Requirement("air_median_s", "median time to the verdict in the air", "s", at_most=3.0),
-    Requirement("powered_median_s", "median time to the verdict in powered flight", "s", at_most=1.0),
-    Requirement("worst_s", "longest time to the verdict", "s", at_most=15.0),
+    Requirement("wrong_isolations_pct", "flights with a wrong isolation", "%", at_most=1.0),
+    Requirement("air_median_s", "median time to isolation in the air", "s", at_most=3.0),
+    Requirement("powered_median_s", "median time to isolation in powered flight", "s", at_most=1.0),
+    Requirement("worst_s", "longest time to isolation", "s", at_most=15.0),
 )
 REQUIRED_OF_PAIRS = (Requirement("within_limits_pct", "within limits", "%", at_least=100.0),)
 
@@ -85,7 +85,7 @@ def _regime(row: Row) -> str:
 
 
 def _counts(rows: Sequence[Row]) -> dict[str, Any]:
-    """Counts, and times from the fault and from the first use to right verdicts."""
+    """Counts, and times from the fault and from the first use to right isolations."""
     known = [row for row in rows if can_be_known(row)]
     right = [row for row in known if is_right(row)]
     return {
@@ -96,9 +96,9 @@ def _counts(rows: Sequence[Row]) -> dict[str, Any]:
         "can_be_known": len(known),
         "name_right": sum(bool(row["name_right"]) for row in known),
         "kind_right": len(right),
-        "with_wrong_verdicts": sum(row.get("wrongly_named") is not None for row in rows),
-        "from_fault_s": _times([row["verdict_s"] for row in right]),
-        "from_use_s": _times([row["verdict_from_use_s"] for row in right]),
+        "with_wrong_isolations": sum(row.get("wrongly_named") is not None for row in rows),
+        "from_fault_s": _times([row["isolation_s"] for row in right]),
+        "from_use_s": _times([row["isolation_from_use_s"] for row in right]),
     }
 
 
@@ -126,7 +126,7 @@ def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, An
     values = {
         "within_limits_pct": _percent(whole["within_limits"], whole["flights"]),
         "kind_right_pct": _percent(whole["kind_right"], whole["can_be_known"]),
-        "wrong_verdicts_pct": _percent(whole["with_wrong_verdicts"], whole["flights"]),
+        "wrong_isolations_pct": _percent(whole["with_wrong_isolations"], whole["flights"]),
         "air_median_s": times[AIR] and times[AIR]["median"],
         "powered_median_s": times[POWERED] and times[POWERED]["median"],
         "worst_s": whole["from_use_s"] and whole["from_use_s"]["worst"],

@@ -25,7 +25,7 @@ AIR, POWERED, NOT_BEGUN_YET = "air", "powered", "not begun"
 
 @dataclass(frozen=True)
 class Failure:
-    """A component that fails, and what a right verdict says of it: nothing but its name of an instrument."""
+    """A component that fails, and the kind that a right isolation names: none of an instrument."""
 
     component: Component
     name: str
@@ -33,7 +33,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Isolation:
     """A component that the flight computer took out of use, and why, in the same words; ``t_s``: when."""
 
     failure: Failure
@@ -53,13 +53,13 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class _Finding:
-    """One failure that began: when, its first use from then on if there was any, and the verdict on it."""
+class _Response:
+    """One failure that began: when, its first use from then on if there was any, and its isolation."""
 
     since: float
     first_use: float | None
     used_s: float
-    verdict: Verdict | None
+    isolation: Isolation | None
     kind_right: bool
 
 
@@ -68,14 +68,14 @@ def collected(plan: Plan) -> Collect | None:
     return fault_response if plan.fault_matrix is not None else None
 
 
-def verdicts(flight: Flight) -> list[Verdict]:
+def isolations(flight: Flight) -> list[Isolation]:
     """Whom the flight computer named, in the order of time."""
     found = [
-        Verdict(Failure("thruster", one.thruster, one.kind.replace(" ", "_")), one.t_s)
+        Isolation(Failure("thruster", one.thruster, one.kind.replace(" ", "_")), one.t_s)
         for one in flight.isolated_faults
     ]
     found += [
-        Verdict(Failure(one.component, one.instrument, None), one.t_s)
+        Isolation(Failure(one.component, one.instrument, None), one.t_s)
         for one in flight.exclusions
         if not one.back
     ]
@@ -85,7 +85,7 @@ def verdicts(flight: Flight) -> list[Verdict]:
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
     """What is to be named where a fault happens: its component; of a dead branch, every thruster behind it.
 
-    That the feed of all thrusters is weak is nobody's verdict; calling one of them degraded is not wrong.
+    A weak feed of all thrusters is isolated in none of them; to call one degraded is not wrong.
     """
     if fault.component == "branch":
         return _thrusters(fault, truth)
@@ -105,14 +105,15 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
 
     ``fault_s``: time of the fault, null if the flight was over before.  ``first_use_s``: time from which all
     that failed has fired, leaked or been read since the fault, null if some was not: nobody can know of it.
-    ``used_s``: for how long, of the one that was used least.  ``verdict_s`` and ``verdict_from_use_s``: time
-    from the fault, and from the first use, to the verdict on the last of them, null if one was not named.
+    ``used_s``: for how long, of the one that was used least.  ``isolation_s`` and ``isolation_from_use_s``:
+    time from the fault, and from the first use, to the isolation of the last of them, null if one was not
+    named.
     ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
     they failed, and those named with a wrong kind; ``sound_named`` without the last.  ``regime``: air or
     powered, at the first use, or else at the fault, if that began.  ``peak_attitude_error_deg``: largest
     error of pitch and yaw control between fault and touchdown.
     """
-    truth, named = flight.loaded.truth, verdicts(flight)
+    truth, named = flight.loaded.truth, isolations(flight)
     begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
     failed = [(failure, fault, since) for fault, since in begun for failure in failures(fault, truth)]
     true = [
@@ -128,43 +129,43 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         "named": _list(named),
         "name_right": False,
         "kind_right": False,
-        "verdict_s": None,
-        "verdict_from_use_s": None,
+        "isolation_s": None,
+        "isolation_from_use_s": None,
         "wrongly_named": _list(wrong),
         "sound_named": _list(one for one in wrong if not _has_failed(one, true)),
         "peak_attitude_error_deg": None,
     }
     if any(since == NOT_BEGUN or since >= end for _, _, since in failed):
         return row
-    return row | _findings(flight, [_finding(flight, *one, end, named) for one in failed], end)
+    return row | _columns(flight, [_response(flight, *one, end, named) for one in failed], end)
 
 
-def _list(verdicts: Iterable[Verdict]) -> str | None:
-    return ", ".join(one.label for one in verdicts) or None
+def _list(isolations: Iterable[Isolation]) -> str | None:
+    return ", ".join(one.label for one in isolations) or None
 
 
-def _is_right(verdict: Verdict, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Whether a verdict says what has failed by then; that all gyros saturate accuses none of them."""
-    return verdict.failure.component == "inertial_unit" or any(
-        verdict.failure == failure and verdict.t_s >= since for failure, since in true
+def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
+    """Whether an isolation says what has failed by then; that all gyros saturate isolates none of them."""
+    return isolation.failure.component == "inertial_unit" or any(
+        isolation.failure == failure and isolation.t_s >= since for failure, since in true
     )
 
 
-def _has_failed(verdict: Verdict, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Whether a verdict is about a component that has failed by then, in whatever way."""
-    return any(verdict.names(failure) and verdict.t_s >= since for failure, since in true)
+def _has_failed(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
+    """Whether an isolation is about a component that has failed by then, in whatever way."""
+    return any(isolation.names(failure) and isolation.t_s >= since for failure, since in true)
 
 
-def _finding(
-    flight: Flight, failure: Failure, fault: FaultParams, since: float, end: float, named: Sequence[Verdict]
-) -> _Finding:
+def _response(
+    flight: Flight, failure: Failure, fault: FaultParams, since: float, end: float, named: Sequence[Isolation]
+) -> _Response:
     t = flight.telemetry["t_s"]
     used = (t >= since) & (t < end) & _in_use(flight, failure, fault)
     first = float(t[used][0]) if used.any() else None
     about = [one for one in named if one.names(failure) and one.t_s >= since]
     right = [one for one in about if one.failure == failure]
-    verdict = next(iter([*right, *about]), None)
-    return _Finding(since, first, float(used.sum()) * _step(t), verdict, bool(right))
+    isolation = next(iter([*right, *about]), None)
+    return _Response(since, first, float(used.sum()) * _step(t), isolation, bool(right))
 
 
 def _step(t: np.ndarray) -> float:
@@ -172,12 +173,12 @@ def _step(t: np.ndarray) -> float:
     return float(t[1] - t[0]) if len(t) > 1 else 0.0
 
 
-def _findings(flight: Flight, found: Sequence[_Finding], end: float) -> dict[str, Any]:
+def _columns(flight: Flight, found: Sequence[_Response], end: float) -> dict[str, Any]:
     """The columns about failures that have all begun."""
     since = min(one.since for one in found)
     uses = [one.first_use for one in found if one.first_use is not None]
     used = max(uses) if len(uses) == len(found) else None
-    given = [one.verdict.t_s for one in found if one.verdict is not None]
+    given = [one.isolation.t_s for one in found if one.isolation is not None]
     last = max(given) if len(given) == len(found) else None
     table = flight.telemetry
     after = (table["t_s"] >= since) & (table["t_s"] < end)
@@ -190,8 +191,8 @@ def _findings(flight: Flight, found: Sequence[_Finding], end: float) -> dict[str
         "regime": AIR if (since if used is None else used) < powered_s else POWERED,
         "name_right": last is not None,
         "kind_right": all(one.kind_right for one in found),
-        "verdict_s": None if last is None else last - since,
-        "verdict_from_use_s": None if last is None or used is None else max(last - used, 0.0),
+        "isolation_s": None if last is None else last - since,
+        "isolation_from_use_s": None if last is None or used is None else max(last - used, 0.0),
         "peak_attitude_error_deg": float(error.max()) if after.any() else None,
     }
 

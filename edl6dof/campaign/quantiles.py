@@ -10,11 +10,13 @@ True
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
+from functools import cache
 from math import ceil, log, nan
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtr
 
 #: Probability that both bounds hold.
 CONFIDENCE = 0.95
@@ -44,11 +46,21 @@ def quantile(values: np.ndarray, share: float) -> Quantile | None:
     Source: Wilks, Ann. Math. Stat. 12 (1941) 91; David and Nagaraja, Order Statistics, 3rd ed., 7.1.
     """
     ordered = np.sort(values[np.isfinite(values)])
-    n, tail = len(ordered), 0.5 * (1.0 - CONFIDENCE)
-    if n < flights_needed(share):
+    if len(ordered) < flights_needed(share):
         return None
-    low, high = (int(binom.ppf(chance, n, share)) for chance in (tail, 1.0 - tail))
-    return Quantile(share, float(np.quantile(ordered, share)), float(ordered[low - 1]), float(ordered[high]))
+    low, high = _bounding(len(ordered), share)
+    return Quantile(share, float(np.quantile(ordered, share)), float(ordered[low]), float(ordered[high]))
+
+
+@cache
+def _bounding(n: int, share: float) -> tuple[int, int]:
+    """Places of the two among ``n`` ordered values that bound a quantile, from 0 on."""
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low, high = (
+        bisect_left(range(n), chance, key=lambda below: bdtr(below, n, share))
+        for chance in (tail, 1.0 - tail)
+    )
+    return low - 1, high
 
 
 def kept_by(values: np.ndarray, share: float) -> float:

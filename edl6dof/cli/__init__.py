@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import os
 import sys
 
 from edl6dof.cli.campaigns import campaign, faults, refly
@@ -11,7 +12,7 @@ from edl6dof.cli.covariance import covariance
 from edl6dof.cli.design import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
-from edl6dof.cli.group import app
+from edl6dof.cli.group import Command, app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve
 
@@ -29,7 +30,7 @@ COMMANDS = (
     *(verify, validate, figures, calibrate, study, campaign, covariance, refly, faults, serve, version),
 )
 for command in COMMANDS:
-    app.command(epilog=examples(command.__name__))(command)
+    app.command(cls=Command, epilog=examples(command.__name__))(command)
 app.add_typer(design, name="design")
 
 
@@ -41,6 +42,9 @@ def main() -> None:
     # of a short one, and once more as it ends, half a second
     gc.set_threshold(20_000, 20, 20)
     atexit.register(gc.freeze)
+    # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
+    # long as they compute, and the last digits would follow from their number
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         app(prog_name="edl6dof")
     except Exception:

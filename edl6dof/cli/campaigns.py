@@ -54,7 +54,7 @@ def campaign(
         bool, typer.Option("--resume", help="Go on with a campaign that was interrupted.")
     ] = False,
     until: Annotated[
-        str | None, typer.Option(metavar="TEXT", help="Stop early, such as 'p_success +- 0.5%'.")
+        str | None, typer.Option(metavar="CONDITION", help="Stop early, such as 'p_success +- 0.5%'.")
     ] = None,
     compare: Annotated[
         tuple[Path, Path] | None,
@@ -121,7 +121,7 @@ def faults(
         str,
         typer.Argument(
             metavar="SCENARIO",
-            help="Scenario file, or the name of a shipped one; with --resume also the folder of a matrix.",
+            help="Scenario file or name, tianwen1 if not given; with --resume also the folder of a matrix.",
         ),
     ] = "tianwen1",
     sensors: Annotated[

@@ -15,7 +15,10 @@ def covariance(
         str,
         typer.Argument(
             metavar="CAMPAIGN",
-            help="Campaign file or name; or the folder of a finished campaign, to be held against it.",
+            help=(
+                "Campaign file or name, tianwen1_mc if not given; or the folder of a finished campaign, to "
+                "be held against it."
+            ),
         ),
     ] = "tianwen1_mc",
     at: Annotated[

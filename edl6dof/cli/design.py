@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from edl6dof.cli.examples import examples
+from edl6dof.cli.group import Command
 from edl6dof.cli.options import Sets, Trust, load_plugins
 
 design = typer.Typer(
@@ -16,7 +17,7 @@ design = typer.Typer(
 )
 
 
-@design.command("entry", epilog=examples("entry"))
+@design.command("entry", cls=Command, epilog=examples("entry"))
 def design_entry(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
@@ -45,10 +46,11 @@ def design_entry(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Bank profile of the planned entry, optimised, beside the one of the scenario.
+    """Optimise the bank profile of the planned entry.
 
-    Load, heat rate and dynamic pressure keep to flight_software.guidance.entry.limits, the bank angles to
-    their limits less the reserve, and the profile to a quarter of the bank rate.
+    It is shown beside the one of the scenario. Load, heat rate and dynamic pressure keep to
+    flight_software.guidance.entry.limits, the bank angles to their limits less the reserve, and the profile
+    to a quarter of the bank rate.
 
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
     """
@@ -59,7 +61,7 @@ def design_entry(
     raise typer.Exit(run_design_entry(options))
 
 
-@design.command("landing", epilog=examples("landing"))
+@design.command("landing", cls=Command, epilog=examples("landing"))
 def design_landing(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
@@ -83,10 +85,11 @@ def design_landing(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Powered landing of least propellant of the rigid lander, beside what the scenario's own law flies.
+    """Design the powered landing of least propellant.
 
-    Successive convexification, from the true state of the scenario's own flight where the engine lights to
-    rest at its powered target.  Needs clarabel: pip install 'edl6dof[design]'.
+    It is that of the rigid lander, from the true state of the scenario's own flight where the engine lights
+    to rest at its powered target, by successive convexification; shown beside what the scenario's own law
+    flies. Needs clarabel: pip install 'edl6dof[design]'.
 
     Exit status: 0 designed, 1 no landing within the limits, 2 bad input, 69 clarabel is missing, 130
     interrupted.

@@ -16,8 +16,10 @@ def verify(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plots: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write a PNG for each case that has a history.")
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Draw each case that has a history, as FOLDER/NAME.png."),
     ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files of yours, too.")] = False,
 ) -> None:
     """Check the simulator against closed forms and published tables.
 
@@ -27,7 +29,7 @@ def verify(
     """
     from edl6dof.app.verify import run_verify
 
-    raise typer.Exit(run_verify(names or [], as_json, plots))
+    raise typer.Exit(run_verify(names or [], as_json, plots, force))
 
 
 def figures(
@@ -41,11 +43,10 @@ def figures(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Mean and spread of a scenario's figures over its neighbours.
+    """Mean and spread of a scenario's figures over many flights.
 
-    Neighbours are flights that differ by a millionth of a metre per second.
-
-    The digits of one flight are one draw of many: what a document quotes is made by this command.
+    They differ by a millionth of a metre per second at their start. The digits of one flight are one draw of
+    many: what a document quotes is made by this command.
 
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
     """
@@ -77,7 +78,7 @@ def validate(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Set dispersed flights of missions beside what was published.
+    """Compare dispersed flights of missions with what was published.
 
     A mission is a scenario whose file disperses it and which says what was published of its flight.
     Afterwards, the same flights with a report: edl6dof campaign NAME -n N.
@@ -96,7 +97,13 @@ def calibrate(
     ],
     sets: Sets = None,
     flights: Annotated[
-        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights of each design.")
+        int | None,
+        typer.Option(
+            "-n",
+            "--flights",
+            metavar="N",
+            help="Flights of each of its three designs, as docs/calibration.md calls them.",
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/calibration-<name> if not given.")
@@ -125,11 +132,16 @@ def study(
     ] = None,
     runs: Annotated[
         int | None,
-        typer.Option("-n", "--runs", metavar="N", help="Flights; as many as published if not given."),
+        typer.Option(
+            "-n",
+            "--runs",
+            metavar="N",
+            help="Flights; as many as the paper's, or the study's own number, if not given.",
+        ),
     ] = None,
     only: Annotated[
         list[str] | None,
-        typer.Option("--only", metavar="PART", help="A law that is compared, of study guidance; repeatable."),
+        typer.Option("--only", metavar="LAW", help="One law of those that a study compares; repeatable."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/study-<name> if not given.")

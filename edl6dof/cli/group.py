@@ -7,7 +7,34 @@ import sys
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
+
+
+class Command(TyperCommand):
+    """A command whose help calls an argument as its reader does: ``RUN``, and not ``{RUN} <list[Path]>``."""
+
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        """What stands behind ``Usage: edl6dof NAME``."""
+        pieces = [_called(one) if one.required else f"[{_called(one)}]" for one in self._arguments()]
+        return [self.options_metavar or "", *pieces]
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write arguments and options, each with what it means."""
+        arguments = [(_called(one), getattr(one, "help", "") or "") for one in self._arguments()]
+        options = [
+            one.get_help_record(ctx) for one in self.get_params(ctx) if one.param_type_name == "option"
+        ]
+        for title, rows in (("Arguments", arguments), ("Options", [row for row in options if row])):
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+
+    def _arguments(self) -> list[Any]:
+        return [one for one in self.params if one.param_type_name == "argument"]
+
+
+def _called(argument: Any) -> str:
+    return f"{argument.metavar or argument.name.upper()}{'...' if argument.nargs != 1 else ''}"
 
 
 class Commands(TyperGroup):

@@ -16,7 +16,10 @@ EXPORTS = ("csv", "mat", "nc", "oem", "aem")
 def replay(
     runs: Annotated[
         list[Path],
-        typer.Argument(metavar="RUN", help=("Run folders, in one scene; the first may be a campaign's.")),
+        typer.Argument(
+            metavar="RUN",
+            help="Run folders, shown in one scene; the first may be a campaign's. Or one recording (.rrd).",
+        ),
     ],
     web: Annotated[
         bool, typer.Option("--web", help="Show it in the browser, served to this machine only.")
@@ -64,7 +67,7 @@ def replay(
     fps: Annotated[
         float, typer.Option(metavar="N", min=1.0, max=120.0, help="Its frames per second.")
     ] = 24.0,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace files of yours, too.")] = False,
     trust: Trust = False,
 ) -> None:
     """Show the 3D replay of one flight, or of several in one scene.
@@ -110,7 +113,7 @@ def report(
     png: Annotated[
         bool, typer.Option("--png", help="Write report/FIGURE.png instead, each figure for print.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace files of yours, too.")] = False,
 ) -> None:
     """Write the report of a run or a campaign: one page with plots.
 
@@ -129,7 +132,8 @@ def plot(
     channels: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="CHANNEL", help=("Channels, or patterns such as 'truth.rate_*'; all are listed if none.")
+            metavar="CHANNEL",
+            help="Channels, or patterns such as 'truth.rate_*'; without any, all are listed.",
         ),
     ] = None,
     against: Annotated[str, typer.Option(metavar="CHANNEL", help="Channel of the x axis.")] = "t_s",
@@ -142,7 +146,7 @@ def plot(
             help=("File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given."),
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file of yours, too.")] = False,
 ) -> None:
     """Plot channels of a run; those of one unit share a panel."""
     from edl6dof.app.exit_status import refusing_damage
@@ -162,8 +166,10 @@ def compare(
             metavar="FILE", help=("Page of two flights; RUN2/compared-with-RUN1.html if not given.")
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, of two campaigns.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file of yours, too.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print JSON instead of tables; of two campaigns only.")
+    ] = False,
 ) -> None:
     """Compare two flights, or two campaigns.
 
@@ -198,7 +204,7 @@ def export(
     nesc: Annotated[
         bool, typer.Option("--nesc", help=("In the columns and English units of NASA's NESC check cases."))
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file of yours, too.")] = False,
 ) -> None:
     """Write the telemetry of a run in the form of another program."""
     if nesc == bool(form) or form not in ("", *EXPORTS):

@@ -15,7 +15,11 @@ from edl6dof.cli.options import Sets, Trust, load_plugins
 
 def fly(
     scenario: Annotated[
-        str | None, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
+        str | None,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="Scenario file, or the name of a shipped one (edl6dof scenarios); none with --from.",
+        ),
     ] = None,
     sets: Sets = None,
     out: Annotated[
@@ -30,10 +34,12 @@ def fly(
         bool, typer.Option("--json", help="Print the summary as JSON instead of tables.")
     ] = False,
     save_state: Annotated[
-        float | None, typer.Option(metavar="T", help="Keep the state at time T (s) as state.npz.")
+        float | None,
+        typer.Option(metavar="T", help="Keep the state at time T (s) in the run folder, as state.npz."),
     ] = None,
     start: Annotated[
-        Path | None, typer.Option("--from", metavar="STATE", help="Continue a saved state.")
+        Path | None,
+        typer.Option("--from", metavar="STATE", help="Go on from a saved state, which brings its scenario."),
     ] = None,
     trust: Trust = False,
 ) -> None:
@@ -69,7 +75,12 @@ def check(
     sets: Sets = None,
     trust: Trust = False,
 ) -> None:
-    """Check scenario files: each mistake by file, line and key."""
+    """Check scenario files: each mistake by file, line and key.
+
+    Nothing is flown.
+
+    Exit status: 0 no mistake, 2 mistakes.
+    """
     load_plugins(*files, trust=trust)
     from edl6dof.app.inspect import run_check
 

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 
 from edl6dof.fsw.mission.roles import LIFT
-from edl6dof.gym.task import Feature, Task, Verdict, guide, nav
+from edl6dof.gym.task import Feature, StepResult, Task, guide, nav
 
 #: Miss of the aim point at the mortar that counts as done, m.
 NEAR_M = 10_000.0
@@ -57,7 +57,7 @@ class EntryBank(Task):
         bank = self.fleet.memories["own"]["bank"] / self._largest
         return np.clip(bank, -1.0, 1.0)[:, None].astype(np.float32)
 
-    def judge(self) -> Verdict:
+    def result(self) -> StepResult:
         """Over when the mortar fires, or the flight ends before."""
         lost = self.ended()
         over = lost | ~self.in_roles(LIFT)
@@ -69,4 +69,4 @@ class EntryBank(Task):
         )
         miss = np.abs(self.fleet.memories["guide"]["range_to_go"])
         last = np.where(may_open, np.maximum(1.0 - miss / (2.0 * NEAR_M), -1.0), -1.0)
-        return Verdict(np.where(over, last, 0.0), over, over & may_open & (miss <= NEAR_M))
+        return StepResult(np.where(over, last, 0.0), over, over & may_open & (miss <= NEAR_M))

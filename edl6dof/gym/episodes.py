@@ -60,7 +60,7 @@ class Episodes:
         self.task.command(actions)
         self.fleet.advance(self._cycles)
         self._steps += 1
-        reward, over, success = self.task.judge()
+        reward, over, success = self.task.result()
         truncated = ~over & (self._steps >= self._longest)
         self.fleet.halt(over | truncated)
         return Outcome(self.task.observe(), reward, over, truncated, success)

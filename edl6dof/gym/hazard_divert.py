@@ -9,7 +9,7 @@ from gymnasium import spaces
 
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.gym.landing import landed_well
-from edl6dof.gym.task import Feature, Task, Verdict, nav
+from edl6dof.gym.task import Feature, StepResult, Task, nav
 
 #: Cells of the observed map along each side; clearance of one that is safe beyond doubt, m.
 _CELLS, _CLEAR_M = 32, 5.0
@@ -19,7 +19,7 @@ def clearances(memories: np.ndarray) -> np.ndarray:
     """Largest distance (m) from the nearest hazard in each part of the map, rows towards north and columns
     towards east, shape (flights, 32 x 32).
     """
-    fine = memories["hazard"]["judged"]["clearance"]
+    fine = memories["hazard"]["safety_map"]["clearance"]
     part = fine.shape[1] // _CELLS
     parts = fine.reshape(len(memories), _CELLS, part, _CELLS, part)
     return parts.max(axis=(2, 4)).reshape(len(memories), -1)
@@ -36,7 +36,7 @@ def on_map(memories: np.ndarray, place_L: np.ndarray) -> np.ndarray:
 def _map(memories: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Corner and half of the width of the maps, m."""
     chart = memories["hazard"]["chart"]
-    cells = memories["hazard"]["judged"]["clearance"].shape[1]
+    cells = memories["hazard"]["safety_map"]["clearance"].shape[1]
     return chart["corner_L"], 0.5 * cells * chart["cell"][:, None]
 
 
@@ -75,8 +75,8 @@ class HazardDivert(Task):
         memories = self.fleet.memories
         return np.clip(on_map(memories, memories["hazard"]["choice"]["spot_L"]), -1.0, 1.0).astype(np.float32)
 
-    def judge(self) -> Verdict:
+    def result(self) -> StepResult:
         """Over when the flight ends."""
         over = self.ended()
         success = landed_well(self.fleet, self.loaded.scenario.limits)
-        return Verdict(np.where(over, np.where(success, 1.0, -1.0), 0.0), over, success)
+        return StepResult(np.where(over, np.where(success, 1.0, -1.0), 0.0), over, success)

@@ -7,7 +7,7 @@ from gymnasium import spaces
 
 from edl6dof.fsw.mission.roles import POWERED_DECELERATION
 from edl6dof.gym.landing import landed_well
-from edl6dof.gym.task import Feature, Task, Verdict, nav
+from edl6dof.gym.task import Feature, StepResult, Task, nav
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.fleet import Fleet
 
@@ -82,13 +82,13 @@ class PoweredDescent(Task):
         """Take up what is left to do."""
         self._left[index] = _left(self.fleet)[index]
 
-    def judge(self) -> Verdict:
+    def result(self) -> StepResult:
         """Over when the flight ends."""
         before, self._left = self._left, _left(self.fleet)
         over = self.ended()
         success = landed_well(self.fleet, self.loaded.scenario.limits)
         reward = before - self._left + np.where(over, np.where(success, 1.0, -1.0), 0.0)
-        return Verdict(reward, over, success)
+        return StepResult(reward, over, success)
 
 
 def _mass_and_weight(fleet: Fleet) -> tuple[np.ndarray, np.ndarray]:

@@ -34,7 +34,7 @@ class Feature:
     size: int = 1
 
 
-class Verdict(NamedTuple):
+class StepResult(NamedTuple):
     """What a step came to, each shape (flights,): reward; whether the task is over; whether it was done."""
 
     reward: np.ndarray
@@ -100,7 +100,7 @@ class Task(ABC):
         """What the flight software itself would do, as actions."""
 
     @abstractmethod
-    def judge(self) -> Verdict:
+    def result(self) -> StepResult:
         """What the step since came to."""
 
     def begin(self, index: int) -> None:  # noqa: B027  few tasks remember anything

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from edl6dof.fsw.mission.roles import LIFT, POWERED_DECELERATION
-from edl6dof.gym.task import Feature, Task, Verdict
+from edl6dof.gym.task import Feature, StepResult, Task
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.fleet import Fleet
 
@@ -82,7 +82,7 @@ class DeadThruster(_ThrusterFault):
         """Note the time."""
         self._began[index] = self.fleet.plants["t"][index]
 
-    def judge(self) -> Verdict:
+    def result(self) -> StepResult:
         """Over after 30 s, or when attitude is lost."""
         memories = self.fleet.memories
         error = np.linalg.norm(memories["demand"]["attitude_error"], axis=1)
@@ -91,7 +91,7 @@ class DeadThruster(_ThrusterFault):
         done = self.fleet.plants["t"] - self._began >= self.ends_s - 1e-6
         success = done & ~lost & (error < self.error) & (rate < self.rate)
         reward = 0.01 * (1.0 - error - rate) - lost
-        return Verdict(reward, lost | done, success)
+        return StepResult(reward, lost | done, success)
 
 
 class FaultDiagnosis(_ThrusterFault):
@@ -141,11 +141,11 @@ class FaultDiagnosis(_ThrusterFault):
         self._failed[index] = 1 + self.fleet.cases["faults"]["slots"]["component"][index, 0]
         self._waited[index] = 0.0
 
-    def judge(self) -> Verdict:
+    def result(self) -> StepResult:
         """Over when a thruster is named, or the flight ends."""
         self._waited += self.interval_s
         right = self._named == self._failed
         over = (self._named > 0) | self.ended()
         success = over & right
         reward = np.where(success, np.maximum(1.0 - 0.05 * self._waited, 0.1), np.where(over, -1.0, 0.0))
-        return Verdict(reward, over, success)
+        return StepResult(reward, over, success)

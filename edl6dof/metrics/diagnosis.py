@@ -78,8 +78,8 @@ def diagnosis_figures(
     branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
-    """Number of wrong verdicts, on a sound thruster or with a wrong kind of fault, and time from the first
-    thruster fault to the right verdict if there was one; ``branches``: thrusters of each propellant branch.
+    """Number of wrong isolations, of a sound thruster or of a wrong kind of fault, and time from the first
+    thruster fault to the right isolation if there was one; ``branches``: thrusters of each propellant branch.
     """
     since: dict[tuple[str, str], float] = {}
     for fault, begun in zip(faults, plant["fault_since"], strict=False):

@@ -83,7 +83,7 @@ def exclusion_figures(
     }
     out = [one for one in found if not one.back]
     right = [one for one in out if one.t_s >= since.get((one.component, one.instrument), np.inf)]
-    # all gyros saturated is no verdict on any of them
+    # that all gyros saturate isolates none of them
     wrong = [one for one in out if one not in right and one.component != "inertial_unit"]
     figures = {"instrument_false_alarms": float(len(wrong))}
     if right:

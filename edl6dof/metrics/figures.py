@@ -164,11 +164,13 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("touchdown_nav_height_m", "error of the estimated height at touchdown", "events"),
     FigureOfMerit("touchdown_nav_velocity_m_s", "error of the estimated velocity at touchdown", "events"),
     FigureOfMerit("touchdown_nav_vertical_deg", "error of the estimated vertical at touchdown", "events"),
-    FigureOfMerit("false_alarms", "verdicts on sound thrusters or with a wrong kind", "diagnosis"),
+    FigureOfMerit("false_alarms", "isolations of sound thrusters or of a wrong kind of fault", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
     FigureOfMerit("instrument_false_alarms", "sound instruments excluded", "exclusions"),
     FigureOfMerit("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
 )
+#: Figures that have a limit, in the order in which they are told of.
+LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 _BY_NAME = {figure.name: figure for figure in FIGURES}
 #: Their names.
 DECLARED = frozenset(_BY_NAME)

@@ -59,11 +59,11 @@ def hazard_figures(
     spot = true_spot(fsw, telemetry)
     if spot is None:
         return figures
-    choice, judged = hazard["choice"], hazard["judged"]["verdict"]
+    choice, cell_class = hazard["choice"], hazard["safety_map"]["cell_class"]
     figures["spot_found"] = float(choice["found"])
     figures["spot_clearance_m"] = float(choice["clearance"])
     figures["spots_rejected"] = float(choice["n_rejected"])
-    figures["map_safe_share"] = float(np.mean(judged == SAFE))
+    figures["map_safe_share"] = float(np.mean(cell_class == SAFE))
     if case["terrain"]["landing_area"]["model"][0] == GENERATED:
         up = float(telemetry["truth.site_up_m"][-1])
         largest = _largest_rock(case, spot.east, spot.north, up)

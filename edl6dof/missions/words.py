@@ -24,7 +24,7 @@ def cells(one: Predicted) -> tuple[str, ...]:
         published(one),
         f"[{_LETTERS[one.status]}]" if one.status in _LETTERS else "",
         sigmas(one),
-        verdict(one),
+        remark(one),
     )
 
 
@@ -51,7 +51,7 @@ def sigmas(one: Predicted) -> str:
     return ("-inf" if one.sigmas < 0.0 else "+inf") if isinf(one.sigmas) else f"{one.sigmas:+.1f}"
 
 
-def verdict(one: Predicted) -> str:
+def remark(one: Predicted) -> str:
     """Whether the flown value is predicted, or how many flights keep a requirement."""
     if not one.flown:
         return f"{100.0 * one.below:.3g} % keep" if isfinite(one.below) else "not reached"

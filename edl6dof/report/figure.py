@@ -33,7 +33,7 @@ INK, RULE, AXIS, PAPER = "#1f2933", "#e3e6ea", "#c3c8cf", "#ffffff"
 GOOD, WARN, BAD = "#00795a", "#a86700", "#b3261e"
 #: Colours of mission phases, in their order; light enough to lie behind lines.
 PHASES = ("#cfe3f3", "#f6d9c4", "#cdeadd", "#f1dcea", "#fbe7c0", "#d8effb", "#e6e6e6", "#dcd9f2")
-#: Grounds of cells that are judged, light enough for what is drawn on them: from the best to the worst, and
+#: Grounds of classes of cells, light enough for what is drawn on them: from the best to the worst, and
 #: those of which nothing can be known.
 SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = "#b7e3c8", "#aeb4bc", "#f7d08a", "#e79a7c", "#e6e8eb"
 #: Sequential scale from paper white to dark blue: it saves ink, and lightness alone tells its order.

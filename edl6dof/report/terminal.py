@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
 #: What is said of a limit or a requirement.
-VERDICT = {True: "kept", False: "broken"}
+LIMIT_STATUS = {True: "kept", False: "broken"}
 #: What is said below the figures of one flight.
 ONE_DRAW = "One flight is one draw; mean and spread of many: edl6dof figures SCENARIO"
 #: Figures of navigation and their formats.
@@ -129,7 +129,7 @@ def limits_table(flight: Flight) -> Table:
     """Limits of the mission."""
     table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
-        mark = Text(VERDICT[check.ok], style="green" if check.ok else "bold red")
+        mark = Text(LIMIT_STATUS[check.ok], style="green" if check.ok else "bold red")
         value, limit = aligned_pair(check.value, check.limit, check.ok)
         table.add_row(check.label, check.unit, value, f"<= {limit}", mark)
     return table
@@ -170,7 +170,7 @@ def _compared(beside: Beside, own: float | None, deviation: float | None) -> Com
     kept = published.kept(own)
     sigmas = None if deviation is None else published.sigmas(own, deviation)
     flown = f"{published.of(own):,.{more}f}" + ("" if deviation is None else f" +- {deviation:,.{more}f}")
-    difference = f"{published.of(own) - published.number:+,.{more}f}" if kept is None else VERDICT[kept]
+    difference = f"{published.of(own) - published.number:+,.{more}f}" if kept is None else LIMIT_STATUS[kept]
     return Compared(*head, flown, shown, difference, "" if sigmas is None else f"{sigmas:+.1f}", kept)
 
 

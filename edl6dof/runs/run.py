@@ -43,7 +43,7 @@ class Run(Mapping[str, np.ndarray]):
             raise refusal(folder, f"holds a result of kind {self._manifest.kind!r}; name the folder of a run")
         for name in (TELEMETRY, "events.json", "summary.json", "scenario.yaml"):
             if not (folder / name).is_file():
-                raise refusal(folder / name, "no such file; name the folder of a run")
+                raise refusal(folder / name, "is missing: the run is not complete")
 
     @cached_property
     def summary(self) -> Summary:
@@ -146,6 +146,8 @@ class Run(Mapping[str, np.ndarray]):
         return self.folder / name
 
     def _described(self, name: str, key: bytes) -> str:
+        if name not in self:
+            raise UnknownChannel(name, self)
         return (self._schema.field(name).metadata or {}).get(key, b"").decode()
 
     @cached_property

@@ -21,7 +21,7 @@ from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LoadedScenario:
     """A validated scenario with where it came from.
 
@@ -34,6 +34,9 @@ class LoadedScenario:
     scenario: Scenario
     truth: Scenario
     document: Document
+
+    def __repr__(self) -> str:
+        return f"<LoadedScenario {self.scenario.name}: {self.scenario.description}>"
 
 
 #: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and

@@ -210,17 +210,17 @@ def _initial_attitude(initial: InitialState, lat: float, lon: float, axes: tuple
     return attitude_from_wind_angles(along, up, *initial.wind_angles)
 
 
-def initial_fsw(onboard: np.ndarray) -> np.ndarray:
+def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
     """Flight-software memory at t = 0, shape (1,)."""
-    fsw = duplicate(_new_fsw())
+    fsw = duplicate(_new_fsw(layout))
     fsw["vehicle"]["mass"] = onboard["vehicle"]["entry_mass"]
     return fsw
 
 
 @cache
-def _new_fsw() -> np.ndarray:
+def _new_fsw(layout: np.dtype) -> np.ndarray:
     """What every flight computer begins with."""
-    fsw = np.zeros(1, FSW)
+    fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in ("gyro", "accelerometer", "beam", "star_tracker"):
         fsw["navigation"]["health"][name] = 1
@@ -237,6 +237,6 @@ def initial_peaks() -> np.ndarray:
     return np.zeros(1, PEAKS)
 
 
-def initial_sensors() -> np.ndarray:
+def initial_sensors(layout: np.dtype = SENSORS) -> np.ndarray:
     """The sensors at t = 0, shape (1,)."""
-    return np.zeros(1, SENSORS)
+    return np.zeros(1, layout)

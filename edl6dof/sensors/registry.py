@@ -91,9 +91,9 @@ class SensorParams(_Sections):
 #: The sensors of a case: their parameters, and the errors of the copies that fly in it.
 SENSOR_UNITS = np.dtype([("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables)], align=True)
 
-#: What the sensors remember, and what crosses to the flight software.
+#: What crosses to the flight software, and what the sensors remember.
 SENSORS = np.dtype(
-    [*((member.name, member.memory) for member in SENSOR_FAMILY.members), ("sensed", SENSED)], align=True
+    [("sensed", SENSED), *((member.name, member.memory) for member in SENSOR_FAMILY.members)], align=True
 )
 
 _measure = SENSOR_FAMILY.switch(

@@ -12,6 +12,7 @@ from typing import Any
 
 from edl6dof.api.overrides import texts
 from edl6dof.api.simulation import Simulation
+from edl6dof.api.wording import told_in_python
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.wording import got
 from edl6dof.serve.description import described
@@ -52,7 +53,8 @@ class Session:
     def answer(self, request: Any) -> Answer:
         """The answer to a request: ``ok`` says whether it was done, ``error`` why not."""
         try:
-            return {"ok": True, **self._done(request)}
+            with told_in_python():
+                return {"ok": True, **self._done(request)}
         except ConfigError as error:
             return refused("; ".join(str(error).splitlines()))
         except (ValueError, TypeError, RecursionError) as error:

@@ -47,7 +47,7 @@ def layout_hash() -> str:
     ).hexdigest()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class State:
     """State of a flight at the start of a base cycle."""
 
@@ -57,6 +57,9 @@ class State:
     sensors: np.ndarray
     fsw: np.ndarray
     scenario_text: str
+
+    def __repr__(self) -> str:
+        return f"<State at t = {self.plant['t'][0]:.2f} s, base cycle {self.cycle}>"
 
     def save(self, path: Path) -> None:
         """Write to ``path`` atomically."""

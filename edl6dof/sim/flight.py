@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -193,20 +193,29 @@ class Flight:
         Raises:
             ValueError: ``t`` lies outside the telemetry.
         """
-        from pyquaternion import Quaternion
+        return attitude_at(t, self.log["t"], [self.log["truth"][f"q_I2B_{c}"] for c in "wxyz"])
 
-        times, attitudes = self.log["t"], self.log["truth"]
-        if not times[0] <= t <= times[-1]:
-            raise ValueError(f"t must lie in {times[0]:g} .. {times[-1]:g} s, got {t:g}")
-        i = int(np.searchsorted(times, t, side="right")) - 1
-        before, after = (
-            Quaternion([attitudes[f"q_I2B_{c}"][j] for c in "wxyz"]) for j in (i, min(i + 1, len(times) - 1))
-        )
-        return (
-            Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i]))
-            if t > times[i]
-            else before
-        )
+
+def attitude_at(t: float, times: np.ndarray, columns: Sequence[np.ndarray]) -> Quaternion:
+    """Attitude between the rows of a flight.
+
+    Args:
+        t: time, s.
+        times: those of the rows, s, shape (rows,).
+        columns: quaternions from I to B, w, x, y, z, each shape (rows,).
+
+    Raises:
+        ValueError: ``t`` lies outside the rows.
+    """
+    from pyquaternion import Quaternion
+
+    if not times[0] <= t <= times[-1]:
+        raise ValueError(f"t must lie in {times[0]:g} .. {times[-1]:g} s, got {t:g}")
+    i = int(np.searchsorted(times, t, side="right")) - 1
+    before, after = (Quaternion([column[j] for column in columns]) for j in (i, min(i + 1, len(times) - 1)))
+    if t == times[i]:
+        return before
+    return Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i]))
 
 
 def fly(

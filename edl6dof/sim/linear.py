@@ -37,7 +37,7 @@ _R, _V, _TH, _W = (slice(3 * k, 3 * k + 3) for k in range(4))
 _FREQUENCIES = np.geomspace(1e-3, 300.0, 20_000)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearModel:
     """``x' = a x + b u``, ``y = c x + d u`` of deviations from a moment of a flight.
 
@@ -55,6 +55,9 @@ class LinearModel:
     states: tuple[str, ...] = STATES
     inputs: tuple[str, ...] = INPUTS
     outputs: tuple[str, ...] = STATES
+
+    def __repr__(self) -> str:
+        return f"<LinearModel at t = {self.t_s:.2f} s: {len(self.states)} states, {len(self.inputs)} inputs>"
 
     def poles(self) -> np.ndarray:
         """Eigenvalues of ``a``, 1/s."""

@@ -60,8 +60,11 @@ class SteppedFlight:
             cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
 
         Raises:
-            ValueError: there is no such command, or its value is not of its kind or not finite.
+            ValueError: there is no such command, or its value is not of its kind or not finite; or no cycle
+                is to be flown.
         """
+        if cycles < 1:
+            raise ValueError(f"cycles must be >= 1 (got {cycles})")
         if command is not None or self._commander.holds:
             self._commander.give(command)
         return self.underway.advance(cycles) == FLYING
@@ -71,12 +74,13 @@ class SteppedFlight:
         before the first.  Nothing of it is the truth, but as far as its instruments tell.
 
         Args:
-            names: what is wanted of it, which is read quicker than all.
+            names: what is wanted of it, or one name, which is read quicker than all.
 
         Raises:
             ValueError: it knows nothing of such a name.
         """
         readers = self._navigated
+        names = [names] if isinstance(names, str) else names
         if names is None:
             return {name: read() for name, read in readers.items()}
         try:
@@ -130,7 +134,10 @@ class SteppedFlight:
 
         Raises:
             ConfigError: the state does not fit the scenario.
+            TypeError: it is no state.
         """
+        if not isinstance(state, State | Moment):
+            raise TypeError(f"a state is what state() returned, or State.load (got {state!r})")
         if isinstance(state, State):
             state.check_fits(self.loaded.scenario)
             if state.scenario_text != self.underway.scenario_text:

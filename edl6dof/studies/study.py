@@ -32,7 +32,7 @@ class Finding:
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
         within: largest difference, as a share of the published value, at which it counts as reproduced;
-            ``None`` for a value that is set beside the computed one without a verdict.
+            ``None`` for a value that is set beside the computed one without a bound or a tolerance.
         why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
             reproduced; it is an error as well if such a figure holds after all.
         experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
@@ -52,7 +52,7 @@ class Finding:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the bound is kept or the value reproduced; ``None`` without a verdict."""
+        """Whether the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
         if self.published is None or not (self.bound or self.within is not None):
             return None
         if self.bound:
@@ -69,8 +69,8 @@ class Finding:
         return isfinite(self.computed) and self.holds != bool(self.why)
 
     @property
-    def verdict(self) -> str:
-        """In words: kept or not, reproduced within how much or not; empty without a verdict."""
+    def result(self) -> str:
+        """In words: kept or not, reproduced within how much or not; empty without a bound or a tolerance."""
         if self.holds is None or self.published is None:
             return ""
         if self.bound:
@@ -144,7 +144,7 @@ class Study:
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""
         findings = [
-            {**vars(finding), "ok": finding.ok, "verdict": finding.verdict} for finding in report.findings
+            {**vars(finding), "ok": finding.ok, "result": finding.result} for finding in report.findings
         ]
         head = {
             "study": self.name,

@@ -8,8 +8,8 @@ import numpy as np
 
 from edl6dof.fsw.hazard import safety
 
-#: Verdicts on a cell, by their numbers.
-VERDICTS = safety.VERDICTS
+#: Classes of a cell, by their numbers.
+CELL_CLASSES = safety.CELL_CLASSES
 
 
 class LandingMap(NamedTuple):
@@ -25,14 +25,14 @@ class LandingMap(NamedTuple):
         elevation_m: mean elevation above the ground below the hover, as navigated, shape (n, n).
         slope_deg: slope of the plane of the footprint around each cell; ``nan`` where not all of it is known.
         roughness_m: largest distance of a cell of the footprint from that plane, likewise.
-        verdict: index in ``VERDICTS``: safe, edge (not all known), slope, rock.
+        cell_class: index in ``CELL_CLASSES``: safe, edge (not all known), slope, rock.
         probability: that slope and roughness keep their limits; an upper bound where they do not.
         clearance_m: distance from the nearest cell that is not safe.
         hover_m: where the scan began: east, north, and height above the map's level, shape (3,).
         spot_m: spot that was chosen, east and north, shape (2,).
         found: whether it is safe, shape ().
         rejected_m: spots that the search passed over, shape (k, 2).
-        rejected_verdict: why, shape (k,).
+        rejected_class: why, shape (k,).
         drift_m: predicted way of backshell and canopy: east, north, height above the ground, shape (p, 3).
         coarse_m: target of each part of the landing image, shape (parts, 2).
         coarse_obstacles: share of obstacles of each, shape (parts,).
@@ -44,14 +44,14 @@ class LandingMap(NamedTuple):
     elevation_m: np.ndarray
     slope_deg: np.ndarray
     roughness_m: np.ndarray
-    verdict: np.ndarray
+    cell_class: np.ndarray
     probability: np.ndarray
     clearance_m: np.ndarray
     hover_m: np.ndarray
     spot_m: np.ndarray
     found: np.ndarray
     rejected_m: np.ndarray
-    rejected_verdict: np.ndarray
+    rejected_class: np.ndarray
     drift_m: np.ndarray
     coarse_m: np.ndarray
     coarse_obstacles: np.ndarray
@@ -59,7 +59,7 @@ class LandingMap(NamedTuple):
 
     def reasons(self) -> list[str]:
         """Why each of the rejected spots was passed over: ``edge``, ``slope`` or ``rock``."""
-        return [VERDICTS[int(verdict)] for verdict in self.rejected_verdict]
+        return [CELL_CLASSES[int(cell_class)] for cell_class in self.rejected_class]
 
 
 def landing_map(fsw: np.void) -> LandingMap | None:
@@ -69,10 +69,10 @@ def landing_map(fsw: np.void) -> LandingMap | None:
     hazard, point = fsw["hazard"], fsw["landing_point"]
     if not np.isfinite(hazard["spot_t"]):
         return None
-    chart, footprint, judged = hazard["chart"], hazard["footprint"], hazard["judged"]
+    chart, footprint, safety_map = hazard["chart"], hazard["footprint"], hazard["safety_map"]
     choice, coarse = hazard["choice"], hazard["coarse"]
     drift = coarse["drift"][-1]
-    known = judged["verdict"] != VERDICTS.index("edge")
+    known = safety_map["cell_class"] != CELL_CLASSES.index("edge")
     rejected = choice["rejected"][: choice["n_rejected"]]
     return LandingMap(
         cell_m=np.array(chart["cell"]),
@@ -80,14 +80,14 @@ def landing_map(fsw: np.void) -> LandingMap | None:
         elevation_m=np.where(chart["weight"] > 0.0, chart["mean"], np.float32(np.nan)),
         slope_deg=np.where(known, np.degrees(np.arctan(footprint["slope"])), np.float32(np.nan)),
         roughness_m=np.where(known, footprint["roughness"], np.float32(np.nan)),
-        verdict=judged["verdict"].astype(np.int8),
-        probability=judged["probability"].copy(),
-        clearance_m=judged["clearance"].copy(),
+        cell_class=safety_map["cell_class"].astype(np.int8),
+        probability=safety_map["probability"].copy(),
+        clearance_m=safety_map["clearance"].copy(),
         hover_m=hazard["here_L"] - (0.0, 0.0, chart["level"]),
         spot_m=point["fine_L"].copy(),
         found=np.array(int(choice["found"])),
         rejected_m=rejected["spot_L"].copy(),
-        rejected_verdict=rejected["verdict"].astype(np.int64),
+        rejected_class=rejected["cell_class"].astype(np.int64),
         drift_m=drift["place_L"][: drift["count"]].copy(),
         coarse_m=coarse["target_L"][: coarse["parts"]].copy(),
         coarse_obstacles=coarse["obstacles"][: coarse["parts"]].copy(),

@@ -10,7 +10,7 @@ import numpy as np
 
 from edl6dof.fsw.mission.phases import Event, MissionParams
 from edl6dof.fsw.mission.roles import NO_ROLE, begun
-from edl6dof.fsw.navigation.guard import VERDICTS
+from edl6dof.fsw.navigation.guard import CHECKS
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -87,7 +87,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
 
 def guard_moments(navigation: np.void) -> list[Moment]:
     """What the guards of navigation found, each for the first time, and that the vertical was found again."""
-    given = zip(VERDICTS, navigation["guard"]["first_t"], strict=True)
+    given = zip(CHECKS, navigation["guard"]["first_t"], strict=True)
     found = [moment(t, "guard", f"guard: {words}") for words, t in given if t > 0.0]
     if (t := navigation["recovery"]["found_t"]) > 0.0:
         found.append(moment(t, "vertical_found", "vertical found again"))

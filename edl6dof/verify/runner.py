@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from edl6dof.verify.cases.nesc import NotInstalledError
@@ -12,7 +12,7 @@ from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.registry import CASES
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
     """What became of one case.
 
@@ -23,10 +23,14 @@ class Report:
 
     name: str
     results: tuple[Result, ...]
-    history: History | None = field(repr=False)
+    history: History | None
     seconds: float
     note: str = ""
     skipped: bool = False
+
+    def __repr__(self) -> str:
+        outcome = "skipped" if self.skipped else "within tolerance" if self.passed else "FAILED"
+        return f"<Report {self.name}: {len(self.results)} comparisons, {outcome}>"
 
     @property
     def passed(self) -> bool:

@@ -191,8 +191,9 @@ def test_a_saved_state_goes_on(flight, tmp_path):
 def test_reports_are_written_where_it_is_said(folder, tmp_path):
     assert edl6dof.report(folder, out=tmp_path / "page.html") == [tmp_path / "page.html"]
     assert edl6dof.report(edl6dof.open_run(folder), out=tmp_path / "one.html")[0].stat().st_size > 100_000
+    (tmp_path / "mine.html").write_text("mine")
     with pytest.raises(edl6dof.ConfigError, match="exists"):
-        edl6dof.report(folder, out=tmp_path / "page.html")
+        edl6dof.report(folder, out=tmp_path / "mine.html")
 
 
 def test_a_replay_that_is_none_is_refused(folder, tmp_path):
@@ -251,7 +252,7 @@ def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path):
     [
         ({"engine": "thread"}, "must be threads, dask or gpu"),
         ({"cluster": "tcp://x"}, "needs --engine dask"),
-        ({"until": "soon"}, "--until"),
+        ({"until": "soon"}, "until: must"),
     ],
 )
 def test_a_campaign_that_is_none_is_refused(options, words):

@@ -60,7 +60,7 @@ ALSO = "{thruster: D2, kind: stuck_off, at: {time_s: 50}}"
 def test_times_run_from_the_fault_and_from_the_first_use_after_it():
     row = fault_response(made_up(DEAD, used={"D1": (65.0, 67.0)}, named=[("D1", "stuck off", 68.0)]))
     assert (row["fault_s"], row["first_use_s"], row["used_s"], row["regime"]) == (50.0, 65.0, 2.0, "powered")
-    assert (row["verdict_s"], row["verdict_from_use_s"]) == (18.0, 3.0)
+    assert (row["isolation_s"], row["isolation_from_use_s"]) == (18.0, 3.0)
     assert row["named"] == "D1 stuck_off" and row["wrongly_named"] is None
     assert row["name_right"] and row["kind_right"] and row["peak_attitude_error_deg"] == 5.0
 
@@ -68,7 +68,7 @@ def test_times_run_from_the_fault_and_from_the_first_use_after_it():
 def test_what_leaks_is_known_from_the_fault_on():
     row = fault_response(made_up(OPEN))
     assert (row["first_use_s"], row["used_s"], row["regime"]) == (50.0, 40.0, "air")
-    assert not row["name_right"] and row["verdict_s"] is None
+    assert not row["name_right"] and row["isolation_s"] is None
 
 
 @pytest.mark.parametrize("used", [{}, {"D1": (10.0, 50.0)}, {"D1": (90.0, 95.0)}, {"D2": (55.0, 60.0)}])
@@ -92,7 +92,7 @@ def test_a_fault_that_does_not_begin_before_touchdown_says_so(begun):
         ([("D3", "stuck on", 60.0), ("D1", "stuck off", 61.0)], True, True, "D3 stuck_on"),
     ],
 )
-def test_wrong_kinds_sound_thrusters_and_verdicts_before_the_fault_are_wrong(
+def test_wrong_kinds_sound_thrusters_and_isolations_before_the_fault_are_wrong(
     named, name_right, kind_right, wrong
 ):
     row = fault_response(made_up(DEAD, used={"D1": (50.0, 60.0)}, named=named))
@@ -100,7 +100,7 @@ def test_wrong_kinds_sound_thrusters_and_verdicts_before_the_fault_are_wrong(
     assert row["sound_named"] == (wrong if wrong != "D1 degraded" else None)
 
 
-def test_a_sound_instrument_excluded_is_a_wrong_verdict_and_saturated_gyros_are_none():
+def test_a_sound_instrument_excluded_is_a_wrong_isolation_and_saturated_gyros_are_none():
     excluded = [("gyro", "g2", 70.0), ("inertial_unit", "inertial_unit", 71.0)]
     row = fault_response(made_up(DEAD, excluded=excluded))
     assert row["named"] == "gyro g2, inertial_unit" and row["wrongly_named"] == "gyro g2"
@@ -111,7 +111,7 @@ def test_every_thruster_of_a_dead_branch_is_to_be_named_and_none_of_a_weak_feed(
     named = [("D6", "stuck off", 58.0), ("D1", "stuck off", 59.0)]
     dead = "{branch: D16, kind: branch_dead, at: {time_s: 50}}"
     row = fault_response(made_up(dead, used=used, named=named))
-    assert row["kind_right"] and (row["first_use_s"], row["verdict_from_use_s"]) == (56.0, 3.0)
+    assert row["kind_right"] and (row["first_use_s"], row["isolation_from_use_s"]) == (56.0, 3.0)
     assert not fault_response(made_up(dead, used=used, named=named[:1]))["name_right"]
     weak = "{kind: weak_thrusters, at: {time_s: 50}}"
     row = fault_response(
@@ -127,5 +127,5 @@ def test_of_a_pair_both_are_to_be_named():
     assert not row["name_right"] and row["wrongly_named"] is None
     row = fault_response(made_up(DEAD, ALSO, used=used, named=[*one, ("D2", "stuck off", 71.5)]))
     assert row["kind_right"] and (row["first_use_s"], row["used_s"]) == (70.0, 2.0)
-    assert (row["verdict_s"], row["verdict_from_use_s"], row["regime"]) == (21.5, 1.5, "powered")
+    assert (row["isolation_s"], row["isolation_from_use_s"], row["regime"]) == (21.5, 1.5, "powered")
     assert fault_response(made_up(DEAD, ALSO, used={"D1": (55.0, 60.0)}))["first_use_s"] is None

@@ -19,14 +19,16 @@ import edl6dof as package
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import CaseRunner
-from edl6dof.campaign.gpu import device
+from edl6dof.campaign.gpu import device, layouts
 from edl6dof.campaign.storage.files import StoreError
 from edl6dof.campaign.storage.store import Store
+from edl6dof.sim.underway import NO_BRIEFS, Underway
 
 
 def test_simulated_gpu_gives_the_rows_of_threads():
-    """To the last bit: a batch for a GPU changes nothing in a flight, and one that cannot fly keeps its
-    place.
+    """To the last bit, from the rows of telemetry that figures need: a batch for a GPU changes nothing in a
+    flight, and one that cannot fly keeps its place.  A flight that needs more rows than there is room for is
+    flown again with all of them.
     """
     mine = CaseRunner(package.load("tianwen1")).fly(CASES)  # compiles what the simulator calls
     words = [sys.executable, str(Path(__file__).with_name("gpu_simulator.py"))]
@@ -34,8 +36,34 @@ def test_simulated_gpu_gives_the_rows_of_threads():
     done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=1200)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
-    assert len({row["outcome"] for row in mine}) > 2 and found["batches"] == [3, 1]
+    assert len({row["outcome"] for row in mine}) > 2 and found["batches"] == [[3, True], [1, True]]
     assert found["rows"] == json.loads(json.dumps(mine))
+    assert 0 < max(found["telemetry"]) < 200
+    assert found["then"] == [[1, True], [1, False]] and found["crowded"] == found["rows"][:1]
+
+
+def test_a_flight_without_eyes_touches_no_image(nominal):
+    """What its records on a GPU leave out is neither read nor written."""
+    flight = Underway(nominal.loaded, log=NO_BRIEFS)
+    own = layouts.LEAN.own
+    images = [*left_out(flight.sensors, own["sensors"]), *left_out(flight.fsw, own["fsw"])]
+    assert sum(image.nbytes for image in images) > 4_000_000
+    assert own["sensors"].itemsize + own["fsw"].itemsize < 120_000
+    for image in images:  # no numbers, and indices out of range
+        image[...] = np.frombuffer(b"\xff" * image.itemsize, image.dtype)[0]
+    poisoned = [image.tobytes() for image in images]
+    flight.advance(flight.last_cycle + 1)
+    assert flight.plant.tobytes() == nominal.plant.tobytes()
+    assert [image.tobytes() for image in images] == poisoned
+
+
+def left_out(records, lean, outer=1):
+    """Views of the arrays that are smaller in a lean layout; ``outer``: axes of arrays that hold them."""
+    if records.shape[outer:] != lean.shape:
+        return [records]
+    inner = outer + len(lean.shape)
+    names = lean.base.names or ()
+    return [one for name in names for one in left_out(records[name], lean.base[name], inner)]
 
 
 def test_without_numba_cuda_or_a_gpu_a_line_says_what_is_missing(edl6dof, tmp_path, monkeypatch):

@@ -16,8 +16,8 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.hazard.footprint import FOOTPRINT
 from edl6dof.fsw.hazard.point_map import ELEVATION_MAP
-from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, judge
-from edl6dof.fsw.hazard.safety import JUDGED
+from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, classify
+from edl6dof.fsw.hazard.safety import SAFETY_MAP
 from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
@@ -74,8 +74,8 @@ CALLS = {
     },
     **{
         f"{HAZARD_DETECTION.title}: {name}": (
-            {"params": ONBOARD["hazard"], "chart": ELEVATION_MAP, "footprint": FOOTPRINT, "out": JUDGED},
-            lambda p, chart, footprint, out, i=i: judge(i, p, chart, footprint, 2.0, 0.03, out),
+            {"params": ONBOARD["hazard"], "chart": ELEVATION_MAP, "footprint": FOOTPRINT, "out": SAFETY_MAP},
+            lambda p, chart, footprint, out, i=i: classify(i, p, chart, footprint, 2.0, 0.03, out),
             {"footprint", "out"},  # the planes of a row are scratch
         )
         for i, name in enumerate(HAZARD_DETECTION.names)

@@ -58,10 +58,10 @@ def test_map_is_painted_where_it_was_seen_from_the_choice_on(flight, replay):
         ]
     )  # fmt: skip
     corner = found.corner_m - error
-    side = float(found.cell_m) * len(found.verdict)
+    side = float(found.cell_m) * len(found.cell_class)
     assert np.allclose(places[:, :2].min(axis=0), corner, atol=0.3)
     assert np.allclose(places[:, :2].max(axis=0), corner + side, atol=0.5)
-    assert len(places) == (len(found.verdict) // 2) ** 2
+    assert len(places) == (len(found.cell_class) // 2) ** 2
 
 
 def test_footprint_lies_around_the_spot_and_the_lander_stands_in_it(flight, replay):

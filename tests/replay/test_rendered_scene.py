@@ -1,4 +1,4 @@
-"""Pictures of the scene as the native viewer draws it: flames, skies, shapes, each judged by its pixels."""
+"""Pictures of the scene as the native viewer draws it: flames, skies, shapes, each known by its pixels."""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -143,3 +145,12 @@ def test_few_flights_are_not_asked():
 )
 def test_numbers_beside_each_other_have_the_same_decimals(values, shown):
     assert aligned(*values) == shown
+
+
+def test_a_report_loads_neither_the_simulator_nor_what_takes_longer_than_the_report():
+    """Half of the time of a campaign's report once went into importing these."""
+    heavy = ("numba", "pandas", "scipy.stats", "scipy.optimize")
+    loaded = f"print(sys.modules.keys() & {set(heavy)})"
+    words = f"import sys, edl6dof.report.campaign.build, edl6dof.report.page; {loaded}"
+    said = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True)
+    assert said.stdout == "set()\n"

@@ -19,31 +19,31 @@ FOUND = {"name_right": True, "kind_right": True}
 
 
 def row(
-    case, component, moment, kind="stuck_off", regime="air", success=True, use=None, verdict=None, **more
+    case, component, moment, kind="stuck_off", regime="air", success=True, use=None, isolation=None, **more
 ):
-    """A fault at 10 s, first used ``use`` s and named ``verdict`` s after it."""
+    """A fault at 10 s, first used ``use`` s and named ``isolation`` s after it."""
     found = {
         "case": case, "component": component, "kind": kind, "moment": moment, "success": success,
         "cause": "" if success else "lost", "outcome": "landed within limits" if success else "lost",
         "fault_s": 10.0, "first_use_s": None if use is None else 10.0 + use, "used_s": 0.5, "regime": regime,
-        "named": None, "name_right": False, "kind_right": False, "verdict_s": verdict,
-        "verdict_from_use_s": None if verdict is None else verdict - use, "wrongly_named": None,
+        "named": None, "name_right": False, "kind_right": False, "isolation_s": isolation,
+        "isolation_from_use_s": None if isolation is None else isolation - use, "wrongly_named": None,
         "sound_named": None,
     }  # fmt: skip
     return found | more
 
 
 ROWS = [
-    row(0, "A1", "10 s", use=2.0, verdict=5.0, named="A1 stuck_off", **FOUND),
+    row(0, "A1", "10 s", use=2.0, isolation=5.0, named="A1 stuck_off", **FOUND),
     row(1, "A2", "10 s", use=0.0),
     row(2, "A3", "10 s"),
-    row(3, "A1", "20 s", regime="powered", use=1.0, verdict=1.5, named="A1 stuck_off", **FOUND),
-    row(4, "A2", "20 s", use=0.0, verdict=3.0, name_right=True, named="A2 degraded",
+    row(3, "A1", "20 s", regime="powered", use=1.0, isolation=1.5, named="A1 stuck_off", **FOUND),
+    row(4, "A2", "20 s", use=0.0, isolation=3.0, name_right=True, named="A2 degraded",
         wrongly_named="A2 degraded", success=False),
     row(5, "A3", "20 s", use=0.0, named="A1 stuck_on", wrongly_named="A1 stuck_on",
         sound_named="A1 stuck_on"),
-    row(6, "A1", "30 s", use=0.0, verdict=7.0, named="A1 stuck_off", **FOUND),
-    row(7, "A1", "30 s", use=0.0, verdict=20.0, named="A1 stuck_off", success=False, **FOUND),
+    row(6, "A1", "30 s", use=0.0, isolation=7.0, named="A1 stuck_off", **FOUND),
+    row(7, "A1", "30 s", use=0.0, isolation=20.0, named="A1 stuck_off", success=False, **FOUND),
     {"case": 8, "component": "A2", "kind": "stuck_off", "moment": "30 s", "success": False,
      "cause": "could not fly", "outcome": "could not fly"},
 ]  # fmt: skip
@@ -58,7 +58,7 @@ def test_shares_are_of_what_can_be_known_and_times_of_what_is_right():
     every, (air, powered, neither) = figures["all"], figures["groups"]
     assert (every["flights"], every["within_limits"], every["not_begun"]) == (9, 6, 1)
     assert (every["can_be_known"], every["never_used"]) == (7, 1)
-    assert (every["name_right"], every["kind_right"], every["with_wrong_verdicts"]) == (5, 4, 2)
+    assert (every["name_right"], every["kind_right"], every["with_wrong_isolations"]) == (5, 4, 2)
     assert (air["regime"], air["flights"], air["kind_right"]) == ("air", 7, 3)
     assert air["from_use_s"] == {"median": 7.0, "p95": pytest.approx(18.7), "worst": 20.0}
     assert powered["from_use_s"]["worst"] == 0.5 and powered["from_fault_s"]["worst"] == 1.5
@@ -67,10 +67,10 @@ def test_shares_are_of_what_can_be_known_and_times_of_what_is_right():
     assert required == {
         "within limits": (pytest.approx(100 * 6 / 9), False),
         "right name and kind, of those that fire or leak": (pytest.approx(100 * 4 / 7), False),
-        "flights with a wrong verdict on anything": (pytest.approx(100 * 2 / 9), False),
-        "median time to the verdict in the air": (7.0, False),
-        "median time to the verdict in powered flight": (0.5, True),
-        "longest time to the verdict": (20.0, False),
+        "flights with a wrong isolation": (pytest.approx(100 * 2 / 9), False),
+        "median time to isolation in the air": (7.0, False),
+        "median time to isolation in powered flight": (0.5, True),
+        "longest time to isolation": (20.0, False),
     }
 
 
@@ -122,7 +122,7 @@ def test_what_is_lost_wrong_or_missed_is_listed_by_its_case():
     tables = {one.caption: one for one in blocks(results(ROWS)) if isinstance(one, Table)}
     cases = {name: [line[0] for line in table.rows] for name, table in tables.items()}
     assert cases["Not within limits"] == ["4", "7", "8"]
-    assert cases["Wrong verdicts"] == ["4", "5"]
+    assert cases["Wrong isolations"] == ["4", "5"]
     assert cases["In use, and not named"] == ["1", "5"]
     words = "6 of 9 flights within limits; 4 of 7 faults that can be known rightly named"
     assert headline(results(ROWS)) == (words, "warn")
@@ -130,7 +130,7 @@ def test_what_is_lost_wrong_or_missed_is_listed_by_its_case():
 
 
 def test_a_sound_one_named_beside_the_right_one_spoils_the_cell():
-    right = row(0, "A1", "10 s", use=0.0, verdict=1.0, named="A1 stuck_off, A2 stuck_on", **FOUND)
+    right = row(0, "A1", "10 s", use=0.0, isolation=1.0, named="A1 stuck_off, A2 stuck_on", **FOUND)
     assert (
         became(right) == 1
         and became(right | dict.fromkeys(("wrongly_named", "sound_named"), "A2 stuck_on")) == 4

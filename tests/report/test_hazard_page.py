@@ -13,7 +13,7 @@ from edl6dof.report.flight import hazards
 from edl6dof.report.flight.build import flight_report
 from edl6dof.runs.results import write_run
 from edl6dof.runs.run import Run
-from edl6dof.telemetry.landing_map import VERDICTS
+from edl6dof.telemetry.landing_map import CELL_CLASSES
 
 
 @pytest.fixture(scope="module")
@@ -34,12 +34,12 @@ def named(panel):
     return {trace.name: trace for trace in panel.traces}
 
 
-def test_colours_are_the_verdicts(seen, drawn):
-    judged = drawn["hazard_map"].panels[0].heat
+def test_colours_are_the_classes(seen, drawn):
+    safety_map = drawn["hazard_map"].panels[0].heat
     kinds = list(hazards.SHOWN)
-    every = len(seen.landing_map.verdict) // len(judged.x)
-    counted = Counter(VERDICTS[int(one)] for one in seen.landing_map.verdict[::every, ::every].ravel())
-    shown = Counter(kinds[int(one)] for one in judged.values.ravel())
+    every = len(seen.landing_map.cell_class) // len(safety_map.x)
+    counted = Counter(CELL_CLASSES[int(one)] for one in seen.landing_map.cell_class[::every, ::every].ravel())
+    shown = Counter(kinds[int(one)] for one in safety_map.values.ravel())
     assert shown == counted
     assert len(shown) >= 3
 
@@ -64,7 +64,7 @@ def test_words_count_what_was_passed_over(seen, drawn):
 
 def test_words_say_what_the_nearest_safe_spot_lacks(seen, drawn):
     found = seen.landing_map
-    rows, columns = np.nonzero(found.verdict == VERDICTS.index("safe"))
+    rows, columns = np.nonzero(found.cell_class == CELL_CLASSES.index("safe"))
     places = found.corner_m + (np.column_stack([columns, rows]) + 0.5) * found.cell_m
     away = np.hypot(*(places - found.hover_m[:2]).T)
     first = np.argmin(away)

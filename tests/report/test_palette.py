@@ -38,7 +38,7 @@ EYES = {
 }  # fmt: skip
 #: Distances in CIELAB: 2.3 is just noticed; thin lines need several times as much.
 APART = 15.0
-VERDICTS, FATES = (SAFE, UNSEEN, STEEP, ROUGH), (UNKNOWN, GREEN, SKY, ORANGE, PURPLE)
+CELL_CLASSES, FATES = (SAFE, UNSEEN, STEEP, ROUGH), (UNKNOWN, GREEN, SKY, ORANGE, PURPLE)
 
 
 def linear(colour: str) -> np.ndarray:
@@ -66,7 +66,9 @@ def nearest(colours, eye: str) -> float:
 
 
 @pytest.mark.parametrize("eye", EYES)
-@pytest.mark.parametrize("colours", [SERIES, VERDICTS, FATES], ids=["series", "verdicts", "fates of faults"])
+@pytest.mark.parametrize(
+    "colours", [SERIES, CELL_CLASSES, FATES], ids=["series", "classes", "fates of faults"]
+)
 def test_colours_stay_apart_for_the_colour_blind(colours, eye):
     assert nearest(colours, eye) > APART
     assert nearest([DARK[colour] for colour in colours], eye) > APART

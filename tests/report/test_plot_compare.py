@@ -56,13 +56,10 @@ def other(run, tmp_path_factory):
     return Run(folder)
 
 
-def test_report_is_written_once_and_again_only_by_force(run, tmp_path, capsys, monkeypatch):
+def test_report_says_where_it_is(run, tmp_path, capsys, monkeypatch):
     out = tmp_path / "r.html"
     assert command(capsys, monkeypatch, "report", run.folder, "--out", out) == (0, f"{out}\n", "")
     assert out.stat().st_size > 4_000_000
-    code, _, err = command(capsys, monkeypatch, "report", run.folder, "--out", out)
-    assert code == 2 and "--force" in err and err.count("\n") == 1
-    assert command(capsys, monkeypatch, "report", run.folder, "--out", out, "--force")[0] == 0
 
 
 def test_figures_for_papers_are_painted(run, tmp_path, capsys, monkeypatch):

@@ -129,7 +129,7 @@ REFUSED = [
     ({"do": "reset", "overrides": ["a=1"]}, "overrides must be a map"),
     ({"do": "reset", "overrides": {"vehicle.mass.entry_kgs": 1}}, "did you mean 'entry_kg'?"),
     ({"do": "reset", "overrides": {"vehicle.mass.entry_kg": -1}}, "must be > 0 kg (got -1)"),
-    ({"do": "reset", "overrides": {"vehicle.mass.entry_kg": NAN}}, "JSON compliant"),
+    ({"do": "reset", "overrides": {"vehicle.mass.entry_kg": NAN}}, "must be finite"),
     ({"do": "reset", "overrides": {"atmosphere.table": "/etc/passwd"}}, "may be set to a word"),
     ({"do": "reset", "overrides": {"seed=1 #": 1}}, "no dotted path"),
     ({"do": "reset", "overrides": {"vehicle.mass": {"entry_kg": 1}}}, "may be set to a number"),

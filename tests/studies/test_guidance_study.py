@@ -88,7 +88,7 @@ def test_an_entry_that_ends_short_with_lift_up_all_the_way_is_out_of_reach(with_
 
 
 def found(misses, beyond):
-    """Verdicts by label on dispersed entries of these misses (km)."""
+    """Results by label on dispersed entries of these misses (km)."""
     about = {"vehicle": "msl", "law": "npc", "condition": DISPERSED, "success": True}
     rows = [{**about, "profile": n, "parachute_miss_m": 1e3 * miss} for n, miss in enumerate(misses)]
     listed = tables.findings(rows, {("msl", "npc"): 1.0}, {"msl": beyond})

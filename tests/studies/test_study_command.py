@@ -117,7 +117,7 @@ def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("finding", "ok", "verdict"),
+    ("finding", "ok", "result"),
     [
         (Finding("a", "km", 2.2, 2.4), True, ""),
         (Finding("a", "km", 2.2, 2.4, within=0.1), True, "within 9 %"),
@@ -131,8 +131,8 @@ def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
         (Finding("a", "km", float("nan"), 2.4, "<=", why="shown below"), False, "not kept"),
     ],
 )
-def test_a_value_is_compared_on_both_sides_and_what_is_explained_must_not_hold(finding, ok, verdict):
-    assert (finding.ok, finding.verdict) == (ok, verdict)
+def test_a_value_is_compared_on_both_sides_and_what_is_explained_must_not_hold(finding, ok, result):
+    assert (finding.ok, finding.result) == (ok, result)
 
 
 def test_outcome_counts_what_is_reproduced_and_shows_why_the_rest_is_not(monkeypatch, tmp_path, capsys):

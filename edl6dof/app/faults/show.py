@@ -26,10 +26,10 @@ _COLUMNS, _ROWS, _LINES = 10, 40, 20
 #: Characters of a line where there is no terminal.
 _WIDTH = 120
 _LEGEND = """\
-matrix: s from first use to the right verdict; a name: what was named instead; ?: in use, and not named;
+matrix: s from first use to the right isolation; a name: what was named instead; ?: in use, and not named;
 -: never used after the fault, which nobody can know; x: not within limits
 table: shares of right names, and of names with the right kind, are of those that can be known;
-times in s to the right verdict, from the first use (or leak) after the fault, and from the fault"""
+times in s to the right isolation, from the first use (or leak) after the fault, and from the fault"""
 
 
 def show_matrix(store: Store, options: CampaignOptions) -> int:
@@ -41,7 +41,7 @@ def show_matrix(store: Store, options: CampaignOptions) -> int:
     rows = store.table().to_pylist()
     figures = stated(store.summary.faults)
     if not (page := store.folder / "report.html").exists():
-        write_page(report_of(store.folder), page, force=False)
+        write_page(report_of(store.folder), page, False, store.folder)
     if options.as_json:
         print(json_text({**figures, "rows": rows}), end="")
     else:
@@ -112,7 +112,7 @@ def _matrix(rows: Sequence[Row], kind: str) -> Table:
 
 def _cell(row: Row) -> Text:
     if is_right(row):
-        found, style = f"{row['verdict_from_use_s']:.2f}", "green"
+        found, style = f"{row['isolation_from_use_s']:.2f}", "green"
     elif row.get("named"):
         found, style = str(row["named"]), "magenta"
     else:
@@ -122,7 +122,14 @@ def _cell(row: Row) -> Text:
 
 def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
     """How many of each kind of fault and regime, and which share of them."""
-    headings = ("flights", "within\nlimits", "can be\nknown", "right\nname", "right\nkind", "wrong\nverdict")
+    headings = (
+        "flights",
+        "within\nlimits",
+        "can be\nknown",
+        "right\nname",
+        "right\nkind",
+        "wrong\nisolation",
+    )
     table = _by_group(headings)
     for group in groups:
         flights, known = group["flights"], group["can_be_known"]
@@ -130,13 +137,13 @@ def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
             *(group["kind"], group["regime"]),
             *(str(flights), _share(group["within_limits"], flights)),
             *(str(known), _share(group["name_right"], known), _share(group["kind_right"], known)),
-            str(group["with_wrong_verdicts"]),
+            str(group["with_wrong_isolations"]),
         )
     return table
 
 
 def _times(groups: Sequence[Mapping[str, Any]]) -> Table:
-    """Times (s) to the right verdicts of each kind of fault and regime."""
+    """Times (s) to the right isolations of each kind of fault and regime."""
     names = {"median": "median", "p95": "95 %", "worst": "longest"}
     table = _by_group([f"from {start}\n{name}" for start in ("use", "fault") for name in names.values()])
     for group in groups:

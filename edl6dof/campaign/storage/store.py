@@ -38,7 +38,7 @@ _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
 #: File that the process holds locked that works in the folder.
 _LOCK = ".lock"
 
-_FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|report\.(?:html|pdf)")
+_FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\.json|report\.(?:html|pdf)")
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.point_map import MAP_CELLS, cell_of, middle_of
-from edl6dof.fsw.hazard.safety import SAFE, TOO_ROUGH, VERDICTS
+from edl6dof.fsw.hazard.safety import CELL_CLASSES, SAFE, TOO_ROUGH
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
 
@@ -38,7 +38,7 @@ class ChoiceParams(Params):
 REJECTED = np.dtype(
     [
         ("spot_L", "f8", (2,)),  # m: east and north of the landing site
-        ("verdict", whole(0, len(VERDICTS) - 1)),
+        ("cell_class", whole(0, len(CELL_CLASSES) - 1)),
     ],
     align=True,
 )
@@ -74,7 +74,7 @@ def cost_of(params, distance, clearance, speed, time, flow):
 
 
 @kernel
-def pass_over(spot_L, verdict, apart, out):
+def pass_over(spot_L, cell_class, apart, out):
     """Remember a spot that is not safe, unless one so near to it is remembered already (m)."""
     n = out.n_rejected
     if n == MAX_REJECTED:
@@ -84,18 +84,18 @@ def pass_over(spot_L, verdict, apart, out):
         if east * east + north * north < apart * apart:
             return
     out.rejected[n].spot_L[0], out.rejected[n].spot_L[1] = spot_L
-    out.rejected[n].verdict = verdict
+    out.rejected[n].cell_class = cell_class
     out.n_rejected = n + 1
 
 
 @kernel
-def choose_spot(params, chart, judged, here_L, apart, speed, time, flow, out):
+def choose_spot(params, chart, safety_map, here_L, apart, speed, time, flow, out):
     """Search the safe spot of least cost around ``here_L`` (east, north of the landing site, m).
 
     Args:
         params: choice parameters.
         chart: ``ELEVATION_MAP`` record: where the map lies.
-        judged: ``JUDGED`` record.
+        safety_map: ``SAFETY_MAP`` record.
         here_L: the point below.
         apart: distance by which spots that are passed over and remembered differ, m.
         speed, time, flow: as of :func:`cost_of`.
@@ -113,11 +113,11 @@ def choose_spot(params, chart, judged, here_L, apart, speed, time, flow, out):
                 if j < 0 or j >= MAP_CELLS:
                     continue
                 spot_L = middle_of(chart, i, j)
-                if judged.verdict[i, j] != SAFE:
-                    pass_over(spot_L, judged.verdict[i, j], apart, out)
+                if safety_map.cell_class[i, j] != SAFE:
+                    pass_over(spot_L, safety_map.cell_class[i, j], apart, out)
                     continue
                 east, north = spot_L[0] - here_L[0], spot_L[1] - here_L[1]
-                distance, clearance = sqrt(east * east + north * north), float(judged.clearance[i, j])
+                distance, clearance = sqrt(east * east + north * north), float(safety_map.clearance[i, j])
                 cost = cost_of(params, distance, clearance, speed, time, flow)
                 if cost < out.cost:
                     out.found, out.cost, out.clearance = 1, cost, clearance
@@ -125,7 +125,7 @@ def choose_spot(params, chart, judged, here_L, apart, speed, time, flow, out):
 
 
 @kernel
-def least_bad(chart, footprint, judged, here_L, out):
+def least_bad(chart, footprint, safety_map, here_L, out):
     """Where no spot is safe: that of the least roughness among those that are not too steep, of several the
     nearest; where none is known, the point below.
     """
@@ -133,7 +133,7 @@ def least_bad(chart, footprint, judged, here_L, out):
     out.clearance, least = 0.0, 1e9
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
-            if judged.verdict[i, j] != TOO_ROUGH:
+            if safety_map.cell_class[i, j] != TOO_ROUGH:
                 continue
             spot_L = middle_of(chart, i, j)
             east, north = spot_L[0] - here_L[0], spot_L[1] - here_L[1]

@@ -1,8 +1,8 @@
 """The ways of hazard detection.
 
-A member has one kernel, ``judge(params, chart, footprint, radius, deviation, out)``: from a map of
+A member has one kernel, ``classify(params, chart, footprint, radius, deviation, out)``: from a map of
 elevations (``ELEVATION_MAP``) and slope and roughness of the footprint at its cells (``FOOTPRINT``, of
-``radius`` m) it writes into ``out`` (``JUDGED``) which cells are safe; ``deviation`` is the standard
+``radius`` m) it writes into ``out`` (``SAFETY_MAP``) which cells are safe; ``deviation`` is the standard
 deviation of the elevation of one point (m).  ``params`` are its own.
 """
 
@@ -39,7 +39,7 @@ class HazardParams(_Detectors):
 
     cell_m: float = param(0.2, "side of a cell of the map", status="derived", gt=0.01, le=5.0)
     footprint_radius_m: float = param(
-        2.25, "radius of the disc that is judged: that under the lander, 2 m, and half of a rock beside it",
+        2.25, "radius of the disc that is assessed: that under the lander, 2 m, and half of a rock beside it",
         status="derived", source="four footpads 1.77 m from the axis", gt=0.1, le=10.0,
     )  # fmt: skip
     filled_weight: float = param(
@@ -50,6 +50,6 @@ class HazardParams(_Detectors):
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 
-judge = HAZARD_DETECTION.switch(
-    "judge", "params", "chart", "footprint", "radius", "deviation", "out", returns=NOTHING
+classify = HAZARD_DETECTION.switch(
+    "classify", "params", "chart", "footprint", "radius", "deviation", "out", returns=NOTHING
 )

@@ -25,9 +25,9 @@ from edl6dof.fsw.hazard.point_map import MAP_CELLS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 
-#: Verdicts on a cell.
+#: Classes of a cell.
 SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)
-VERDICTS = ("safe", "edge", "slope", "rock")
+CELL_CLASSES = ("safe", "edge", "slope", "rock")
 
 #: A standard normal lies above ``x`` >= 0 with half the inverse of the 16th power of 1 + x (a + x (b + ...)),
 #: within 1.5e-7: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 26.2.19.
@@ -36,9 +36,9 @@ _HASTINGS = np.array(
 )
 _NONE, _HALF, _ALL = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 
-JUDGED = np.dtype(
+SAFETY_MAP = np.dtype(
     [
-        ("verdict", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
+        ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
         ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
         ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
     ],
@@ -47,26 +47,26 @@ JUDGED = np.dtype(
 
 
 @kernel
-def judge_by_limits(footprint, steepest, roughest, out):
+def classify_by_limits(footprint, steepest, roughest, out):
     """Call a cell safe where slope (tangent) and roughness (m) keep their limits.
 
     Args:
         footprint: ``FOOTPRINT`` record.
         steepest: limit of the tangent of the slope.
         roughest: limit of the roughness, m.
-        out: ``JUDGED`` record, verdicts and probabilities written.
+        out: ``SAFETY_MAP`` record, classes and probabilities written.
     """
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
-            verdict = SAFE
+            cell_class = SAFE
             if footprint.slope[i, j] >= UNKNOWN:
-                verdict = UNSEEN
+                cell_class = UNSEEN
             elif footprint.slope[i, j] > steepest:
-                verdict = TOO_STEEP
+                cell_class = TOO_STEEP
             elif footprint.roughness[i, j] > roughest:
-                verdict = TOO_ROUGH
-            out.verdict[i, j] = verdict
-            out.probability[i, j] = 1.0 if verdict == SAFE else 0.0
+                cell_class = TOO_ROUGH
+            out.cell_class[i, j] = cell_class
+            out.probability[i, j] = 1.0 if cell_class == SAFE else 0.0
 
 
 @kernel
@@ -130,7 +130,7 @@ def keep_row(chart, sharp, radius, i, first, last, planes):
 
 
 @kernel
-def judge_by_probability(chart, footprint, radius_m, steepest, roughest, deviation, between, least, out):
+def classify_by_probability(chart, footprint, radius_m, steepest, roughest, deviation, between, least, out):
     """Call a cell safe where the probability that slope and roughness keep their limits is large enough;
     where it is not, what is noted is an upper bound of it.
 
@@ -138,11 +138,11 @@ def judge_by_probability(chart, footprint, radius_m, steepest, roughest, deviati
         chart: ``ELEVATION_MAP`` record.
         footprint: ``FOOTPRINT`` record of it; its scratch is used again.
         radius_m: of the footprint, m.
-        steepest, roughest: limits, as of :func:`judge_by_limits`.
+        steepest, roughest: limits, as of :func:`classify_by_limits`.
         deviation: standard deviation of the elevation of one point of whole weight, m.
         between: standard deviation of the relief between the points of a cell, m.
         least: probability from which on a cell is safe.
-        out: ``JUDGED`` record, verdicts and probabilities written; its clearances, which are worked out
+        out: ``SAFETY_MAP`` record, classes and probabilities written; its clearances, which are worked out
             afterwards, are scratch.
     """
     radius, planes, sharp = radius_m / chart.cell, footprint.planes, out.clearance
@@ -153,24 +153,24 @@ def judge_by_probability(chart, footprint, radius_m, steepest, roughest, deviati
         first, last = MAP_CELLS, 0
         for j in range(MAP_CELLS):
             rise, rough = footprint.slope[i, j], footprint.roughness[i, j]
-            out.verdict[i, j], out.probability[i, j], planes.limit[j] = UNSEEN, 0.0, 0.0
+            out.cell_class[i, j], out.probability[i, j], planes.limit[j] = UNSEEN, 0.0, 0.0
             if rise >= UNKNOWN:
                 continue
             probability = below((steepest - rise) / spread)
-            out.verdict[i, j] = TOO_STEEP
+            out.cell_class[i, j] = TOO_STEEP
             if probability >= least:
                 # its farthest cell alone says enough of most footprints
                 farthest = below((roughest - rough) / sharpest)
-                out.verdict[i, j] = SAFE if probability * farthest >= least else TOO_ROUGH
-                probability *= 1.0 if out.verdict[i, j] == SAFE else farthest
+                out.cell_class[i, j] = SAFE if probability * farthest >= least else TOO_ROUGH
+                probability *= 1.0 if out.cell_class[i, j] == SAFE else farthest
             out.probability[i, j] = probability
-            if out.verdict[i, j] == SAFE:
+            if out.cell_class[i, j] == SAFE:
                 planes.limit[j] = roughest * sqrt(1.0 + rise * rise)
                 first, last = min(first, j), j + 1
         if first < last:
             fit_row(chart, radius, i, planes)
             keep_row(chart, sharp, radius, i, first, last, planes)
         for j in range(first, last):
-            if out.verdict[i, j] == SAFE:
+            if out.cell_class[i, j] == SAFE:
                 out.probability[i, j] *= planes.kept[j]
-                out.verdict[i, j] = SAFE if out.probability[i, j] >= least else TOO_ROUGH
+                out.cell_class[i, j] = SAFE if out.probability[i, j] >= least else TOO_ROUGH

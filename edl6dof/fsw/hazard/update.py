@@ -8,6 +8,7 @@ from math import cos, sin
 
 import numpy as np
 
+from edl6dof.apart import stay_apart
 from edl6dof.config.units import G0
 from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
@@ -16,8 +17,8 @@ from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
 from edl6dof.fsw.hazard.drift import follow_wind, predict_drifts
 from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
 from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, add_range, begin_map, fill_holes
-from edl6dof.fsw.hazard.registry import GIVEN, judge
-from edl6dof.fsw.hazard.safety import JUDGED
+from edl6dof.fsw.hazard.registry import GIVEN, classify
+from edl6dof.fsw.hazard.safety import SAFETY_MAP
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.eyes import look
@@ -40,7 +41,7 @@ HAZARD = np.dtype(
         ("coarse", COARSE),
         ("chart", ELEVATION_MAP),
         ("footprint", FOOTPRINT),
-        ("judged", JUDGED),
+        ("safety_map", SAFETY_MAP),
         ("envelope", ENVELOPE),
         ("choice", CHOICE),
     ],
@@ -125,7 +126,7 @@ def begins_to_scan(params, nav, elapsed):
 
 @kernel
 def work_out(params, terminal, deviation, nav, state, memory):
-    """Judge the map, and choose the spot.
+    """Classify the cells of the map, and choose the spot.
 
     Args:
         params: hazard parameters.
@@ -135,16 +136,16 @@ def work_out(params, terminal, deviation, nav, state, memory):
         state: ``VEHICLE_STATE`` record.
         memory: ``HAZARD`` record, map included, updated.
     """
-    chart, footprint, judged = memory.chart, memory.footprint, memory.judged
+    chart, footprint, safety_map = memory.chart, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, chart)
     assess(chart, params.footprint_radius, footprint)
-    judge(params.detection, params, chart, footprint, params.footprint_radius, deviation, judged)
-    clearances(judged.verdict, chart.cell, memory.envelope, judged.clearance)
+    classify(params.detection, params, chart, footprint, params.footprint_radius, deviation, safety_map)
+    clearances(safety_map.cell_class, chart.cell, memory.envelope, safety_map.clearance)
     here_L = (nav.site_L[0], nav.site_L[1])
     choose_spot(
         params.choice,
         chart,
-        judged,
+        safety_map,
         here_L,
         2.0 * params.footprint_radius,
         terminal.lateral_speed,
@@ -153,7 +154,7 @@ def work_out(params, terminal, deviation, nav, state, memory):
         memory.choice,
     )
     if memory.choice.found == 0:
-        least_bad(chart, footprint, judged, here_L, memory.choice)
+        least_bad(chart, footprint, safety_map, here_L, memory.choice)
 
 
 @on_its_own(NOTHING)
@@ -174,6 +175,7 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
 @kernel
 def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
     """Ask for the scan, take what it brings, and choose the spot when it is whole."""
+    stay_apart()
     params, eyes = onboard.hazard, onboard.instruments.eyes
     if memory.scanning == 0:
         if begins_to_scan(params.scan, nav, elapsed):

@@ -2,8 +2,8 @@
 others agree.
 
 A filter says of each look which beams it refused (``SOLUTION.beams_refused``).  A look in which most beams
-are refused accuses none of them: then the solution is wrong, or dust hides the ground from all.  Each beam
-has a score, up by one when it is accused and down by one when it is not; at the limit it is excluded.  A
+are refused isolates none of them: then the solution is wrong, or dust hides the ground from all.  Each beam
+has a score, up by one when it is refused and down by one when it is not; at the limit it is excluded.  A
 filter that goes on to compare an excluded beam with what it expects has it given back once it has agreed for
 long.
 

@@ -1,6 +1,6 @@
 """Guards: whether what the solution says of height, velocity and vertical can be true.
 
-Four verdicts, each with a switch.  The height lies below the ground though no footpad touches it; the height
+Four checks, each with a switch.  The height lies below the ground though no footpad touches it; the height
 jumps by more than its own uncertainty against the velocity; the speed is not the one that the beams of the
 radar show; beams have an echo although, as the attitude has it, they look above the horizon.  A height that
 jumps is withheld for a while: told is the last plausible one, carried on with the vertical velocity.  By the
@@ -27,10 +27,10 @@ from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, norm, take3
 
-#: Verdicts, a bit for each.
+#: The checks, a bit for each.
 BELOW_GROUND, JUMP, SPEED, ABOVE_HORIZON = 1, 2, 4, 8
-#: What each says, in the order of the bits.
-VERDICTS = ("height below ground", "height jumps", "speed against the beams", "echo from above the horizon")
+#: What each says when it fails, in the order of the bits.
+CHECKS = ("height below ground", "height jumps", "speed against the beams", "echo from above the horizon")
 #: Straight down for a vehicle that hangs upright, B.
 _HANGING = (1.0, 0.0, 0.0)
 
@@ -52,8 +52,8 @@ class GuardParams(Params):
 
 GUARD = np.dtype(
     [
-        ("verdict", whole(0, 2 ** len(VERDICTS) - 1)),  # what cannot be true in this cycle
-        ("first_t", "f8", (len(VERDICTS),)),  # s, flight time: when each was given first; 0: never
+        ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # what cannot be true in this cycle
+        ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
         ("begun", FLAG),  # whether a height was told
         ("height", "f8"),  # m: told last
         ("sigma", "f8"),  # m: what the filter claimed then
@@ -81,14 +81,14 @@ def guarded_height(params, height, climb, sigma, contact, dt, memory):
     """The height to tell, m, of a cycle of ``dt`` seconds in which the solution says ``height``, ``climb``
     (m/s) and ``sigma`` (m); ``contact``: whether a footpad touches the ground.
     """
-    memory.verdict = 0
+    memory.failed = 0
     expected = memory.height + climb * dt if memory.begun != 0 else height
     off = params.margin + params.sigmas * max(sigma, memory.sigma)
     if height < -params.margin and contact == 0:
-        memory.verdict |= BELOW_GROUND
+        memory.failed |= BELOW_GROUND
     if abs(height - expected) > off:
-        memory.verdict |= JUMP
-    if params.jump != 0 and memory.verdict & JUMP and memory.withheld < params.patience:
+        memory.failed |= JUMP
+    if params.jump != 0 and memory.failed & JUMP and memory.withheld < params.patience:
         memory.withheld += dt
         height = expected
     else:
@@ -125,8 +125,8 @@ def vertical_is_wrong(params, instruments, radar, q, up):
 
 
 @kernel
-def judge(params, instruments, health, sensed, speed, sigma, q, up, memory, recovery):
-    """Complete the verdict, note when each was given first, and take the attitude for lost where one says so.
+def check_solution(params, instruments, health, sensed, speed, sigma, q, up, memory, recovery):
+    """Complete the checks, note when each failed first, and take the attitude for lost where one says so.
 
     Args:
         params: ``GuardParams`` record.
@@ -140,16 +140,16 @@ def judge(params, instruments, health, sensed, speed, sigma, q, up, memory, reco
         recovery: ``RECOVERY`` record, updated.
     """
     if speed_is_wrong(params, instruments, health, sensed.radar, speed, sigma, memory):
-        memory.verdict |= SPEED
+        memory.failed |= SPEED
     if vertical_is_wrong(params, instruments, sensed.radar, q, up):
-        memory.verdict |= ABOVE_HORIZON
+        memory.failed |= ABOVE_HORIZON
     if recovery.lost != 0:
         return
-    for k in range(len(VERDICTS)):
-        if memory.verdict >> k & 1 and memory.first_t[k] == 0.0:
+    for k in range(len(CHECKS)):
+        if memory.failed >> k & 1 and memory.first_t[k] == 0.0:
             memory.first_t[k] = sensed.t
     switched_on = BELOW_GROUND * params.below_ground + SPEED * params.speed + ABOVE_HORIZON * params.vertical
-    if memory.verdict & switched_on and instruments.n_beams > 2:
+    if memory.failed & switched_on and instruments.n_beams > 2:
         lose(recovery)
         memory.held = max(memory.height, instruments.radar_ceiling)
 

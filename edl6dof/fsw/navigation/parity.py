@@ -6,7 +6,7 @@ not.  Sigma is what is believed of one instrument: noise, and what stays from cy
 factor and misalignment in proportion to the motion, so that a fast turn raises no alarm; the vibration of
 the whole unit is motion that all axes read, and does not show in p).
 The suspect is the one with the largest (p.v)^2 / |v|^2, v its column of V.  It is left out of the cycle at
-once, and excluded for good when the look has accused it for several cycles on end.  With one instrument
+once, and excluded for good when the look has pointed at it for several cycles on end.  With one instrument
 beyond three a fault is seen but is nobody's: it takes two to tell which.
 
 Source: Potter and Deckert 1973 (see :mod:`.redundancy`); isolation as Daly, Gai and Harrison, Generalized
@@ -37,18 +37,18 @@ class ParityParams(Params):
         1e-10, "probability that one look at sound instruments exceeds its limit", gt=1e-100, lt=0.5
     )
     persistence_cycles: int = param(
-        5, "looks on end at one cycle each that must accuse the same instrument", ge=1, le=1000
+        5, "looks on end at one cycle each that must point at the same instrument", ge=1, le=1000
     )
     window_s: float = param(10.0, "time constant of the low-passed parity vector", gt=0.0, le=1000.0)
     slow_persistence_cycles: int = param(
-        25, "looks on end at the low-passed one that must accuse the same instrument", ge=1, le=10000
+        25, "looks on end at the low-passed one that must point at the same instrument", ge=1, le=10000
     )
     flag_patience_s: float = param(
         2.0, "time for which one may say that it is saturated while the others do not", ge=0.0, le=1000.0
     )
 
 
-#: One look: whom it accuses, and for how many cycles on end.
+#: One look: which instrument it points at, and for how many cycles on end.
 LOOK = np.dtype(
     [
         ("statistic", "f8"),  # p'p / sigma^2
@@ -105,8 +105,8 @@ def look_at_parity(params, new, lasting, dt, redundant, number, memory):
     memory.mean_lasting += share * (sqrt(lasting) / dt - memory.mean_lasting)
     memory.fast.statistic = square / (new + lasting)
     memory.slow.statistic = mean_square / (memory.mean_variance + memory.mean_lasting**2)
-    _accuse(memory.limit, memory.vector, redundant, number, memory.fast)
-    _accuse(memory.limit, memory.mean, redundant, number, memory.slow)
+    _point_at(memory.limit, memory.vector, redundant, number, memory.fast)
+    _point_at(memory.limit, memory.mean, redundant, number, memory.slow)
     failed = NONE
     if memory.slow.seen >= params.slow_persistence_cycles:
         failed = memory.slow.suspect
@@ -116,8 +116,8 @@ def look_at_parity(params, new, lasting, dt, redundant, number, memory):
 
 
 @kernel
-def _accuse(limit, vector, redundant, number, look):
-    """Whom a look at ``vector`` accuses."""
+def _point_at(limit, vector, redundant, number, look):
+    """Which instrument a look at ``vector`` points at."""
     before = look.suspect
     look.suspect = NONE
     if look.statistic > limit and redundant.n_parity > 1:

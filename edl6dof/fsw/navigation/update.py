@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.apart import stay_apart
 from edl6dof.fsw.navigation.alignment import align
 from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, watch_beams
 from edl6dof.fsw.navigation.exclusions import EXCLUSIONS, note_changes
@@ -15,10 +16,10 @@ from edl6dof.fsw.navigation.filters.registry import (
 )
 from edl6dof.fsw.navigation.guard import (
     GUARD,
+    check_solution,
     guarded_height,
     height_and_climb,
     height_while_lost,
-    judge,
 )
 from edl6dof.fsw.navigation.hindsight import HINDSIGHT, look_back
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
@@ -94,6 +95,7 @@ def estimate_state(onboard, state, sensed, memory):
 @kernel
 def navigate(onboard, state, sensed, memory):
     """Bring ``memory.solution`` up to the reading of the inertial unit that arrives with ``sensed``."""
+    stay_apart()
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     body = onboard.vehicle.configuration[state.configuration]
     centre = take3(body.centre, 0)
@@ -163,7 +165,7 @@ def guard(onboard, sensed, memory, estimate):
     spin = onboard.planet.rotation_rate
     speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
     q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
-    judge(
+    check_solution(
         params, instruments, memory.health, sensed, speed, norm(take3(solution.sigma_v, 0)), q, up,
         memory.guard, memory.recovery,
     )  # fmt: skip

@@ -12,11 +12,11 @@ from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
 from edl6dof.spatial import rotations as turns
-from edl6dof.telemetry.landing_map import VERDICTS, LandingMap
+from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Columns by which a map that was navigated comes to lie where it is.
 NAVIGATED = ("nav.error_east_m", "nav.error_north_m")
-#: Colour of a cell of each verdict, and of what is chosen and passed over.
+#: Colour of each class of cell, and of what is chosen and passed over.
 PAINT: dict[str, RGB] = {
     "safe": (70, 170, 120),
     "edge": (110, 110, 115),
@@ -72,16 +72,16 @@ class Hazards(Recorder):
         self.at(t, "site/hazards/spot", point)
 
     def _painted(self, found: LandingMap, off: np.ndarray) -> Mesh:
-        """The ground in the colours of the verdicts; what was not seen at all is left out."""
-        verdict = found.verdict[::_EVERY, ::_EVERY]
+        """The ground in the colours of the classes; what was not seen at all is left out."""
+        cell_class = found.cell_class[::_EVERY, ::_EVERY]
         seen = np.isfinite(found.elevation_m[::_EVERY, ::_EVERY])
-        side = (np.arange(0, len(found.verdict), _EVERY) + 0.5) * float(found.cell_m)
+        side = (np.arange(0, len(found.cell_class), _EVERY) + 0.5) * float(found.cell_m)
         east, north = np.meshgrid(side + found.corner_m[0] - off[0], side + found.corner_m[1] - off[1])
         up = self.motion.site.ground(east, north)[1]
         rise_north, rise_east = np.gradient(up, float(found.cell_m) * _EVERY)
-        paint = np.array([PAINT[name] for name in VERDICTS], float)[verdict]
+        paint = np.array([PAINT[name] for name in CELL_CLASSES], float)[cell_class]
         colours = paint * sunlight(self.motion.site.light, rise_east, rise_north)[..., None]
-        triangles = open_grid_triangles(*verdict.shape)
+        triangles = open_grid_triangles(*cell_class.shape)
         whole = seen.ravel()[triangles].all(axis=1)
         places = np.stack([east, north, up + _ABOVE], axis=-1).reshape(-1, 3)
         return bright(places, triangles[whole], colours.reshape(-1, 3))

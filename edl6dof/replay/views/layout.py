@@ -26,6 +26,8 @@ FLIGHTS: tuple[RGB, ...] = (
 )
 #: The pages of powered descent, of the choice of a spot, of the thrusters, and of the scripted camera.
 POWERED, HAZARDS, THRUSTERS, TOUR = "Powered descent", "Hazards", "Thrusters", "Tour"
+#: All pages, in their order.
+TITLES = ("Flight", "Entry", "Parachute", POWERED, HAZARDS, "Control", NAVIGATION, THRUSTERS, TOUR)
 #: Pages that show fast things: their plots end so long (s) before and after the present.
 AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
 #: Titles of the lanes of instruments by kind.

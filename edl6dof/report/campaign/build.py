@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from edl6dof.campaign.quantiles import percent, quantile
-from edl6dof.report.campaign import drivers, faults, grid, landing, margins
+from edl6dof.report.campaign import drivers, grid, landing, margins
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Fact, Listing, Mood, Report, Section
+from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section
 
 
 def campaign_report(folder: Path) -> Report:
     """The report of a campaign, finished or not; a section about what it does not have is left out."""
     results = Results(folder)
     sections = [
-        Section("faults", "Faults", list(faults.blocks(results))),
+        Section("faults", "Faults", list(_faults(results))),
         Section("success", "Success and causes", [margins.causes(results), *margins.convergence(results)]),
         Section("sweep", "Sweep", list(grid.figures(results))),
         Section("limits", "Limits", list(margins.limits(results))),
@@ -30,7 +31,7 @@ def campaign_report(folder: Path) -> Report:
         ),
     ]
     identity = results.store.info.identity
-    words, mood = faults.headline(results) if results.has_faults else _headline(results)
+    words, mood = _headline(results)
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
@@ -45,7 +46,19 @@ def campaign_report(folder: Path) -> Report:
     )
 
 
+def _faults(results: Results) -> Iterator[Block]:
+    """What the flights of a fault matrix tell; nothing where there is none."""
+    if results.has_faults:
+        from edl6dof.report.campaign import faults  # here: no other campaign needs its kinds of fault
+
+        yield from faults.blocks(results)
+
+
 def _headline(results: Results) -> tuple[str, Mood]:
+    if results.has_faults:
+        from edl6dof.report.campaign import faults
+
+        return faults.headline(results)
     success = results.success
     share = f": {success}" if results.is_sample else ""
     return f"{success.successes} of {success.trials} flights succeed{share}", _mood(results)

@@ -8,8 +8,8 @@ from textwrap import fill
 
 import numpy as np
 
-from edl6dof.campaign.design.swaps import A, B
-from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
+from edl6dof.campaign.design.case import A, B
+from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers_of_each
 from edl6dof.campaign.indices import Index, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
@@ -46,7 +46,7 @@ def blocks(results: Results) -> Iterator[Block]:
     if len(results.cases) < FEWEST:
         yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
         return
-    told = list(_told(results))
+    told = _told(results)
     yield Text(
         "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
         "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
@@ -81,11 +81,10 @@ def indices(results: Results) -> Iterator[Block]:
     yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
 
 
-def _told(results: Results) -> Iterator[Told]:
+def _told(results: Results) -> list[Told]:
     moving = {name: results[name] for name in _figures(results)}
-    for name, values in moving.items():
-        level = -np.expm1(np.log1p(-CHANCE) / len(moving))  # Sidak: for each figure
-        yield Told(figure_of_merit(name), drivers(results.groups, values, level))
+    found = drivers_of_each(results.groups, list(moving.values()))
+    return [Told(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
 
 
 def _is_told(index: Index) -> bool:

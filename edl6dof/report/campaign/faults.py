@@ -40,7 +40,7 @@ _BECAME = (
 )
 _CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _SOUND = range(len(_BECAME))
 _LOST = "not within limits"
-#: Top of the scale of times, s; longer ones have its colour.  White is no verdict, and none of its colours.
+#: Top of the scale of times, s; longer ones have its colour.  White is not isolated, and none of its colours.
 _LONGEST_S = 15.0
 _SCALE = SEQUENTIAL[1:]
 #: Moments named along an axis that holds more than stand beside each other, and lines of a table.
@@ -64,9 +64,7 @@ def headline(results: Results) -> tuple[str, Mood]:
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Everything that a report says about the faults of a matrix; nothing where there is none."""
-    if not results.has_faults:
-        return
+    """Everything that a report says about the faults of a matrix."""
     rows = results.table.to_pylist()
     figures = fault_figures(rows)
     if figures["acceptance"]:
@@ -74,8 +72,8 @@ def blocks(results: Results) -> Iterator[Block]:
     yield _groups(figures["groups"])
     yield Text(
         "Regime: at the first use, or leak, after the fault; without any, at the fault.  Known: a fault "
-        "whose component is used or leaks before touchdown; shares of right verdicts are of these.  Kind: "
-        "right component and right kind of fault.  Times (s) from the first use to the right verdict."
+        "whose component is used or leaks before touchdown; shares of right isolations are of these.  Kind: "
+        "right component and right kind of fault.  Times (s) from the first use to the right isolation."
     )
     for kind in dict.fromkeys(row["kind"] for row in rows):
         some = [row for row in rows if row["kind"] == kind]
@@ -83,7 +81,7 @@ def blocks(results: Results) -> Iterator[Block]:
     if lost := [row for row in rows if not row["success"]]:
         yield _listed("Not within limits", "outcome", lost)
     if wrong := [row for row in rows if row.get("wrongly_named")]:
-        yield _listed("Wrong verdicts", "wrongly_named", wrong)
+        yield _listed("Wrong isolations", "wrongly_named", wrong)
     if missed := [row for row in rows if can_be_known(row) and not row["name_right"]]:
         yield _listed("In use, and not named", "used_s", missed)
 
@@ -124,7 +122,7 @@ def _groups(groups: Sequence[dict[str, Any]]) -> Table:
                 str(known),
                 _share(group["name_right"], known),
                 _share(group["kind_right"], known),
-                str(group["with_wrong_verdicts"]),
+                str(group["with_wrong_isolations"]),
                 *(f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst")),
             )
         )
@@ -171,7 +169,7 @@ def _figure(
     labels = [["" for _ in across] for _ in down]
     for (i, j), some in cells.items():
         what[i, j] = max(map(became, some))
-        found = [row["verdict_from_use_s"] for row in some if is_right(row)]
+        found = [row["isolation_from_use_s"] for row in some if is_right(row)]
         times[i, j] = np.median(found) if found else np.nan
         labels[i][j] = _words(some)
     lost = [place for place, some in cells.items() if not all(row["success"] for row in some)]
@@ -181,7 +179,7 @@ def _figure(
     axes = Axis(along, names=_thinned(across)), Axis("", names=down)
     panels = [
         Panel(*axes, _legend(what, lost), heat=kinds, title="What became of it"),
-        Panel(*axes, _crosses(lost), heat=taken, title="Time from first use to the right verdict (s)"),
+        Panel(*axes, _crosses(lost), heat=taken, title="Time from first use to the right isolation (s)"),
     ]
     caption = (
         f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and the "
@@ -221,7 +219,7 @@ def _words(rows: Sequence[Row]) -> str:
     head = f"{rows[0]['component']} {rows[0]['kind']} at {rows[0]['moment']}"
     lines = []
     for row in rows[:8]:
-        after = row.get("verdict_from_use_s")
+        after = row.get("isolation_from_use_s")
         found = f"{row.get('named') or 'nobody'} named" + (
             f", {after:.2f} s after first use" if after else ""
         )

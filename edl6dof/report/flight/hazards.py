@@ -28,9 +28,9 @@ from edl6dof.report.figure import (
     Trace,
 )
 from edl6dof.runs.run import Run
-from edl6dof.telemetry.landing_map import VERDICTS, LandingMap
+from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
-#: What stands in a legend for each verdict, and its colour.
+#: What stands in a legend for each class of cell, and its colour.
 SHOWN: dict[str, tuple[str, str]] = {
     "safe": ("safe to stand on", SAFE),
     "edge": ("not all of it seen", UNSEEN),
@@ -52,13 +52,13 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def _fine(run: Run, found: LandingMap) -> Figure:
-    """The map of the scan, judged, and as heights."""
+    """The map of the scan, by class of cell and as heights."""
     east, north = middles(found)
     every = -(-len(east) // CELLS)
     e, n = east[::every], north[::every]
-    names = [VERDICTS.index(name) for name in SHOWN]
-    verdict = np.argsort(names)[found.verdict[::every, ::every]].astype(float)
-    kinds = Heat(e, n, verdict, "", 0, len(SHOWN) - 1, [colour for _, colour in SHOWN.values()])
+    names = [CELL_CLASSES.index(name) for name in SHOWN]
+    cell_class = np.argsort(names)[found.cell_class[::every, ::every]].astype(float)
+    kinds = Heat(e, n, cell_class, "", 0, len(SHOWN) - 1, [colour for _, colour in SHOWN.values()])
     height = found.elevation_m[::every, ::every]
     low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
@@ -66,13 +66,13 @@ def _fine(run: Run, found: LandingMap) -> Figure:
         Trace(np.array([np.nan]), np.array([np.nan]), text, "points", colour, symbol="square", width=4.0)
         for text, colour in SHOWN.values()
     ]
-    judged = Panel(
+    classes = Panel(
         _axis("east", (e[0], e[-1])),
         _axis("north", (n[0], n[-1])),
         [*entries, *_passed_over(found), *_way(run, found)],
         heat=kinds,
         equal=True,
-        title="what it judged",
+        title="what it made of them",
     )
     seen = Panel(
         _axis("east", (e[0], e[-1])),
@@ -83,13 +83,13 @@ def _fine(run: Run, found: LandingMap) -> Figure:
         title="what it saw: height above the ground below",
     )
     return Figure(
-        "hazard_map", "Map of hazards from hover", [judged, seen], _words(run, found), 2, height=480
+        "hazard_map", "Map of hazards from hover", [classes, seen], _words(run, found), 2, height=480
     )
 
 
 def _words(run: Run, found: LandingMap) -> str:
     """What the map says, and why the spot is where it is, in a few sentences."""
-    safe = 100.0 * np.mean(found.verdict == VERDICTS.index("safe"))
+    safe = 100.0 * np.mean(found.cell_class == CELL_CLASSES.index("safe"))
     away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
     reasons = Counter(found.reasons())
     passed = ", ".join(f"{count} for {name}" for name, count in reasons.most_common())
@@ -113,7 +113,7 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
     """Why it is not the nearest safe spot, where another is nearer (m) but less clear (m) of unsafe ones."""
     east, north = middles(found)
     distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
-    distance[found.verdict != VERDICTS.index("safe")] = np.inf
+    distance[found.cell_class != CELL_CLASSES.index("safe")] = np.inf
     nearest = np.unravel_index(np.argmin(distance), distance.shape)
     near, its_clear = float(distance[nearest]), float(found.clearance_m[nearest])
     if away - near < 1.0 or clear - its_clear < 0.1:
@@ -197,7 +197,7 @@ def _passed_over(found: LandingMap) -> Iterator[Trace]:
 
 def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:
     """East and north (m) of the middles of the columns and rows of the map."""
-    step = (np.arange(len(found.verdict)) + 0.5) * float(found.cell_m)
+    step = (np.arange(len(found.cell_class)) + 0.5) * float(found.cell_m)
     return float(found.corner_m[0]) + step, float(found.corner_m[1]) + step
 
 

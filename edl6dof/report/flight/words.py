@@ -15,7 +15,7 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
 from edl6dof.report.flight.parts import has_signal
 from edl6dof.report.numbers import printed
-from edl6dof.report.terminal import VERDICT, aligned_pair, comparison
+from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
 #: Figure and format of what is shown at a glance.
@@ -92,7 +92,7 @@ def limits(run: Run) -> Table:
                 shown,
                 f"≤ {allowed}",
                 used,
-                Cell(VERDICT[limit["ok"]], "good" if limit["ok"] else "bad"),
+                Cell(LIMIT_STATUS[limit["ok"]], "good" if limit["ok"] else "bad"),
             ]
         )
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")

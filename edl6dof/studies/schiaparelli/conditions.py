@@ -87,7 +87,7 @@ def swing(flight: Flight) -> dict[str, float]:
             "swing_deg_s": nan,
             "flagged_s": nan,
             "vertical_deg": nan,
-            "verdict_s": nan,
+            "check_fails_s": nan,
             "crashed": crashed,
         }
     rates = [np.abs(flight.telemetry[f"truth.rate_{axis}_deg_s"][after]) for axis in "qr"]
@@ -97,7 +97,7 @@ def swing(flight: Flight) -> dict[str, float]:
         "swing_deg_s": float(np.max(rates)),
         "flagged_s": float(np.count_nonzero(flagged)) * step,
         "vertical_deg": vertical_error(flight, int(np.flatnonzero(after)[-1])),
-        "verdict_s": _first_verdict(flight) - fired,
+        "check_fails_s": _first_failed_check(flight) - fired,
         "crashed": crashed,
     }
 
@@ -115,8 +115,8 @@ def vertical_error(flight: Flight, row: int) -> float:
     return degrees(2.0 * np.arcsin(min(across * np.sin(0.5 * min(angle, np.pi)), 1.0)))
 
 
-def _first_verdict(flight: Flight) -> float:
-    """Flight time (s) of the first verdict of a guard; ``nan`` without one."""
+def _first_failed_check(flight: Flight) -> float:
+    """Flight time (s) of the first failed check of a guard; ``nan`` without one."""
     times = [event["t_s"] for event in flight.events if event["key"] == "guard"]
     return min(times, default=nan)
 

@@ -22,7 +22,7 @@ REMARKS = (
     "Nothing is made to fail: gyros meet the end of their range as the canopy swings the capsule faster.",
     "The phase of the nutation at entry, which decides how hard it swings, is drawn; 3 deg are an estimate.",
     "parity: two gyros more, between pitch and yaw, each with the same range.",
-    "A verdict is noted whether or not its guard is switched on.",
+    "A failed check is noted whether or not its guard is switched on.",
 )
 
 

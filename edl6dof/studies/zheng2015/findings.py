@@ -21,7 +21,7 @@ BAND_KM = 0.05
 #: Differences at which a value is reproduced: of a statistic beside two of its sampling errors, of heights,
 #: and of times.
 STATISTIC, HEIGHT, TIME = 0.1, 0.05, 0.02
-#: Flights from which a statistic has a verdict.
+#: Flights from which a statistic is compared.
 ENOUGH = 200
 
 NO_SUCH_DENSITY = "heights as printed leave no room for a density error; see 'no density error'"

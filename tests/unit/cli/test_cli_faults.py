@@ -32,7 +32,7 @@ def test_matrix_is_flown_and_exit_status_says_that_all_survived(flown):
     ]  # fmt: skip
 
 
-def test_table_has_a_row_for_each_flight_with_fault_and_verdict(flown):
+def test_table_has_a_row_for_each_flight_with_fault_and_isolation(flown):
     rows = rows_of(flown[3])
     assert {(row["component"], row["kind"]) for row in rows} == {
         (t, k) for t in ("D7", "P1") for k in ("stuck_off", "stuck_on", "degraded")
@@ -40,8 +40,8 @@ def test_table_has_a_row_for_each_flight_with_fault_and_verdict(flown):
     d7 = next(row for row in rows if row["component"] == "D7" and row["kind"] == "stuck_off")
     assert d7["moment"] == "hazard_avoidance" and d7["regime"] == "powered"
     assert d7["named"] == "D7 stuck_off" and d7["name_right"] and d7["kind_right"]
-    assert d7["wrongly_named"] is None and 0.1 < d7["verdict_s"] < 3.0
-    assert d7["verdict_from_use_s"] == pytest.approx(d7["verdict_s"] + d7["fault_s"] - d7["first_use_s"])
+    assert d7["wrongly_named"] is None and 0.1 < d7["isolation_s"] < 3.0
+    assert d7["isolation_from_use_s"] == pytest.approx(d7["isolation_s"] + d7["fault_s"] - d7["first_use_s"])
     assert d7["peak_attitude_error_deg"] < 20.0 and d7["landing_distance_m"] < 10000.0
 
 
@@ -50,7 +50,7 @@ def test_summary_counts_what_the_rows_say(flown):
     rows = rows_of(flown[3])
     assert faults["all"]["flights"] == faults["all"]["within_limits"] == 6 and len(faults["groups"]) == 3
     assert faults["all"]["kind_right"] == sum(row["kind_right"] for row in rows)
-    assert faults["all"]["with_wrong_verdicts"] == sum(row["wrongly_named"] is not None for row in rows)
+    assert faults["all"]["with_wrong_isolations"] == sum(row["wrongly_named"] is not None for row in rows)
 
 
 def test_kinds_of_other_components_fail_each_of_theirs(tmp_path, capsys, monkeypatch):
@@ -96,7 +96,7 @@ def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):
             row["named"] == f"beam {row['component']}" and row["name_right"] and row["wrongly_named"] is None
         )
         assert row["instrument_false_alarms"] == 0.0
-        assert 0.0 < row["verdict_from_use_s"] < 7.0
+        assert 0.0 < row["isolation_from_use_s"] < 7.0
         assert abs(row["touchdown_nav_height_m"]) < 0.5
 
 
@@ -124,7 +124,7 @@ def test_sensor_matrix_as_json(tmp_path, capsys, monkeypatch):
     code, out, err = run(capsys, monkeypatch, "faults", "tianwen1", *words)
     assert code == 0, err
     (row,) = json.loads(out)["rows"]
-    assert row["named"] == "star_tracker" and 2.0 < row["verdict_s"] < 8.0
+    assert row["named"] == "star_tracker" and 2.0 < row["isolation_s"] < 8.0
 
 
 @pytest.mark.parametrize(

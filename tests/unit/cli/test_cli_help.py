@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
+import in_process
 import pytest
 from cli_run import environment, run
 
@@ -103,6 +105,24 @@ def test_help_names_every_command(capsys, monkeypatch):
         *(group.name for group in cli.app.registered_groups),
     ]
     assert not [line for line in lines if line.endswith("...")], "the summary of a command fits on its line"
+
+
+def commands():
+    """Words of every command, those of groups with both names."""
+    for name, command in in_process.PROGRAM.commands.items():
+        inner = getattr(command, "commands", None)
+        yield from [[name, one] for one in inner] if inner else [[name]]
+
+
+@pytest.mark.parametrize("words", [["design"], *commands()], ids=" ".join)
+def test_help_of_a_command_is_in_words_of_its_reader(words, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    code, out, _ = run(capsys, monkeypatch, *words, "--help")
+    assert code == 0 and max(map(len, out.splitlines())) <= 80
+    assert not re.search(r"(?m)[{}]|<(str|int|float|path|list|tuple)|list\[|TEXT|[a-z,]\.\.\.$", out)
+    described = out.partition("Options:")[0].partition("Arguments:")[2] + out.partition("Options:")[2]
+    assert not re.search(r"(?m)^  (-\S+|[A-Z]\S*)( \S+)?$\n(?! {4})", described), "each has its meaning"
+    assert words == ["design"] or f"Examples:\n    edl6dof {' '.join(words)}" in out
 
 
 def test_no_command_shows_the_help(capsys, monkeypatch):

@@ -14,14 +14,14 @@ from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.guard import (
     ABOVE_HORIZON,
     BELOW_GROUND,
+    CHECKS,
     GUARD,
     JUMP,
     SPEED,
-    VERDICTS,
     GuardParams,
+    check_solution,
     guarded_height,
     height_while_lost,
-    judge,
 )
 from edl6dof.fsw.navigation.recovery import RECOVERY, RecoveryParams, recover
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
@@ -250,12 +250,12 @@ def test_sound_attitude_is_left_alone_and_a_long_gap_loses_it():
 
 
 def told(heights, climb=-50.0, sigma=1.0, contact=0, **settings):
-    """What is told of ``heights``, cycle by cycle, and the verdicts."""
+    """What is told of ``heights``, cycle by cycle, and the failed checks."""
     params, memory = in_si(GuardParams(**settings)), np.zeros(1, GUARD)
     found = []
     for height in heights:
         height = guarded_height(params, height, climb, sigma, contact, DT, memory[0])
-        found.append((height, int(memory["verdict"][0])))
+        found.append((height, int(memory["failed"][0])))
     return found
 
 
@@ -268,7 +268,7 @@ def test_plausible_heights_are_told_as_they_are():
 
 def test_height_below_the_ground_is_seen():
     found = told(np.where(np.arange(200) < 20, FALL, -300.0))
-    assert [verdict & BELOW_GROUND for _, verdict in found] == [0] * 20 + [BELOW_GROUND] * 180
+    assert [failed & BELOW_GROUND for _, failed in found] == [0] * 20 + [BELOW_GROUND] * 180
 
 
 def test_contact_makes_a_height_below_the_ground_possible():
@@ -288,16 +288,16 @@ def test_correction_within_what_the_filter_claimed_is_no_jump():
     assert told(heights, sigma=60.0) == [(height, 0) for height in heights]
 
 
-def test_without_guards_everything_is_told_but_the_verdict_stays():
+def test_without_guards_everything_is_told_but_the_failed_check_stays():
     assert told([100.0, -300.0], jump=False) == [
         (100.0, 0),
         (-300.0, BELOW_GROUND | JUMP),
     ]
 
 
-def judged(verdict=0, tilt=0.0, said=80.0, beams=4, looks=5, **settings):
-    """Verdict and memories after looks at beams that show 80 m/s straight down, with the attitude ``tilt``
-    off; ``verdict`` is what was found of the height before.
+def checked(failed=0, tilt=0.0, said=80.0, beams=4, looks=5, **settings):
+    """Failed checks and memories after looks at beams that show 80 m/s straight down, the attitude ``tilt``
+    off; ``failed`` is what was found of the height before.
     """
     params, sensed, recovery = in_si(GuardParams(**settings)), np.zeros(1, SENSED), np.zeros(1, RECOVERY)
     sensed["t"], sensed["radar"] = 7.0, radar_of(np.array([80.0, 0.0, 0.0]), 900.0, np.array([1.0, 0.0, 0.0]))
@@ -306,41 +306,41 @@ def judged(verdict=0, tilt=0.0, said=80.0, beams=4, looks=5, **settings):
     memory = np.zeros(1, GUARD)
     memory["height"] = 300.0
     for _ in range(looks):
-        memory["verdict"] = verdict
-        judge(
+        memory["failed"] = failed
+        check_solution(
             params, instruments()[0], in_use()[0], sensed[0], said, 0.1, tuple(down.elements),
             (0.0, 0.0, 1.0), memory[0], recovery[0],
         )  # fmt: skip
-    return int(memory["verdict"][0]), memory, recovery
+    return int(memory["failed"][0]), memory, recovery
 
 
 @pytest.mark.parametrize(
-    "case, verdict, switch",
+    "case, failed, switch",
     [
-        ({"verdict": BELOW_GROUND}, BELOW_GROUND, "below_ground"),
+        ({"failed": BELOW_GROUND}, BELOW_GROUND, "below_ground"),
         ({"said": 200.0}, SPEED, "speed"),
         ({"tilt": pi}, ABOVE_HORIZON, "vertical"),
     ],
 )
-def test_what_cannot_be_true_loses_the_attitude_where_its_guard_is_on(case, verdict, switch):
-    found, memory, recovery = judged(**case)
-    assert found == verdict and recovery["lost"][0] == 1
-    assert [t > 0.0 for t in memory["first_t"][0]] == [bool(verdict >> k & 1) for k in range(len(VERDICTS))]
-    found, _, recovery = judged(**case, **{switch: False})
-    assert found == verdict and recovery["lost"][0] == 0
+def test_what_cannot_be_true_loses_the_attitude_where_its_guard_is_on(case, failed, switch):
+    found, memory, recovery = checked(**case)
+    assert found == failed and recovery["lost"][0] == 1
+    assert [t > 0.0 for t in memory["first_t"][0]] == [bool(failed >> k & 1) for k in range(len(CHECKS))]
+    found, _, recovery = checked(**case, **{switch: False})
+    assert found == failed and recovery["lost"][0] == 0
 
 
 @pytest.mark.parametrize(
     "case", [{}, {"tilt": pi / 4.0}, {"tilt": pi, "beams": 1}, {"said": 200.0, "looks": 4}, {"said": 95.0}]
 )
 def test_what_can_be_true_is_left_alone(case):
-    found, _, recovery = judged(**case)
+    found, _, recovery = checked(**case)
     assert found == 0 and recovery["lost"][0] == 0
 
 
 def test_while_the_attitude_is_lost_echoes_tell_the_height():
     """And as long as there is none, no less than from where the radar sees."""
-    _, memory, _ = judged(verdict=BELOW_GROUND)
+    _, memory, _ = checked(failed=BELOW_GROUND)
     nothing = np.zeros(1, RADAR)
     assert height_while_lost(instruments()[0], in_use()[0], nothing[0], memory[0]) == 7000.0
     radar = radar_of(np.array([80.0, 0.0, 0.0]), 900.0, np.array([1.0, 0.0, 0.0]))

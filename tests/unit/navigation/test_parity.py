@@ -1,4 +1,4 @@
-"""Parity-space test: its tail is that of chi-square, and it accuses the instrument that has failed."""
+"""Parity-space test: its tail is that of chi-square, and it isolates the instrument that has failed."""
 
 import numpy as np
 import pytest
@@ -90,9 +90,9 @@ def test_false_exclusions_in_a_thousand_sound_flights():
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_fast_look_names_the_failed_one_at_once_and_excludes_it_after_its_persistence(i, sign):
     unit, rng = Unit(), np.random.default_rng(10 * i)
-    verdicts = [unit.look(SIGMA * rng.normal(size=6) + sign * 30.0 * SIGMA * np.eye(6)[i]) for _ in range(5)]
-    assert [left_out for left_out, _ in verdicts] == [i] * 5
-    assert [failed for _, failed in verdicts] == [NONE] * 4 + [i]
+    found = [unit.look(SIGMA * rng.normal(size=6) + sign * 30.0 * SIGMA * np.eye(6)[i]) for _ in range(5)]
+    assert [left_out for left_out, _ in found] == [i] * 5
+    assert [failed for _, failed in found] == [NONE] * 4 + [i]
 
 
 @pytest.mark.parametrize("i", range(6))
@@ -113,7 +113,7 @@ def test_second_failure_is_named_among_five():
         assert unit.look(40.0 * SIGMA * np.eye(6)[second])[0] == second
 
 
-def test_among_four_a_failure_is_seen_and_nobody_accused():
+def test_among_four_a_failure_is_detected_and_not_isolated():
     unit = Unit(0b011110)
     assert unit.look(40.0 * SIGMA * np.eye(6)[1]) == (NONE, NONE)
     assert unit.memory["fast"]["statistic"][0] > unit.memory["limit"][0]
@@ -126,10 +126,10 @@ def test_relative_errors_of_a_fast_turn_raise_no_alarm():
         unit = Unit()
         wrong = 5e-5 * np.linalg.norm(turn) * rng.normal(size=6)
         for _ in range(30):
-            verdict = unit.look(
+            found = unit.look(
                 cone() @ turn + wrong + SIGMA * rng.normal(size=6), (5e-5 * np.linalg.norm(turn)) ** 2
             )
-            assert verdict == (NONE, NONE)
+            assert found == (NONE, NONE)
 
 
 def test_isolation_agrees_with_the_one_whose_removal_leaves_least():

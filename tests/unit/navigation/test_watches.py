@@ -30,7 +30,7 @@ def healthy():
 
 
 class Beams:
-    """Four beams and the filter's verdicts on them."""
+    """Four beams and what the filter made of them."""
 
     def __init__(self, **changed):
         self.params = filled(BeamWatchParams(refused_looks=10, silent_looks=20, agreed_looks=30, **changed))

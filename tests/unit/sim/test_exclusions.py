@@ -73,7 +73,7 @@ def test_exclusion_before_the_fault_is_a_false_alarm():
     assert figures(found, ("hardover", "gyro", "g2", NOT_BEGUN)) == {"instrument_false_alarms": 1.0}
 
 
-def test_saturated_gyros_accuse_none_of_them():
+def test_saturated_gyros_isolate_none_of_them():
     found = log((10.0, INERTIAL_UNIT, 0), (11.0, INERTIAL_UNIT, 1))
     assert figures(found) == {"instrument_false_alarms": 0.0}
     assert figures(found, ("gyros_saturated", "inertial_unit", "inertial_unit", 9.98)) == {

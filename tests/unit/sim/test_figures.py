@@ -15,14 +15,14 @@ import edl6dof
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, failed_thrusters
-from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
-from edl6dof.metrics.figures import FIGURES, figure_of_merit
+from edl6dof.metrics.evaluation import checks, peak_figures
+from edl6dof.metrics.figures import FIGURES, LIMITS, figure_of_merit
 from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.report.document import Cell
 from edl6dof.report.flight.words import limits_and_published, mood
-from edl6dof.report.terminal import VERDICT, comparison, headline, published_table, show_flight
+from edl6dof.report.terminal import LIMIT_STATUS, comparison, headline, published_table, show_flight
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.results import summary, write_run
 from edl6dof.runs.run import Run
@@ -89,7 +89,7 @@ def test_figures_come_from_where_the_table_says(nominal, faulty, rough):
         ("kind: wing_lost", [], "stuck off"),
     ],
 )
-def test_verdicts_are_right_on_thrusters_that_a_fault_makes_fail_with_its_kind(fault, failed, kind):
+def test_isolations_are_right_of_thrusters_that_a_fault_makes_fail_with_its_kind(fault, failed, kind):
     truth = edl6dof.load("tianwen1", [f"faults=[{{{fault}, at: {{time_s: 1}}}}]"]).truth
     names, branches = truth.components, truth.branches
     assert list(failed_thrusters(truth.faults[0], names, branches)) == failed
@@ -184,7 +184,7 @@ def test_a_broken_requirement_is_called_so_on_the_terminal_and_in_the_report(tmp
         write_run(flight, folder)
     tables = limits_and_published(Run(tmp_path / "run"))
     cells = [cell for table in tables for row in table.rows for cell in row if isinstance(cell, Cell)]
-    assert [cell.mood for cell in cells if cell.text == VERDICT[False]] == ["bad", "bad"]
+    assert [cell.mood for cell in cells if cell.text == LIMIT_STATUS[False]] == ["bad", "bad"]
 
 
 def test_a_figure_of_another_version_speaks_for_itself():

@@ -14,8 +14,8 @@ class GivenParams(Params):
 
 
 @kernel
-def judge(params, chart, footprint, radius, deviation, out):
-    """Nothing is judged."""
+def classify(params, chart, footprint, radius, deviation, out):
+    """Nothing is classified."""
 
 
-MEMBER = Member("given", GivenParams, {"judge": judge}, "null member")
+MEMBER = Member("given", GivenParams, {"classify": classify}, "null member")

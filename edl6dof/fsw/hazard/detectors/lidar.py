@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import tan
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.safety import judge_by_limits
+from edl6dof.fsw.hazard.safety import classify_by_limits
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
@@ -29,9 +29,11 @@ class LidarDetectionParams(Params):
 
 
 @kernel
-def judge(params, chart, footprint, radius, deviation, out):
-    """Judge every cell of ``footprint`` (see the registry)."""
-    judge_by_limits(footprint, tan(params.slope_limit), params.roughness_limit, out)
+def classify(params, chart, footprint, radius, deviation, out):
+    """Classify every cell of ``footprint`` (see the registry)."""
+    classify_by_limits(footprint, tan(params.slope_limit), params.roughness_limit, out)
 
 
-MEMBER = Member("lidar", LidarDetectionParams, {"judge": judge}, "Johnson et al., J. Guidance 25(6), 2002")
+MEMBER = Member(
+    "lidar", LidarDetectionParams, {"classify": classify}, "Johnson et al., J. Guidance 25(6), 2002"
+)

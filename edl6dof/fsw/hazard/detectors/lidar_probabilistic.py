@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import tan
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.safety import judge_by_probability
+from edl6dof.fsw.hazard.safety import classify_by_probability
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
@@ -35,14 +35,17 @@ class ProbabilisticParams(Params):
 
 
 @kernel
-def judge(params, chart, footprint, radius, deviation, out):
-    """Judge every cell of ``footprint`` (see the registry)."""
-    judge_by_probability(
+def classify(params, chart, footprint, radius, deviation, out):
+    """Classify every cell of ``footprint`` (see the registry)."""
+    classify_by_probability(
         chart, footprint, radius, tan(params.slope_limit), params.roughness_limit,
         deviation, params.relief_between, params.least_probability, out,
     )  # fmt: skip
 
 
 MEMBER = Member(
-    "lidar_probabilistic", ProbabilisticParams, {"judge": judge}, "Tomita and Ho, arXiv 2409.09309, 2024"
+    "lidar_probabilistic",
+    ProbabilisticParams,
+    {"classify": classify},
+    "Tomita and Ho, arXiv 2409.09309, 2024",
 )

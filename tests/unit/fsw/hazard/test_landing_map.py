@@ -21,7 +21,7 @@ def chosen():
 
 
 def test_map_tells_what_was_seen_and_chosen(chosen):
-    assert chosen.elevation_m.shape == chosen.verdict.shape == (256, 256)
+    assert chosen.elevation_m.shape == chosen.cell_class.shape == (256, 256)
     assert chosen.cell_m == pytest.approx(0.2) and chosen.hover_m[2] == pytest.approx(100.0)
     assert chosen.corner_m + 25.6 == pytest.approx(SITE, abs=0.3)
     assert np.hypot(*(chosen.spot_m - SITE)) > 2.4 and chosen.found
@@ -39,7 +39,8 @@ def test_file_holds_the_map_and_no_more_than_numbers(chosen, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "planted", [{"spot_m": np.array([{}, {}])}, {"verdict": np.zeros((2000, 2000))}, {"found": np.array("x")}]
+    "planted",
+    [{"spot_m": np.array([{}, {}])}, {"cell_class": np.zeros((2000, 2000))}, {"found": np.array("x")}],
 )
 def test_file_with_anything_else_is_refused(chosen, planted):
     file = io.BytesIO()

@@ -14,13 +14,13 @@ from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
 from edl6dof.fsw.hazard.point_map import MAP_CELLS, add_point, add_range, fill_holes
 from edl6dof.fsw.hazard.registry import HazardParams
 from edl6dof.fsw.hazard.safety import (
-    JUDGED,
     SAFE,
+    SAFETY_MAP,
     TOO_ROUGH,
     TOO_STEEP,
     UNSEEN,
-    judge_by_limits,
-    judge_by_probability,
+    classify_by_limits,
+    classify_by_probability,
 )
 
 RADIUS_M, STEEPEST, ROUGHEST = 2.0, np.tan(np.radians(8.0)), 0.16
@@ -34,9 +34,9 @@ def assessed(chart, radius_m=RADIUS_M):
     return footprint
 
 
-def judged(footprint):
-    out = new(JUDGED)
-    judge_by_limits(footprint, STEEPEST, ROUGHEST, out)
+def safety_map(footprint):
+    out = new(SAFETY_MAP)
+    classify_by_limits(footprint, STEEPEST, ROUGHEST, out)
     return out
 
 
@@ -74,15 +74,15 @@ def test_small_holes_are_filled_from_around_them_and_large_ones_stay_unknown():
     assert chart["weight"][100, 100] == 0.25
     assert chart["mean"][100, 100] == pytest.approx(0.1 * EAST[100, 100], abs=1e-6)
     assert np.all(chart["weight"][153:157, 53:57] == 0.0)
-    out = judged(assessed(chart))
-    assert np.all(out["verdict"][150:160, 50:60] == UNSEEN)
-    assert out["verdict"][100, 100] == SAFE
+    out = safety_map(assessed(chart))
+    assert np.all(out["cell_class"][150:160, 50:60] == UNSEEN)
+    assert out["cell_class"][100, 100] == SAFE
 
 
 def test_rim_of_the_map_is_unseen():
-    verdict = judged(assessed(chart_of(0.0 * EAST)))["verdict"]
-    assert np.all(verdict[10:-10, 10:-10] == SAFE)
-    assert np.count_nonzero(verdict == SAFE) == (MAP_CELLS - 20) ** 2
+    cell_class = safety_map(assessed(chart_of(0.0 * EAST)))["cell_class"]
+    assert np.all(cell_class[10:-10, 10:-10] == SAFE)
+    assert np.count_nonzero(cell_class == SAFE) == (MAP_CELLS - 20) ** 2
 
 
 @pytest.mark.parametrize("degrees", [0.0, 3.0, 12.0])
@@ -92,8 +92,8 @@ def test_plane_has_its_slope_everywhere_and_no_roughness(degrees):
     inner = footprint["slope"][10:-10, 10:-10]
     np.testing.assert_allclose(inner, rise, atol=2e-6)
     np.testing.assert_allclose(footprint["roughness"][10:-10, 10:-10], 0.0, atol=5e-6)
-    verdict = judged(footprint)["verdict"][10:-10, 10:-10]
-    assert np.all(verdict == (TOO_STEEP if degrees > 8.0 else SAFE))
+    cell_class = safety_map(footprint)["cell_class"][10:-10, 10:-10]
+    assert np.all(cell_class == (TOO_STEEP if degrees > 8.0 else SAFE))
 
 
 def test_footprint_is_that_of_a_brute_force_fit():
@@ -113,10 +113,10 @@ def test_footprint_is_that_of_a_brute_force_fit():
 
 def test_step_under_the_footprint_is_a_slope_and_under_its_rim_roughness():
     footprint = assessed(chart_of(np.where(EAST > 0.0, 0.5, 0.0)))
-    verdict = judged(footprint)["verdict"][128]
-    assert np.all(verdict[119:137] != SAFE)
-    assert verdict[117] == verdict[138] == SAFE
-    assert TOO_ROUGH in verdict and TOO_STEEP in verdict
+    cell_class = safety_map(footprint)["cell_class"][128]
+    assert np.all(cell_class[119:137] != SAFE)
+    assert cell_class[117] == cell_class[138] == SAFE
+    assert TOO_ROUGH in cell_class and TOO_STEEP in cell_class
 
 
 def test_sphere_rises_above_the_plane_by_its_height_less_what_it_lifts_the_plane():
@@ -131,11 +131,11 @@ def test_sphere_rises_above_the_plane_by_its_height_less_what_it_lifts_the_plane
 
 def test_planted_rocks_forbid_a_disc_around_them():
     stones = [(0.1, 0.1, 0.6), (8.1, -6.1, 0.5)]
-    verdict = judged(assessed(chart_of(rocky(stones))))["verdict"]
+    cell_class = safety_map(assessed(chart_of(rocky(stones))))["cell_class"]
     for n, e, d in stones:
         away = np.hypot(NORTH - n, EAST - e)
-        assert np.all(verdict[away < RADIUS_M] != SAFE)
-        assert np.all(verdict[(away > RADIUS_M + d) & (away < RADIUS_M + d + 1.0)] == SAFE)
+        assert np.all(cell_class[away < RADIUS_M] != SAFE)
+        assert np.all(cell_class[(away > RADIUS_M + d) & (away < RADIUS_M + d + 1.0)] == SAFE)
 
 
 @pytest.mark.parametrize("share", [0.0, 2e-4, 0.3])
@@ -157,59 +157,61 @@ def choice_params(**values):
     return record
 
 
-def chosen(verdict, here_L=(0.0, 0.0), speed=2.0, flow=0.0, **values):
-    chart, out, picked = empty_chart(), new(JUDGED), new(CHOICE)
-    out["verdict"] = verdict
-    clearances(out["verdict"], CELL_M, new(ENVELOPE), out["clearance"])
+def chosen(cell_class, here_L=(0.0, 0.0), speed=2.0, flow=0.0, **values):
+    chart, out, picked = empty_chart(), new(SAFETY_MAP), new(CHOICE)
+    out["cell_class"] = cell_class
+    clearances(out["cell_class"], CELL_M, new(ENVELOPE), out["clearance"])
     choose_spot(choice_params(**values), chart, out, here_L, 4.0, speed, 10.0, flow, picked)
     return picked, out["clearance"]
 
 
 def test_spiral_finds_the_spot_of_least_cost_of_all():
     rng = np.random.default_rng(11)
-    verdict = np.where(ndimage.gaussian_filter(rng.standard_normal(EAST.shape), 4.0) > 0.02, TOO_ROUGH, SAFE)
+    cell_class = np.where(
+        ndimage.gaussian_filter(rng.standard_normal(EAST.shape), 4.0) > 0.02, TOO_ROUGH, SAFE
+    )
     for here in ((0.0, 0.0), (12.0, -9.0), (-30.0, 0.0)):
-        picked, clearance = chosen(verdict, here, flow=1.2)
+        picked, clearance = chosen(cell_class, here, flow=1.2)
         distance = np.hypot(EAST - here[0], NORTH - here[1])
         cost = (
             distance
             + 15.0 * np.maximum(2.0 - clearance, 0.0)
             + 5.0 * 1.2 * np.maximum(distance / 2.0 - 10.0, 0.0)
         )
-        cost[verdict != SAFE] = np.inf
+        cost[cell_class != SAFE] = np.inf
         assert picked["found"] == 1
         assert picked["cost"] == pytest.approx(cost.min(), abs=1e-4)
 
 
 def test_rejected_spots_are_apart_and_carry_their_reasons():
-    verdict = np.full(EAST.shape, TOO_ROUGH)
-    verdict[np.hypot(NORTH, EAST) < 6.0] = TOO_STEEP
-    verdict[np.hypot(NORTH - 9.0, EAST) < 1.0] = SAFE
-    picked, _ = chosen(verdict)
+    cell_class = np.full(EAST.shape, TOO_ROUGH)
+    cell_class[np.hypot(NORTH, EAST) < 6.0] = TOO_STEEP
+    cell_class[np.hypot(NORTH - 9.0, EAST) < 1.0] = SAFE
+    picked, _ = chosen(cell_class)
     spots = picked["rejected"][: picked["n_rejected"]]
     assert picked["found"] == 1 and picked["spot_L"][1] == pytest.approx(9.0, abs=1.0)
     for spot in spots:
         away = np.hypot(*spot["spot_L"])
-        assert spot["verdict"] == (TOO_STEEP if away < 6.0 else TOO_ROUGH)
+        assert spot["cell_class"] == (TOO_STEEP if away < 6.0 else TOO_ROUGH)
     gaps = np.hypot(*(spots["spot_L"][:, None] - spots["spot_L"]).T)
     assert np.all(gaps[~np.eye(len(spots), dtype=bool)] >= 4.0)
 
 
 def test_probability_is_one_of_sound_ground_and_none_beside_a_rock():
-    out, chart = new(JUDGED), chart_of(rocky([(0.1, 0.1, 0.6)]))
-    judge_by_probability(chart, assessed(chart), RADIUS_M, STEEPEST, ROUGHEST, 0.02, 0.01, 0.99, out)
+    out, chart = new(SAFETY_MAP), chart_of(rocky([(0.1, 0.1, 0.6)]))
+    classify_by_probability(chart, assessed(chart), RADIUS_M, STEEPEST, ROUGHEST, 0.02, 0.01, 0.99, out)
     away = np.hypot(NORTH - 0.1, EAST - 0.1)
     assert np.all(out["probability"][away < RADIUS_M] < 1e-3)
-    assert np.all(out["verdict"][(away > 2.8) & (away < 20.0)] == SAFE)
+    assert np.all(out["cell_class"][(away > 2.8) & (away < 20.0)] == SAFE)
 
 
 def test_probability_is_that_of_drawn_ground():
     """A cell at a height near the limit: how often it is beyond, by draws of its elevation."""
     deviation, heights = 0.03, 0.0 * EAST
     heights[128, 128] = 0.12
-    out, chart = new(JUDGED), chart_of(heights)
+    out, chart = new(SAFETY_MAP), chart_of(heights)
     footprint = assessed(chart)
-    judge_by_probability(chart, footprint, RADIUS_M, STEEPEST, ROUGHEST, deviation, 0.0, 0.1, out)
+    classify_by_probability(chart, footprint, RADIUS_M, STEEPEST, ROUGHEST, deviation, 0.0, 0.1, out)
     drawn = np.random.default_rng(2).standard_normal((20000, len(OFFSETS))) * deviation
     drawn[:, OFFSETS.index((0, 0))] += 0.12
     rise = [drawn @ np.array(side) / np.sum(np.square(side)) for side in zip(*OFFSETS, strict=True)]
@@ -219,13 +221,13 @@ def test_probability_is_that_of_drawn_ground():
     assert out["probability"][128, 128] == pytest.approx(kept, abs=0.02)
 
 
-def test_verdicts_are_those_of_the_exact_product():
+def test_classes_are_those_of_the_exact_product():
     """Against scipy's normal distribution, cell by cell of each disc, over a map with cells of few points."""
     deviation, between, least, radius_m, roughest = 0.03, 0.02, 0.95, 2.25, 0.22
-    chart, out = chart_of(rocky(rocks(0.04, 2)), deviation), new(JUDGED)
+    chart, out = chart_of(rocky(rocks(0.04, 2)), deviation), new(SAFETY_MAP)
     chart["weight"] = np.random.default_rng(5).choice([0.25, 1.0, 2.0], EAST.shape, p=[0.01, 0.4, 0.59])
     footprint = assessed(chart, radius_m)
-    judge_by_probability(chart, footprint, radius_m, STEEPEST, roughest, deviation, between, least, out)
+    classify_by_probability(chart, footprint, radius_m, STEEPEST, roughest, deviation, between, least, out)
     mean, highest = chart["mean"].astype(float), chart["highest"].astype(float)
     sigma = np.sqrt(deviation**2 / chart["weight"] + between**2)
     reach = int(radius_m / CELL_M)
@@ -244,7 +246,7 @@ def test_verdicts_are_those_of_the_exact_product():
     for at in disc:
         off = np.abs(around(highest, at) - level - north * at[0] - east * at[1])
         exact *= special.ndtr((roughest * np.hypot(1.0, slope) - off) / around(sigma, at))
-    known, safe = footprint["slope"] < 1.0, out["verdict"] == SAFE
+    known, safe = footprint["slope"] < 1.0, out["cell_class"] == SAFE
     assert 100 < np.count_nonzero(safe) < np.count_nonzero(known)
     np.testing.assert_allclose(out["probability"][safe], exact[safe], atol=3e-5)
     assert not np.any(safe & ~known)
@@ -255,14 +257,14 @@ def test_verdicts_are_those_of_the_exact_product():
 def test_map_of_rocks_is_worked_out_in_time(abundance):
     """The whole of it, by the clock of the thread: at most 50 ms on one core, the best of some."""
     chart = chart_of(rocky(rocks(abundance, 1)), deviation=0.02)
-    footprint, out, picked, work = new(FOOTPRINT), new(JUDGED), new(CHOICE), new(ENVELOPE)
+    footprint, out, picked, work = new(FOOTPRINT), new(SAFETY_MAP), new(CHOICE), new(ENVELOPE)
     params, best = choice_params(), np.inf
     for _ in range(10):
         began = time.thread_time()
         fill_holes(0.25, chart)
         assess(chart, RADIUS_M, footprint)
-        judge_by_probability(chart, footprint, RADIUS_M, STEEPEST, ROUGHEST, 0.02, 0.02, 0.99, out)
-        clearances(out["verdict"], CELL_M, work, out["clearance"])
+        classify_by_probability(chart, footprint, RADIUS_M, STEEPEST, ROUGHEST, 0.02, 0.02, 0.99, out)
+        clearances(out["cell_class"], CELL_M, work, out["clearance"])
         choose_spot(params, chart, out, (0.0, 0.0), 4.0, 2.0, 20.0, 1.2, picked)
         best = min(best, time.thread_time() - began)
     print(f"map worked out in {1e3 * best:.1f} ms")
@@ -286,12 +288,12 @@ def test_few_cells_called_safe_hide_a_large_rock(abundance):
         for n, e, _ in stones[stones[:, 2] >= 0.5]:
             unsafe |= np.hypot(NORTH - n, EAST - e) < RADIUS_M
         for name in safe:
-            out = new(JUDGED)
+            out = new(SAFETY_MAP)
             if name == "limits":
-                judge_by_limits(footprint, STEEPEST, ROUGHEST, out)
+                classify_by_limits(footprint, STEEPEST, ROUGHEST, out)
             else:
-                judge_by_probability(chart, footprint, radius_m, STEEPEST, ROUGHEST, 0.02, 0.02, 0.9, out)
-            said = out["verdict"] == SAFE
+                classify_by_probability(chart, footprint, radius_m, STEEPEST, ROUGHEST, 0.02, 0.02, 0.9, out)
+            said = out["cell_class"] == SAFE
             safe[name] += np.count_nonzero(said)
             false[name] += np.count_nonzero(said & unsafe)
     print(abundance, {name: (safe[name], false[name] / max(safe[name], 1)) for name in safe})

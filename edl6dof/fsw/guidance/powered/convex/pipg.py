@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from math import exp, sqrt
 
+from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
 from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
@@ -60,6 +61,7 @@ def solve(landing, most, plan):
         most: iterations.
         plan: ``PLAN`` record: times; ``u`` and multipliers, the first guess and then the answer.
     """
+    stay_apart()
     mean, norm = lay_grid(plan)
     lay_rows(plan)
     time, u, w = plan.time, plan.u, plan.w
@@ -139,11 +141,11 @@ def solve(landing, most, plan):
     qx, qy, qz = qx / norm, qy / norm, qz / norm
     put3(plan.pull, 0, (qx, qy, qz))
     put3(plan.primer_end, 0, (flat * px - mean * qx, flat * py - mean * qy, flat * pz - mean * qz))
-    judge(landing, plan)
+    evaluate(landing, plan)
 
 
 @kernel
-def judge(landing, plan):
+def evaluate(landing, plan):
     """What the thrust ``w`` of a plan comes to: fuel, cost, and where it misses."""
     spent = weigh(landing, plan)
     (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, plan.time)

@@ -1,7 +1,5 @@
-"""Print the tables of the README from flights made now: ``python tools/readme.py`` rewrites them in place
-between their markers.
-
-The speed table comes from ``tools/bench.py`` and is pasted by hand, with the machine it was measured on.
+"""The table of ``docs/tianwen1.md`` from flights made now: ``python tools/flight_table.py`` rewrites it in
+place between its markers.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ import edl6dof
 from edl6dof.campaign.neighbours import fly_neighbours, sample_means
 from edl6dof.report.terminal import comparison
 
-README = Path(__file__).resolve().parents[1] / "README.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "tianwen1.md"
 
 
 def flight_table() -> str:
@@ -46,4 +44,4 @@ def put(text: str, marker: str, body: str) -> str:
 
 
 if __name__ == "__main__":
-    README.write_text(put(README.read_text(encoding="utf-8"), "flight", flight_table()), encoding="utf-8")
+    PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), "flight", flight_table()), encoding="utf-8")
