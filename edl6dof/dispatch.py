@@ -108,13 +108,12 @@ def _chain(choice: Choice) -> Callable[..., Any]:
 
 def _apart(choice: Choice) -> Choice:
     """The choice among kernels that are not copied into their caller."""
-    arguments = ", ".join(choice.arguments)
-    text = f"def apart({arguments}):\n    stay_apart()\n    return kernel({arguments})"
-    found = []
+    arguments, found = ", ".join(choice.arguments), []
     for kernel in choice.kernels:
         scope: dict[str, Any] = {"stay_apart": stay_apart, "kernel": kernel}
-        exec(text, scope)
-        found.append(njit(error_model="numpy")(scope["apart"]))
+        name = f"{kernel.__module__.rpartition('.')[2]}_{kernel.__name__}"  # as the tools tell of it
+        exec(f"def {name}({arguments}):\n    stay_apart()\n    return kernel({arguments})", scope)
+        found.append(njit(error_model="numpy")(scope[name]))
     return replace(choice, kernels=tuple(found))
 
 

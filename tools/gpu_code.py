@@ -55,6 +55,8 @@ def lines(layout: Any) -> types.Array:
     return numba.from_dtype(layout)[:, ::1]
 
 
+#: Functions that are named.
+MOST = 12
 WHOLE, MANY = types.int64, types.int64[::1]
 
 
@@ -112,17 +114,30 @@ def assembled(text: str, capability: tuple[int, int]) -> str:
 
 
 def summary(report: str) -> str:
-    """Registers and stack of the entry, and the largest spill of a function."""
+    """Registers and stack of the entry, how many functions spill and how much, and those that spill most."""
     registers = max(map(int, re.findall(r"Used (\d+) registers", report)), default=0)
     stack = max(map(int, re.findall(r"(\d+) bytes cumulative stack", report)), default=0)
-    spills = [
-        int(a) + int(b) for a, b in re.findall(r"(\d+) bytes spill stores, (\d+) bytes spill loads", report)
-    ]
-    most, spilling = max(spills, default=0), sum(spill > 0 for spill in spills)
-    return (
+    found = re.findall(
+        r"properties for (\S+)\s+\d+ bytes stack frame, (\d+) bytes spill stores, (\d+) bytes spill loads",
+        report,
+    )
+    spills = sorted(((int(a) + int(b), plain(name)) for name, a, b in found), reverse=True)
+    most, spilling = max(spills, default=(0, ""))[0], sum(spill > 0 for spill, _ in spills)
+    words = (
         f"{registers} registers, {stack} bytes of stack; {len(spills)} functions, {spilling} of them spill, "
         f"at most {most} bytes"
     )
+    return "\n".join([words, *(f"{spill:8} bytes by {name}" for spill, name in spills[:MOST] if spill)])
+
+
+def plain(mangled: str) -> str:
+    """Module and name of a function: parts of the mangled name, each behind its length."""
+    parts, rest = [], mangled.removeprefix("_ZN")
+    while length := re.match(r"\d+", rest):
+        end = length.end() + int(length[0])
+        parts.append(rest[length.end() : end])
+        rest = rest[end:]
+    return ".".join(parts) or mangled
 
 
 def main() -> int:
@@ -145,8 +160,8 @@ def main() -> int:
     )
     if not options.no_assembly:
         start = time.perf_counter()
-        print(summary(assembled(text, (major, minor))), end="")
-        print(f" ({time.perf_counter() - start:.0f} s)")
+        print(summary(assembled(text, (major, minor))))
+        print(f"assembled in {time.perf_counter() - start:.0f} s")
     return 0
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import CaseRunner
+from edl6dof.telemetry.channels import BRIEF
 
 CASES = [
     Case(0, truth={"vehicle.mass.entry_kg": 1290.0}),
@@ -47,6 +48,7 @@ class Bare:
 def main() -> None:
     from edl6dof.campaign.gpu import engine as module
     from edl6dof.campaign.gpu import layouts
+    from edl6dof.campaign.gpu.crew import Alone
     from edl6dof.campaign.gpu.entry import fly_flights
 
     fly_flights.extensions.append(Bare())
@@ -55,23 +57,23 @@ def main() -> None:
     batches = []
 
     class Watched(module.Batch):
-        def __init__(self, variants, layout):
-            batches.append((len(variants), layout.thinned))
-            super().__init__(variants, layout)
+        def __init__(self, starts, nominal):
+            batches.append((len(starts), starts[0].layout.thinned))
+            super().__init__(starts, nominal)
 
         def fly(self, kernel):
             for left in super().fly(kernel):
-                longest.append(0 if left is None else left.rows)
+                longest.append(0 if left is None else len(left.log) // BRIEF.itemsize)
                 yield left
 
     module.Batch, longest = Watched, []
-    runner = CaseRunner(edl6dof.load("tianwen1"))
+    crew = Alone(CaseRunner(edl6dof.load("tianwen1")))
     gpu = module.Gpu("simulator", fly_flights, MEMORY)
-    rows = list(gpu.fly(runner, CASES))
+    rows = list(gpu.fly(crew, CASES))
     found = {"rows": rows, "batches": list(batches), "telemetry": list(longest)}
     batches.clear()
     layouts.TELLING_ROWS = -1500  # too little room for the end of the trim phase
-    found |= {"crowded": list(gpu.fly(runner, CASES[:1])), "then": batches}
+    found |= {"crowded": list(gpu.fly(crew, CASES[:1])), "then": batches}
     print(json.dumps(found))
 
 

@@ -39,11 +39,13 @@ class Layout(NamedTuple):
     """How the flights of a batch lie in memory.
 
     Attributes:
+        name: of the layout.
         own: record layouts of what each flight has of its own, in the order of the arguments of the loop.
         log: rows of telemetry, ``TICK`` or ``BRIEF``.
         thinned: whether rows that no figure needs are dropped after every launch.
     """
 
+    name: str
     own: dict[str, np.dtype]
     log: np.dtype
     thinned: bool
@@ -71,9 +73,8 @@ def layout_of(variant: Variant, collects: bool) -> Layout:
     """How a flight lies in memory; ``collects``: whether more of it is asked for than its figures."""
     if collects:
         return WHOLE_TELEMETRY
-    scenario = variant.loaded.scenario
     seeing = not set(EYES).isdisjoint(variant.loaded.truth.sensors_in_flight.flown)
-    return WHOLE_LOG if seeing or telling_of(scenario) is None else LEAN
+    return WHOLE_LOG if seeing or telling_of(variant.loaded.scenario) is None else LEAN
 
 
 def without(layout: np.dtype, sections: tuple[str, ...]) -> np.dtype:
@@ -105,5 +106,5 @@ _OWN = {
     "work": WORKSPACE, "sensors": SENSORS, "fsw": FSW,
 }  # fmt: skip
 #: All channels; what figures need, row for row; what they need of a flight without eyes.
-WHOLE_TELEMETRY, WHOLE_LOG = Layout(_OWN, TICK, False), Layout(_OWN, BRIEF, False)
-LEAN = Layout(_OWN | {name: without(_OWN[name], paths) for name, paths in _SEEN.items()}, BRIEF, True)
+WHOLE_TELEMETRY, WHOLE_LOG = Layout("telemetry", _OWN, TICK, False), Layout("log", _OWN, BRIEF, False)
+LEAN = Layout("lean", _OWN | {name: without(_OWN[name], paths) for name, paths in _SEEN.items()}, BRIEF, True)
