@@ -13,7 +13,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from dataclasses import dataclass
 from functools import cache
-from math import ceil, log, nan
+from math import ceil, log
 
 import numpy as np
 from scipy.special import bdtr
@@ -36,20 +36,27 @@ class Quantile:
     high: float
 
 
-def quantile(values: np.ndarray, share: float) -> Quantile | None:
-    """A quantile of the finite values among ``values``, shape (n,); ``None`` where too few to bound it.
+def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile | None:
+    """A quantile of ``values``, shape (n,), NaN where a flight has none; ``None`` where too few to bound it.
 
     The bounds are two of the values themselves, whatever the distribution: the number of values below the
     quantile is binomial.  Of flights that are stratified (Latin hypercube, Sobol sequence) and not
     independent, the bounds hold on the safe side where the figure rises or falls with each input.
 
+    Args:
+        values: infinite ones are left out, unless ``flown``.
+        share: of the flights that stay below.
+        flown: whether the value, too, is to be one of those flown, the next above, so that none is
+            interpolated away; infinite ones are then flights that failed, and the largest.
+
     Source: Wilks, Ann. Math. Stat. 12 (1941) 91; David and Nagaraja, Order Statistics, 3rd ed., 7.1.
     """
-    ordered = np.sort(values[np.isfinite(values)])
+    ordered = np.sort(values[~np.isnan(values) if flown else np.isfinite(values)])
     if len(ordered) < flights_needed(share):
         return None
     low, high = _bounding(len(ordered), share)
-    return Quantile(share, float(np.quantile(ordered, share)), float(ordered[low]), float(ordered[high]))
+    value = np.quantile(ordered, share, method="higher" if flown else "linear")
+    return Quantile(share, float(value), float(ordered[low]), float(ordered[high]))
 
 
 @cache
@@ -61,15 +68,6 @@ def _bounding(n: int, share: float) -> tuple[int, int]:
         for chance in (tail, 1.0 - tail)
     )
     return low - 1, high
-
-
-def kept_by(values: np.ndarray, share: float) -> float:
-    """Least of ``values``, shape (n,), within which a ``share`` of the flights stays: one of the values, so
-    that none is interpolated away, infinite ones counted as the largest; nan where too few to bound it.
-    """
-    if len(values) < flights_needed(share):
-        return nan
-    return float(np.quantile(values, share, method="higher"))
 
 
 def flights_needed(share: float) -> int:

@@ -13,6 +13,7 @@ from edl6dof.report.campaign import drivers, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Figure
+from edl6dof.report.flight import site
 from edl6dof.report.numbers import aligned
 
 LIMITS = [("parachute_mach", "Mach at mortar fire", 2.1, "")]
@@ -71,6 +72,24 @@ def test_a_grid_is_no_sample():
     table = next(block for block in margins.limits(known) if isinstance(block, Table))
     assert table.columns[2:4] == ["50 %>", "largest>"] and table.rows[0][2:4] == ["1.85", "1.9"]
     assert "no random sample" in words(margins.limits(known))
+
+
+def test_units_and_shares_are_printed_as_in_the_report_of_a_flight():
+    known = results(100, peak_heat_flux_w_cm2=np.linspace(30.0, 35.0, 100))
+    known.limits = [("peak_heat_flux_w_cm2", "peak heat flux", 70.0, "W/cm2")]
+    for blocks in (margins.limits(known), margins.worst(known)):
+        assert next(block for block in blocks if isinstance(block, Table)).rows[0][1] == "W/cm²"
+    table = next(block for block in margins.limits(known) if isinstance(block, Table))
+    assert table.rows[0][-2].text == "50 %"
+
+
+@pytest.mark.parametrize("goal, name", [("time", "landing site"), ("landing", "target")])
+def test_what_flies_until_its_time_is_up_has_no_target(goal, name):
+    class Known(dict):
+        scenario, summary, when = {"mission": {"goal": goal}}, {"figures": {}}, {}
+
+    figure = site.ground_track(Known({site.EAST: np.arange(3.0), site.NORTH: np.zeros(3)}))
+    assert name in [trace.name for trace in figure.panels[0].traces]
 
 
 @pytest.mark.parametrize("height", [14_000.0, 9_000.0])

@@ -9,6 +9,7 @@ from edl6dof.campaign.quantiles import percent, quantile
 from edl6dof.report.campaign import drivers, grid, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section
+from edl6dof.report.numbers import in_percent
 
 
 def campaign_report(folder: Path) -> Report:
@@ -73,12 +74,12 @@ def _mood(results: Results) -> Mood:
 def _facts(results: Results) -> list[Fact]:
     facts = [
         Fact("flights", f"{len(results.cases):,}"),
-        Fact("success", f"{results.success.value:.2%}", _mood(results)),
+        Fact("success", in_percent(results.success.value, 2), _mood(results)),
     ]
     if not results.is_sample:
         return facts
     low, high = results.success.interval
-    facts.append(Fact("95 % interval", f"{low:.2%} .. {high:.2%}"))
+    facts.append(Fact("95 % interval", f"{100.0 * low:.2f} .. {in_percent(high, 2)}"))
     if results.has("landing_distance_m"):
         distance = results["landing_distance_m"] / 1e3
         facts += [
