@@ -32,6 +32,12 @@ COMPILING = pytest.StashKey[subprocess.Popen]()
 COMPILED = "import edl6dof; edl6dof.fly('tianwen1', ['simulation.time_limit_s=1'])"
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """One process more than there are cores: tests wait for the programs that they start."""
+    return os.cpu_count() + 1
+
+
 def pytest_collection_finish(session):
     """What is loaded stays: it is not searched for garbage, the rest less often (4 % of the suite's time)."""
     if lock := session.config.stash.get(COLLECTS, None):

@@ -3,6 +3,7 @@ how many registers it takes and what it spills.
 
     python tools/gpu_code.py --part derivative   # the equations of motion: half a minute of one core
     python tools/gpu_code.py                     # the closed loop, as edl6dof campaign --engine gpu flies it
+    python tools/gpu_code.py --part loop-with-eyes   # and with images and maps
     python tools/gpu_code.py --no-assembly       # as far as PTX
 
 It needs `pip install 'edl6dof[gpu]'`, which brings NVVM and the assembler of CUDA.  Exit status 1: no code
@@ -27,13 +28,14 @@ from numba import cuda, types
 from numba.cuda import dispatcher
 
 from edl6dof.campaign.gpu.entry import fly_flights
-from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.campaign.gpu.layouts import LEAN, WHOLE_LOG, Layout
+from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.metrics.telling_rows import TELLING
 from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import TABLES
-from edl6dof.sensors.registry import SENSORS
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.motion.runge_kutta import evaluate
-from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
+from edl6dof.vehicle.plant import OUTPUTS, STATE, WORKSPACE
 
 
 def derivative(cases, tables_, plants, outputs_, works):
@@ -53,18 +55,27 @@ def lines(layout: Any) -> types.Array:
     return numba.from_dtype(layout)[:, ::1]
 
 
+#: Functions that are named.
+MOST = 12
 WHOLE, MANY = types.int64, types.int64[::1]
+
+
+def loop(layout: Layout) -> tuple[Callable[..., Any], list[types.Type]]:
+    """The closed loop, for records of a layout."""
+    case, *changing = layout.own.values()
+    return fly_flights.py_func, [
+        *(records(case), records(ONBOARD), MANY, records(TABLES), MANY),
+        *(records(kind) for kind in changing),
+        *(MANY, MANY, MANY, WHOLE, WHOLE, lines(TICK), lines(BRIEF)),
+        *(records(TELLING), MANY, types.int8[:, ::1], WHOLE),
+    ]
+
+
 #: What is compiled, and for which arguments.
 PARTS: dict[str, tuple[Callable[..., Any], list[types.Type]]] = {
     "derivative": (derivative, [records(d) for d in (CASE, TABLES, STATE, OUTPUTS, WORKSPACE)]),
-    "loop": (
-        fly_flights.py_func,
-        [
-            *(records(CASE), records(ONBOARD), MANY, records(TABLES), MANY),
-            *(records(d) for d in (STATE, OUTPUTS, PEAKS, WORKSPACE, SENSORS, FSW)),
-            *(MANY, MANY, MANY, WHOLE, WHOLE, lines(TICK), lines(BRIEF)),
-        ],
-    ),
+    "loop": loop(LEAN),
+    "loop-with-eyes": loop(WHOLE_LOG),
 }
 
 
@@ -103,17 +114,30 @@ def assembled(text: str, capability: tuple[int, int]) -> str:
 
 
 def summary(report: str) -> str:
-    """Registers and stack of the entry, and the largest spill of a function."""
+    """Registers and stack of the entry, how many functions spill and how much, and those that spill most."""
     registers = max(map(int, re.findall(r"Used (\d+) registers", report)), default=0)
     stack = max(map(int, re.findall(r"(\d+) bytes cumulative stack", report)), default=0)
-    spills = [
-        int(a) + int(b) for a, b in re.findall(r"(\d+) bytes spill stores, (\d+) bytes spill loads", report)
-    ]
-    most, spilling = max(spills, default=0), sum(spill > 0 for spill in spills)
-    return (
+    found = re.findall(
+        r"properties for (\S+)\s+\d+ bytes stack frame, (\d+) bytes spill stores, (\d+) bytes spill loads",
+        report,
+    )
+    spills = sorted(((int(a) + int(b), plain(name)) for name, a, b in found), reverse=True)
+    most, spilling = max(spills, default=(0, ""))[0], sum(spill > 0 for spill, _ in spills)
+    words = (
         f"{registers} registers, {stack} bytes of stack; {len(spills)} functions, {spilling} of them spill, "
         f"at most {most} bytes"
     )
+    return "\n".join([words, *(f"{spill:8} bytes by {name}" for spill, name in spills[:MOST] if spill)])
+
+
+def plain(mangled: str) -> str:
+    """Module and name of a function: parts of the mangled name, each behind its length."""
+    parts, rest = [], mangled.removeprefix("_ZN")
+    while length := re.match(r"\d+", rest):
+        end = length.end() + int(length[0])
+        parts.append(rest[length.end() : end])
+        rest = rest[end:]
+    return ".".join(parts) or mangled
 
 
 def main() -> int:
@@ -136,8 +160,8 @@ def main() -> int:
     )
     if not options.no_assembly:
         start = time.perf_counter()
-        print(summary(assembled(text, (major, minor))), end="")
-        print(f" ({time.perf_counter() - start:.0f} s)")
+        print(summary(assembled(text, (major, minor))))
+        print(f"assembled in {time.perf_counter() - start:.0f} s")
     return 0
 
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from edl6dof.api.overrides import Overrides, texts
 from edl6dof.api.results import FlightResults
-from edl6dof.metrics.evaluation import LIMITS, Check
+from edl6dof.metrics.evaluation import Check
+from edl6dof.metrics.figures import LIMITS
 from edl6dof.runs.run import Run
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim import flight as sim

@@ -8,7 +8,6 @@ from pathlib import Path
 from edl6dof.config.errors import refusal
 from edl6dof.report.document import Report
 from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.runs.run import TELEMETRY, Run
 
 
 def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> Iterator[Path]:
@@ -42,8 +41,9 @@ def report_of(folder: Path) -> Report:
     Raises:
         ConfigError: nothing in it can be reported on.
     """
-    if (folder / TELEMETRY).is_file():
+    if (folder / "telemetry.parquet").is_file():
         from edl6dof.report.flight.build import flight_report
+        from edl6dof.runs.run import Run
 
         return flight_report(Run(folder))
     if (folder / "campaign.json").is_file():
@@ -52,7 +52,7 @@ def report_of(folder: Path) -> Report:
         return campaign_report(folder)
     if not folder.is_dir():
         raise refusal(folder, "no such folder; name that of a run or a campaign")
-    raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
+    raise refusal(folder, "holds nothing to report on (no telemetry.parquet); name the folder of a run")
 
 
 def write_page(report: Report, path: Path, force: bool, made_from: Path) -> None:

@@ -15,7 +15,7 @@ from edl6dof.app.campaign import CampaignOptions
 from edl6dof.campaign.compare import Comparison
 from edl6dof.campaign.quantiles import SHARES, flights_needed, quantile
 from edl6dof.campaign.storage.store import Store
-from edl6dof.metrics.evaluation import LIMITS
+from edl6dof.metrics.figures import LIMITS
 from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.numbers import significant

@@ -18,18 +18,17 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from edl6dof.api.blocked_imports import lean_arrow
 from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
-from edl6dof.scenario.schema import Scenario
-from edl6dof.scenario.viewed import viewed_scenario
-from edl6dof.sim.flight import fly
 from edl6dof.telemetry.landing_map import LandingMap
 
 if TYPE_CHECKING:
     from edl6dof.replay.film import Cut
+    from edl6dof.scenario.schema import Scenario
 
 RECORDING = "replay.rrd"
 #: Which flight of a campaign is followed where none is named, and why.
@@ -74,6 +73,8 @@ class FlownRun:
     @cached_property
     def scenario(self) -> Scenario:
         """The resolved scenario, as far as the package itself knows it."""
+        from edl6dof.scenario.viewed import viewed_scenario  # here: what a flight has drawn needs it no more
+
         return viewed_scenario(self._run.scenario_text, str(self._run.folder / "scenario.yaml")).scenario
 
     @property
@@ -211,6 +212,8 @@ def _recording(options: ReplayOptions) -> Iterator[Path]:
     plan = campaign_plan(alone) if is_campaign(alone) else None
     flights = [history(FlownRun(folder)) for folder in options.runs[1 if plan else 0 :]]
     if not flights and plan is not None:
+        from edl6dof.sim.flight import fly
+
         flights = [history(fly(plan.loaded))]
     if not all(len(flight.t) for flight in flights):
         raise refusal(alone, "no row of the telemetry can be drawn")
@@ -240,7 +243,8 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
     """
     from edl6dof.replay.recording import recorded_span
 
-    first, last = recorded_span(recording)
+    with lean_arrow():
+        first, last = recorded_span(recording)
     if asked_s is None:
         return last
     if not first <= asked_s <= last:

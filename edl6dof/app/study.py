@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from math import floor, isfinite, isinf, log10
+from math import floor, isfinite, isinf, isnan, log10
 from pathlib import Path
 from statistics import median
 from textwrap import wrap
@@ -27,6 +27,8 @@ from edl6dof.studies.write import to_json, write_study
 
 #: More flights than any study needs to settle a mean.
 MOST_RUNS = 1_000_000
+#: Letters of a line of a table's title.
+_WIDE = 80
 
 
 #: A smaller spread, as a share of the value, is rounding: flights that do not differ in it.
@@ -146,7 +148,7 @@ def _grid(grid: Grid) -> Table:
     never cut.
     """
     table = Table(
-        title=grid.title,
+        title="\n".join(wrap(grid.title, _WIDE)),
         title_justify="left",
         title_style="bold",
         box=None,
@@ -154,7 +156,7 @@ def _grid(grid: Grid) -> Table:
         pad_edge=False,
     )
     names, *columns = zip(*grid.rows, strict=True)
-    cells = [names, *map(_decimals, columns)]
+    cells = [names, *(_decimals(column, like) for column, like in zip(columns, _alike(grid), strict=True))]
     for index, (head, column) in enumerate(zip(grid.heads, cells, strict=True)):
         width = max(map(len, (*column, *head.split())))
         heading = "\n".join(wrap(head, width))
@@ -171,11 +173,18 @@ def _grid(grid: Grid) -> Table:
     return table
 
 
-def _decimals(column: Sequence[float]) -> list[str]:
-    """Numbers of a column with as many decimals as give the middle one three digits, two at most; an infinite
-    one is that of a flight that failed.
+def _alike(grid: Grid) -> Iterator[list[float]]:
+    """For each column of numbers those that have its decimals: its own, and those of its bounds."""
+    of = [head.removesuffix(" from").removesuffix(" to") for head in grid.heads]
+    for name in of[1:]:
+        yield [float(row[k]) for row in grid.rows for k in range(1, len(of)) if of[k] == name]
+
+
+def _decimals(column: Sequence[float], like: Sequence[float]) -> list[str]:
+    """Numbers of a column with as many decimals as give the middle one of those ``like`` it three digits, two
+    at most; an infinite one is that of a flight that failed.
     """
-    sizes = [abs(value) for value in column if isfinite(value) and value]
+    sizes = [abs(value) for value in like if isfinite(value) and value]
     digits = min(max(2 - floor(log10(median(sizes))), 0), 2) if sizes else 0
     return [
         f"{value:.{digits}f}" if isfinite(value) else "fails" if isinf(value) else "-" for value in column
@@ -186,10 +195,11 @@ def _numbers(finding: Finding) -> tuple[str, str]:
     published = (
         "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
     )
+    computed = "-" if isnan(finding.computed) else significant(finding.computed)
     if finding.spread is None:
-        return significant(finding.computed), published
+        return computed, published
     spread = finding.spread if finding.spread > ROUNDING * abs(finding.computed) else 0.0
-    return f"{significant(finding.computed)} +- {significant(spread, 2)}", published
+    return f"{computed} +- {significant(spread, 2)}", published
 
 
 def _difference(finding: Finding) -> str:

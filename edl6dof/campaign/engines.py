@@ -17,7 +17,8 @@ from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.executor import CaseRunner, available_cores
 from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.rows import Row
-from edl6dof.campaign.storage.identity import Identity, changed_files, compared, differences, identity
+from edl6dof.campaign.storage.documents import Identity
+from edl6dof.campaign.storage.identity import changed_files, compared, differences, identity
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -10,11 +10,13 @@ True
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
-from math import ceil, log, nan
+from functools import cache
+from math import ceil, log
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtr
 
 #: Probability that both bounds hold.
 CONFIDENCE = 0.95
@@ -34,30 +36,38 @@ class Quantile:
     high: float
 
 
-def quantile(values: np.ndarray, share: float) -> Quantile | None:
-    """A quantile of the finite values among ``values``, shape (n,); ``None`` where too few to bound it.
+def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile | None:
+    """A quantile of ``values``, shape (n,), NaN where a flight has none; ``None`` where too few to bound it.
 
     The bounds are two of the values themselves, whatever the distribution: the number of values below the
     quantile is binomial.  Of flights that are stratified (Latin hypercube, Sobol sequence) and not
     independent, the bounds hold on the safe side where the figure rises or falls with each input.
 
+    Args:
+        values: infinite ones are left out, unless ``flown``.
+        share: of the flights that stay below.
+        flown: whether the value, too, is to be one of those flown, the next above, so that none is
+            interpolated away; infinite ones are then flights that failed, and the largest.
+
     Source: Wilks, Ann. Math. Stat. 12 (1941) 91; David and Nagaraja, Order Statistics, 3rd ed., 7.1.
     """
-    ordered = np.sort(values[np.isfinite(values)])
-    n, tail = len(ordered), 0.5 * (1.0 - CONFIDENCE)
-    if n < flights_needed(share):
+    ordered = np.sort(values[~np.isnan(values) if flown else np.isfinite(values)])
+    if len(ordered) < flights_needed(share):
         return None
-    low, high = (int(binom.ppf(chance, n, share)) for chance in (tail, 1.0 - tail))
-    return Quantile(share, float(np.quantile(ordered, share)), float(ordered[low - 1]), float(ordered[high]))
+    low, high = _bounding(len(ordered), share)
+    value = np.quantile(ordered, share, method="higher" if flown else "linear")
+    return Quantile(share, float(value), float(ordered[low]), float(ordered[high]))
 
 
-def kept_by(values: np.ndarray, share: float) -> float:
-    """Least of ``values``, shape (n,), within which a ``share`` of the flights stays: one of the values, so
-    that none is interpolated away, infinite ones counted as the largest; nan where too few to bound it.
-    """
-    if len(values) < flights_needed(share):
-        return nan
-    return float(np.quantile(values, share, method="higher"))
+@cache
+def _bounding(n: int, share: float) -> tuple[int, int]:
+    """Places of the two among ``n`` ordered values that bound a quantile, from 0 on."""
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low, high = (
+        bisect_left(range(n), chance, key=lambda below: bdtr(below, n, share))
+        for chance in (tail, 1.0 - tail)
+    )
+    return low - 1, high
 
 
 def flights_needed(share: float) -> int:

@@ -11,15 +11,15 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 import edl6dof
+from edl6dof.campaign.design.case import MATRIX, A, B
 from edl6dof.campaign.design.plan import Plan, parse_plan
-from edl6dof.campaign.design.swaps import MATRIX, A, B
 from edl6dof.campaign.engines import Engine
 from edl6dof.campaign.fault_figures import fault_figures
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
-from edl6dof.campaign.storage.documents import Cause, Info, Summary
+from edl6dof.campaign.storage.documents import Cause, Identity, Info, Summary
 from edl6dof.campaign.storage.files import refused
-from edl6dof.campaign.storage.identity import Identity, changed_files, compared, differences, identity
+from edl6dof.campaign.storage.identity import changed_files, compared, differences, identity
 from edl6dof.campaign.storage.parts import PART
 from edl6dof.campaign.storage.store import Store
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
-from scipy.stats import binomtest
+from scipy.special import ndtri
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,11 @@ class Proportion:
         """Lower and upper end; all of 0..1 without trials."""
         if not self.trials:
             return 0.0, 1.0
-        found = binomtest(self.successes, self.trials).proportion_ci(self.confidence, method="wilson")
-        return float(found.low), float(found.high)
+        n, z = self.trials, float(ndtri(0.5 * (1.0 + self.confidence)))
+        middle = self.successes + 0.5 * z**2
+        half = z * sqrt(self.successes * (n - self.successes) / n + 0.25 * z**2)
+        low, high = (middle - half) / (n + z**2), (middle + half) / (n + z**2)
+        return 0.0 if self.successes == 0 else low, 1.0 if self.successes == n else high
 
     @property
     def half_width(self) -> float:

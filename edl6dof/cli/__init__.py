@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import os
 import sys
 
 from edl6dof.cli.campaigns import campaign, faults, refly
@@ -41,6 +42,9 @@ def main() -> None:
     # of a short one, and once more as it ends, half a second
     gc.set_threshold(20_000, 20, 20)
     atexit.register(gc.freeze)
+    # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
+    # long as they compute, and the last digits would follow from their number
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         app(prog_name="edl6dof")
     except Exception:

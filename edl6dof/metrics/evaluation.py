@@ -10,19 +10,16 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
-from edl6dof.metrics.figures import FIGURES
+from edl6dof.fsw.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun
+from edl6dof.metrics.extremes import CALM, EXTREMES, SWINGS, role_rows
+from edl6dof.metrics.figures import LIMITS
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
-_RATES = ("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s")
-
-#: Seconds after the trim wing opens that count as its transient.
-WING_TRANSIENT_S = 10.0
 #: Last seconds of the trim phase, in which its limit cycle is looked at.
 LIMIT_CYCLE_S = 30.0
-#: Seconds after engine ignition that count as the initial transient of roll.
-ROLL_TRANSIENT_S = 8.0
+#: What its limit cycle shows in.
+TRIM_ERRORS = tuple(f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw"))
 
 
 @dataclass(frozen=True)
@@ -41,10 +38,6 @@ class Check:
     def ok(self) -> bool:
         """Whether the limit is kept; a value that could not be formed does not keep it."""
         return bool(self.value <= self.limit)
-
-
-#: Figures that have a limit, in the order in which they are told of.
-LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
@@ -74,20 +67,9 @@ def metrics(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> d
     return figures
 
 
-def _row(rising: np.ndarray, value: float) -> int:
-    """Index of the first element that is not below ``value``."""
-    return int(np.searchsorted(rising, value))
-
-
 def _beyond(rising: np.ndarray, value: float) -> int:
     """Index of the first element above ``value``."""
     return int(np.searchsorted(rising, value, side="right"))
-
-
-def _role(telemetry: Telemetry, roles: list[str], role: str) -> tuple[int, int]:
-    """First row of the phases of a role, none of which comes twice, and the row after their last."""
-    first, end = span(roles, role)
-    return _row(telemetry["guide.phase"], first), _row(telemetry["guide.phase"], end)
 
 
 def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
@@ -124,33 +106,31 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
 
 def _trim_figures(telemetry: Telemetry, roles: list[str]) -> dict[str, float]:
     """Limit cycle and propellant of the trim phase; S1 asks for a deadband below 5 deg."""
-    first, last = _role(telemetry, roles, TRIM)
+    first, last = role_rows(telemetry, roles, TRIM)
     if last - first < 2 or last == len(telemetry["t_s"]):
         return {}
     phase = telemetry.rows(first, last)
     times, propellant = phase["t_s"], phase["truth.propellant_kg"]
     late = phase.rows(_beyond(times, times[-1] - LIMIT_CYCLE_S), None)
-    errors = (f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw"))
     return {
-        "trim_aoa_limit_cycle_deg": _largest(late, *errors),
+        "trim_aoa_limit_cycle_deg": float(np.max(late.largest(*TRIM_ERRORS))),
         "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1]),
     }
 
 
 def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
-    first, last = _role(telemetry, roles, LIFT)
+    first, last = role_rows(telemetry, roles, LIFT)
     if first == last:
         return {}
-    lift = telemetry.rows(first, last)
-    t = lift["t_s"]
-    wing = when.get("trim_wing", np.inf)
-    calm = (lift.rows(0, _row(t, wing)), lift.rows(_row(t, wing + WING_TRANSIENT_S), None))
-    pitch, yaw = np.fmax(*(rows.fastest_swings() for rows in calm)).tolist()
+    t = telemetry.rows(first, last)["t_s"]
+    pitch, yaw = np.fmax(
+        *(part.rows(telemetry, when, roles).fastest_swings(SWINGS) for part in CALM)
+    ).tolist()
     before = min(first, 1)
     with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
     figures = {
         "bank_reversals": float(np.count_nonzero(with_entry[1:] * with_entry[:-1] < 0.0)),
-        "max_bank_rate_deg_s": _largest(lift, "truth.rate_p_deg_s"),
+        **_extremes(telemetry, when, roles, "max_bank_rate_deg_s"),
         "max_pitch_rate_lift_deg_s": pitch,
         "max_yaw_rate_lift_deg_s": yaw,
     }
@@ -160,39 +140,29 @@ def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str
     return figures
 
 
-def _largest(telemetry: Telemetry, *names: str) -> float:
-    """Largest magnitude among all rows of some channels of one unit."""
-    return float(np.max(telemetry.largest(*names)))
+def _extremes(
+    telemetry: Telemetry, when: dict[str, float], roles: list[str], *names: str
+) -> dict[str, float]:
+    return {name: EXTREMES[name].of(EXTREMES[name].part.rows(telemetry, when, roles)) for name in names}
 
 
 def _descent_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
     figures: dict[str, float] = {}
     if PARACHUTE in roles and "mortar" in when:
-        hanging = telemetry.rows(*_role(telemetry, roles, PARACHUTE))
-        figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
+        figures.update(_extremes(telemetry, when, roles, "max_rate_parachute_deg_s"))
     if "ignition" in when:
-        figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
+        figures.update(_powered_figures(telemetry, when, roles))
     return figures
 
 
-def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str, float]:
+def _powered_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
     """Figures between the times of ignition and of touchdown."""
-    times = telemetry["t_s"]
-    first, last = _row(times, start), _row(times, end)
-    powered = telemetry.rows(first, last)
-    settled = telemetry.rows(_beyond(times, start + ROLL_TRANSIENT_S), last)
-    figures = {
-        "max_rate_powered_deg_s": _largest(powered, *_RATES),
-        "max_attitude_error_powered_deg": powered.longest("control.error_pitch_deg", "control.error_yaw_deg"),
-        "roll_error_at_ignition_deg": telemetry.at(start, "control.error_roll_deg")[0],
-        "max_disturbance_torque_nm": _largest(powered, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
-        "max_estimated_torque_nm": _largest(powered, *(f"estimate.torque_{axis}_nm" for axis in "xyz")),
-    }
-    if len(settled["t_s"]):
-        figures["max_roll_error_powered_deg"] = _largest(settled, "control.error_roll_deg")
-    separated = telemetry.rows(_beyond(times, start + 5.0), last)
-    if len(separated["t_s"]):
-        figures["min_backshell_distance_m"] = separated.nearest("site", "backshell")
+    figures = _extremes(telemetry, when, roles, "max_rate_powered_deg_s", "max_attitude_error_powered_deg")
+    figures["roll_error_at_ignition_deg"] = telemetry.at(when["ignition"], "control.error_roll_deg")[0]
+    figures.update(_extremes(telemetry, when, roles, "max_disturbance_torque_nm", "max_estimated_torque_nm"))
+    for name in ("max_roll_error_powered_deg", "min_backshell_distance_m"):
+        if len((rows := EXTREMES[name].part.rows(telemetry, when, roles))["t_s"]):
+            figures[name] = EXTREMES[name].of(rows)
     return figures
 
 

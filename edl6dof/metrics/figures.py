@@ -169,6 +169,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("instrument_false_alarms", "sound instruments excluded", "exclusions"),
     FigureOfMerit("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
 )
+#: Figures that have a limit, in the order in which they are told of.
+LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 _BY_NAME = {figure.name: figure for figure in FIGURES}
 #: Their names.
 DECLARED = frozenset(_BY_NAME)

@@ -11,7 +11,8 @@ from tempfile import TemporaryDirectory
 from edl6dof.replay.program import HOST, ViewerFailed, free_port, running
 from edl6dof.replay.views.spatial import TIMELINE
 
-#: Notices of the viewer's start have faded after (s); a picture that still changes after (s) never settles.
+#: After so long (s) a recording is loaded and notices of the start have faded; what changes for longer never
+#: settles.
 START_S, MOST_S = 2.5, 60.0
 
 
@@ -44,8 +45,11 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
 def drawing(
     recording: Path, t: float, size: tuple[int, int] = (1920, 1080)
 ) -> Iterator[Callable[[float], bytes]]:
-    """What draws the recording at a time (s) as PNG, in a viewer without a window that has finished drawing
-    it at time ``t`` (s).
+    """What draws the recording at a time (s) as PNG, in a viewer without a window that has had time to load
+    it, first at time ``t`` (s).
+
+    It loads while nobody looks: with a software renderer, a picture of what is not yet complete costs as much
+    as the loading.
 
     Raises:
         NoViewer: this machine lacks what it needs.
@@ -67,9 +71,12 @@ def drawing(
     ):
         picture = Path(folder) / "picture.png"
 
-        def draw(at_s: float) -> bytes:
+        def go_to(at_s: float) -> None:
             with program.asked():
                 viewer.set_time(TIMELINE, duration=at_s, play_state="paused")
+
+        def draw(at_s: float) -> bytes:
+            go_to(at_s)
             return _settled(look)
 
         def look() -> bytes:
@@ -81,9 +88,8 @@ def drawing(
         with program.asked():
             viewer = rr.experimental.ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
             viewer.open(str(recording.resolve()))
-        start = time.monotonic()
-        draw(t)
-        time.sleep(max(START_S - (time.monotonic() - start), 0.0))
+        go_to(t)
+        time.sleep(START_S)
         yield draw
 
 

@@ -59,10 +59,12 @@ def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -
     found: dict[int, list[Side]] = {}
     for k, trace in enumerate(panel.traces):
         for place, words in zip(in_px(trace), trace.labels, strict=False):
-            boxes = {side: _box(place, words, side) for side in SIDES}
-            best = min(SIDES, key=lambda side: _badness(boxes[side], taken, points, size))
-            taken += [boxes[best]] * bool(words)
-            found.setdefault(k, []).append(best)
+            side = SIDES[0]
+            if words:
+                boxes = {other: _box(place, words, other) for other in SIDES}
+                side = min(SIDES, key=lambda other: _badness(boxes[other], taken, points, size))
+                taken.append(boxes[side])
+            found.setdefault(k, []).append(side)
     return found
 
 

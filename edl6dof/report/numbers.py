@@ -25,6 +25,15 @@ def aligned(*values: float) -> list[str]:
     return [f"{value:.{places}f}" for value in values]
 
 
+def in_percent(share: float, decimals: int = 0) -> str:
+    """A share as it is printed.
+
+    >>> in_percent(0.963, 2), in_percent(0.5)
+    ('96.30 %', '50 %')
+    """
+    return f"{100.0 * share:.{decimals}f} %"
+
+
 def printed(unit: str) -> str:
     """A unit as it is printed: its powers raised."""
     return unit.translate(str.maketrans("234", "²³⁴"))

@@ -23,7 +23,7 @@ from edl6dof.scenario.events import event_number, fill_events
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
-from edl6dof.sensors.registry import SENSOR_UNITS, fill_sensors
+from edl6dof.sensors.registry import SENSOR_UNITS, draw_sensor_units, fill_sensor_params
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
 )
@@ -63,8 +63,8 @@ CASE = np.dtype(
 
 
 class CasePart(NamedTuple):
-    """Fields of a case that follow from some sections of a scenario, and what fills them when they are zero:
-    called with the case, the scenario and the tables.
+    """Fields of a case, by dotted paths, that follow from some sections of a scenario, and what fills them
+    when they are zero: called with the case, the scenario and the tables.
     """
 
     fields: tuple[str, ...]
@@ -96,9 +96,11 @@ def build_case(
 
 def _clear(cases: np.ndarray, fields: tuple[str, ...]) -> None:
     content = cases.view(np.uint8)
-    for name in fields:
-        start = offset(CASE, name)
-        content[start : start + CASE[name].itemsize] = 0
+    for path in fields:
+        layout, start = CASE, 0
+        for name in path.split("."):
+            start, layout = start + offset(layout, name), layout[name]
+        content[start : start + layout.itemsize] = 0
 
 
 def _fill_section(name: str, case: np.void, s: Scenario, tables: np.void) -> None:
@@ -119,7 +121,11 @@ def _fill_wind(case: np.void, s: Scenario, tables: np.void) -> None:
 
 
 def _fill_sensors(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_sensors(case["sensors"], s.sensors_in_flight, s.seed, s.profile)
+    fill_sensor_params(case["sensors"], s.sensors_in_flight)
+
+
+def _draw_sensors(case: np.void, s: Scenario, tables: np.void) -> None:
+    draw_sensor_units(case["sensors"], s.sensors_in_flight, s.seed, s.profile)
     case["sensors"]["unit"]["star_tracker"]["until"] = event_number(s.mission, s.sensors.star_tracker.until)
 
 
@@ -165,7 +171,10 @@ CASE_PARTS = (
     CasePart(("initial",), frozenset({"initial", "planet"}), _fill_initial),
     CasePart(("atmosphere",), frozenset({"atmosphere", "seed", "profile"}), _fill_atmosphere),
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
-    CasePart(("sensors",), frozenset({"sensors", "dynamics", "seed", "profile", "mission"}), _fill_sensors),
+    CasePart(("sensors.params",), frozenset({"sensors", "dynamics"}), _fill_sensors),
+    CasePart(
+        ("sensors.unit",), frozenset({"sensors", "dynamics", "seed", "profile", "mission"}), _draw_sensors
+    ),
     CasePart(("terrain", "site"), frozenset({"terrain", "planet", "seed", "profile"}), _fill_ground),
     CasePart(
         ("vehicle", "lander", "feeds", "branches", "suspension", "carrier"),

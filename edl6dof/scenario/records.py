@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
@@ -64,22 +65,29 @@ class TableInputs(NamedTuple):
     areoid: MapFile | None
 
 
-def table_inputs(scenario: Scenario) -> TableInputs:
-    """What the tables follow from, with the content of the files as it is now.
+def table_inputs(scenario: Scenario, like: Built | None = None) -> TableInputs:
+    """What the tables follow from, with the content of the files as it is now; with those of another scenario
+    from the sections that both share, as they were when it was built.
 
     Raises:
         ValueError: a file is not named or is no table.
         OSError: a file cannot be read.
     """
-    aero, ratio = scenario.vehicle.aero, scenario.planet.gas.shock_layer_heat_capacity_ratio
-    sheds = scenario.vehicle.showing("capsule") is not None
-    return TableInputs(
-        air_inputs(scenario.atmosphere, scenario.planet, scenario.place),
-        aero_inputs(aero.capsule, ratio) if aero.model == "capsule" else None,
-        body_inputs(aero.body, ratio, sheds) if aero.model == "body" else None,
-        ground_inputs(scenario.terrain, scenario.planet),
-        areoid_file(scenario.planet),
-    )
+    aero, planet = scenario.vehicle.aero, scenario.planet
+    ratio, sheds = planet.gas.shock_layer_heat_capacity_ratio, scenario.vehicle.showing("capsule") is not None
+    air, bare, body, ground, areoid = like.inputs if like is not None else (None,) * 5
+    before = scenario if like is None else like.loaded.truth
+    on_planet = like is not None and planet is before.planet
+    if not (on_planet and scenario.atmosphere is before.atmosphere and scenario.place == before.place):
+        air = air_inputs(scenario.atmosphere, planet, scenario.place)
+    if not (on_planet and aero is before.vehicle.aero and scenario.vehicle.parts == before.vehicle.parts):
+        bare = aero_inputs(aero.capsule, ratio) if aero.model == "capsule" else None
+        body = body_inputs(aero.body, ratio, sheds) if aero.model == "body" else None
+    if not (on_planet and scenario.terrain is before.terrain):
+        ground = ground_inputs(scenario.terrain, planet)
+    if not on_planet:
+        areoid = areoid_file(planet)
+    return TableInputs(stated(air), bare, body, stated(ground), areoid)
 
 
 def build_tables(scenario: Scenario) -> np.ndarray:
@@ -144,7 +152,8 @@ def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
     """
-    tables = build_tables(loaded.truth)
+    inputs = table_inputs(loaded.truth, like)
+    tables = like.records.tables if like is not None and inputs == like.inputs else _tables(inputs)
     if like is None or tables is not like.records.tables:
         return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
     case = build_case(loaded.truth, tables, (like.loaded.truth, like.records.case))
@@ -154,10 +163,11 @@ def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
 
 
 class Built(NamedTuple):
-    """A scenario and its records, for nobody to write to."""
+    """A scenario, its records, for nobody to write to, and what its tables follow from."""
 
     loaded: LoadedScenario
     records: Records
+    inputs: TableInputs
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
@@ -210,17 +220,17 @@ def _initial_attitude(initial: InitialState, lat: float, lon: float, axes: tuple
     return attitude_from_wind_angles(along, up, *initial.wind_angles)
 
 
-def initial_fsw(onboard: np.ndarray) -> np.ndarray:
+def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
     """Flight-software memory at t = 0, shape (1,)."""
-    fsw = duplicate(_new_fsw())
+    fsw = duplicate(_new_fsw(layout))
     fsw["vehicle"]["mass"] = onboard["vehicle"]["entry_mass"]
     return fsw
 
 
 @cache
-def _new_fsw() -> np.ndarray:
+def _new_fsw(layout: np.dtype) -> np.ndarray:
     """What every flight computer begins with."""
-    fsw = np.zeros(1, FSW)
+    fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in ("gyro", "accelerometer", "beam", "star_tracker"):
         fsw["navigation"]["health"][name] = 1
@@ -237,6 +247,6 @@ def initial_peaks() -> np.ndarray:
     return np.zeros(1, PEAKS)
 
 
-def initial_sensors() -> np.ndarray:
+def initial_sensors(layout: np.dtype = SENSORS) -> np.ndarray:
     """The sensors at t = 0, shape (1,)."""
-    return np.zeros(1, SENSORS)
+    return np.zeros(1, layout)

@@ -91,9 +91,9 @@ class SensorParams(_Sections):
 #: The sensors of a case: their parameters, and the errors of the copies that fly in it.
 SENSOR_UNITS = np.dtype([("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables)], align=True)
 
-#: What the sensors remember, and what crosses to the flight software.
+#: What crosses to the flight software, and what the sensors remember.
 SENSORS = np.dtype(
-    [*((member.name, member.memory) for member in SENSOR_FAMILY.members), ("sensed", SENSED)], align=True
+    [("sensed", SENSED), *((member.name, member.memory) for member in SENSOR_FAMILY.members)], align=True
 )
 
 _measure = SENSOR_FAMILY.switch(
@@ -103,20 +103,28 @@ _measure = SENSOR_FAMILY.switch(
 )
 
 
-def fill_sensors(record: np.void, params: SensorParams, seed: int = 0, case: int = 0) -> None:
-    """Write checked parameters into a ``SENSOR_UNITS`` record of zeros, and draw the errors of the sensors
-    that fly, which belong to (seed, case).
-    """
+def fill_sensor_params(record: np.void, params: SensorParams) -> None:
+    """Write checked parameters into a ``SENSOR_UNITS`` record of zeros."""
     fill(record["params"], params)
-    flown = [SENSOR_FAMILY.names.index(name) for name in params.flown]
+    flown = _flown(params)
     record["params"]["n_carried"] = len(flown)
     record["params"]["carried"] = 0
     record["params"]["carried"][: len(flown)] = flown
-    for index in flown:
+
+
+def draw_sensor_units(record: np.void, params: SensorParams, seed: int, case: int) -> None:
+    """Draw the errors of the sensors that fly, which belong to (seed, case), into a ``SENSOR_UNITS`` record
+    without any.
+    """
+    for index in _flown(params):
         member = SENSOR_FAMILY.members[index]
         if member.plan is not None:
             rng = stream(seed, case, SENSOR_STREAM + index)
             member.plan(getattr(params, member.name), rng, record["unit"][member.name])
+
+
+def _flown(params: SensorParams) -> list[int]:
+    return [SENSOR_FAMILY.names.index(name) for name in params.flown]
 
 
 @kernel

@@ -81,7 +81,9 @@ def first_cause(
     """
     own = [name for name in plant.dtype.names or () if name not in _FROM_OUTPUTS]
     steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))
-    for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
+    under_way = [name for name in sensors.dtype.names or () if name != "sensed"]
+    readings = (("sensors", sensors[under_way]), ("sensors", sensors))
+    for name, record in (*steps, ("plant", plant), *readings, ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
     return None

@@ -14,9 +14,11 @@ from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
+from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario import records
 from edl6dof.scenario.loading import LoadedScenario, check_document
 from edl6dof.scenario.schema import Scenario
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
 from edl6dof.sim.loop import fly as fly_cycles
@@ -39,11 +41,17 @@ class Moment(NamedTuple):
     fsw: np.ndarray
 
 
-def beginning(loaded: LoadedScenario, case: np.ndarray, onboard: np.ndarray) -> Moment:
-    """The start of the flight of a scenario with these records."""
-    plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+def beginning(
+    loaded: LoadedScenario,
+    case: np.ndarray,
+    onboard: np.ndarray,
+    sensors: np.dtype = SENSORS,
+    fsw: np.dtype = FSW,
+) -> Moment:
+    """The start of the flight of a scenario with these records; ``sensors``, ``fsw``: layouts of two."""
+    plant, memory = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard, fsw)
     prepare(case, plant)
-    return Moment(0, plant, records.initial_peaks(), records.initial_sensors(), fsw)
+    return Moment(0, plant, records.initial_peaks(), records.initial_sensors(sensors), memory)
 
 
 class Underway:

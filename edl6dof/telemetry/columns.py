@@ -77,7 +77,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         an end its value is held.
         """
         near = self.beside(t)
-        words, from_si = _words(self._log.dtype, names)
+        words, from_si = words_of(self._log.dtype, names)
         table, times = rows_of_words(near._log)[:, words] * from_si, near["t_s"]
         if len(times) == 1:
             return table[0].tolist()
@@ -88,36 +88,31 @@ class Telemetry(Mapping[str, np.ndarray]):
         """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the
         time that columns take.
         """
-        words, from_si = _words(self._log.dtype, names)
+        words, from_si = words_of(self._log.dtype, names)
         return largest(self._log, words) * from_si
 
     def longest(self, *names: str) -> float:
         """Largest length over all rows of the vector of some channels of one unit, ``nan`` of no rows."""
-        words, from_si = _words(self._log.dtype, names)
+        words, from_si = words_of(self._log.dtype, names)
         return longest(self._log, words) * float(from_si[0])
 
-    def nearest(self, stem: str, other: str) -> float:
-        """Least distance (m) over all rows of two places given by their channels east, north and up, ``nan``
-        where there are none.
+    def nearest(self, place: Sequence[str], other: Sequence[str]) -> float:
+        """Least distance over all rows of two places, each given by its channels in the unit of their record,
+        ``nan`` where there are none.
         """
-        a, b = (
-            _words(self._log.dtype, tuple(f"truth.{name}_{axis}_m" for axis in ("east", "north", "up")))[0]
-            for name in (stem, other)
-        )
+        a, b = (words_of(self._log.dtype, tuple(names))[0] for names in (place, other))
         return nearest(self._log, a, b)
 
-    def fastest_swings(self) -> np.ndarray:
-        """Largest pitch and yaw rate (deg/s) over all rows without their part that is banking about the
-        velocity, ``nan`` of no rows.
+    def fastest_swings(self, swings: Sequence[Sequence[str]]) -> np.ndarray:
+        """Largest magnitudes over all rows of some rates without their part that is banking about the
+        velocity, ``nan`` of no rows; each is given by the channels of the rate, of the roll rate, and of an
+        angle.
 
         A bank at rate p about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the
         body (sideslip: in pitch); S1 counts the rates of the angle-of-attack and sideslip channels.
         """
-        rates, from_si = _words(self._log.dtype, ("truth.rate_q_deg_s", "truth.rate_r_deg_s"))
-        (roll, *angles), _ = _words(
-            self._log.dtype, ("truth.rate_p_deg_s", "truth.beta_deg", "truth.alpha_deg")
-        )
-        return fastest_turns(self._log, rates, roll, np.array(angles)) * from_si
+        rates, rolls, angles = (words_of(self._log.dtype, names) for names in zip(*swings, strict=True))
+        return fastest_turns(self._log, rates[0], int(rolls[0][0]), angles[0]) * rates[1]
 
     def __iter__(self) -> Iterator[str]:
         return iter((*self._places, *self._named))
@@ -195,7 +190,7 @@ def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
 
 
 @lru_cache
-def _words(dtype: np.dtype, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+def words_of(dtype: np.dtype, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Where channels stand in a row, in eight-byte words, and their factors to the unit."""
     places = [_PLACES[name] for name in names]
     offsets = [offset(dtype, group) + offset(dtype[group], field) for group, field, _ in places]

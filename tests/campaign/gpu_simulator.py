@@ -9,6 +9,7 @@ import numpy as np
 import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import CaseRunner
+from edl6dof.telemetry.channels import BRIEF
 
 CASES = [
     Case(0, truth={"vehicle.mass.entry_kg": 1290.0}),
@@ -17,8 +18,8 @@ CASES = [
     Case(3, truth={"vehicle.parachutes.main.drag_factor": 0.05}),
     Case(4, truth={"initial.flight_path_angle_deg": -9.0}),
 ]
-#: Telemetry of a batch is as long as the longest flight in it may be: this holds three flights.
-MEMORY = 80_000_000
+#: Of the GPU: this holds the tables and three flights.
+MEMORY = 27_000_000
 
 
 class Memory:
@@ -46,20 +47,34 @@ class Bare:
 
 def main() -> None:
     from edl6dof.campaign.gpu import engine as module
+    from edl6dof.campaign.gpu import layouts
+    from edl6dof.campaign.gpu.crew import Alone
     from edl6dof.campaign.gpu.entry import fly_flights
 
     fly_flights.extensions.append(Bare())
+    # with images and maps: machine code for records without them would have to be compiled
+    layouts.LEAN = layouts.LEAN._replace(own=layouts.WHOLE_LOG.own)
     batches = []
 
     class Watched(module.Batch):
-        def __init__(self, variants, log):
-            batches.append(len(variants))
-            super().__init__(variants, log)
+        def __init__(self, starts, nominal):
+            batches.append((len(starts), starts[0].layout.thinned))
+            super().__init__(starts, nominal)
 
-    module.Batch = Watched
-    runner = CaseRunner(edl6dof.load("tianwen1"))
-    rows = list(module.Gpu("simulator", fly_flights, MEMORY).fly(runner, CASES))
-    print(json.dumps({"rows": rows, "batches": batches}))
+        def fly(self, kernel):
+            for left in super().fly(kernel):
+                longest.append(0 if left is None else len(left.log) // BRIEF.itemsize)
+                yield left
+
+    module.Batch, longest = Watched, []
+    crew = Alone(CaseRunner(edl6dof.load("tianwen1")))
+    gpu = module.Gpu("simulator", fly_flights, MEMORY)
+    rows = list(gpu.fly(crew, CASES))
+    found = {"rows": rows, "batches": list(batches), "telemetry": list(longest)}
+    batches.clear()
+    layouts.TELLING_ROWS = -1500  # too little room for the end of the trim phase
+    found |= {"crowded": list(gpu.fly(crew, CASES[:1])), "then": batches}
+    print(json.dumps(found))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, kept_by, quantile
+from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, quantile
 
 #: Campaigns flown in thought.
 CAMPAIGNS = 1000
@@ -22,12 +22,15 @@ def test_flights_needed_are_the_fewest_whose_extremes_bound_the_quantile(share):
     assert quantile(values, share) is not None and quantile(values[1:], share) is None
 
 
-def test_what_a_share_keeps_within_takes_as_many_flights():
+def test_a_quantile_of_what_was_flown_is_one_of_the_values_and_counts_failures_as_the_largest():
     values = np.arange(1.0, 369.0)
-    assert kept_by(values, 0.99) == 365.0  # one of them: 364.33 by interpolation
-    assert np.isnan(kept_by(values[1:], 0.99))
+    assert quantile(values, 0.99, flown=True).value == 365.0  # one of them: 364.33 by interpolation
+    assert quantile(values[1:], 0.99, flown=True) is None
     values[-4:] = np.inf
-    assert kept_by(values, 0.99) == np.inf and kept_by(values, 0.95) == 350.0
+    failed = quantile(values, 0.99, flown=True)
+    assert failed.value == failed.high == np.inf and failed.low < 365.0
+    assert quantile(values, 0.95, flown=True).value == 350.0
+    assert quantile(np.append(values, np.nan), 0.95, flown=True) == quantile(values, 0.95, flown=True)
 
 
 def test_three_sigma_is_refused_from_a_hundred_flights():

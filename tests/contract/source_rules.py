@@ -23,6 +23,7 @@ LAYERS = (
         "durable",
         "records",
         "__version__",
+        "apart",
         "dispatch",
         "lazy_calls",
     ),

@@ -22,7 +22,8 @@ from edl6dof.sensors.registry import (
     SENSOR_FAMILY,
     SENSOR_UNITS,
     SensorParams,
-    fill_sensors,
+    draw_sensor_units,
+    fill_sensor_params,
     sense,
     sensor_problems,
 )
@@ -141,7 +142,9 @@ def measured(loaded, index, seed, cycles=12):
     """What one sensor writes into a record full of a mark, over some cycles of a plant that moves."""
     case, tables, _ = build_records(loaded)
     case["sensors"] = np.zeros(1, SENSOR_UNITS)
-    fill_sensors(case[0]["sensors"], SensorParams(carried=[SENSOR_FAMILY.names[index]]))
+    carried = SensorParams(carried=[SENSOR_FAMILY.names[index]])
+    fill_sensor_params(case[0]["sensors"], carried)
+    draw_sensor_units(case[0]["sensors"], carried, 0, 0)
     plant, outputs = initial_plant(loaded.truth, case)[0], np.zeros(1, OUTPUTS)[0]
     plant["y"][:3] *= 1.0 - 127.84e3 / np.linalg.norm(plant["y"][:3])  # 100 m above the ground
     plant["eyes"]["expose"] = plant["eyes"]["scan"] = 1

@@ -52,6 +52,13 @@ def read_or_refused(done):
     assert done.returncode == 0 or (done.returncode == 2 and done.stderr.strip())
 
 
+#: The flight that is thrown leaves files of the same kind as the one that diverges.
+ENDED = pytest.mark.parametrize(
+    "flown", ["at_once", "diverged", pytest.param("thrown", marks=pytest.mark.long)], indirect=True
+)
+
+
+@ENDED
 @pytest.mark.parametrize(
     "words",
     [
@@ -69,7 +76,9 @@ def test_what_reads_them_does_so_or_says_why_not(flown, words):
     read_or_refused(called(*words, cwd=flown))
 
 
-@pytest.mark.parametrize("flown", ["at_once", "diverged"], indirect=True)
+@pytest.mark.parametrize(
+    "flown", [pytest.param("at_once", marks=pytest.mark.long), "diverged"], indirect=True
+)
 def test_figures_are_drawn_of_one_row_and_of_numbers_beyond_all_bounds(flown):
     read_or_refused(called("report", "failed", "--pdf", cwd=flown))
 

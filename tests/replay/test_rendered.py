@@ -12,6 +12,8 @@ from edl6dof.replay.program import NoViewer
 from edl6dof.replay.viewer import screenshot
 
 SIZE = (1280, 800)
+#: Of a browser, which draws without graphics hardware: the smaller, the sooner.
+WINDOW = (800, 500)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +75,7 @@ def test_html_file_plays_from_disk_without_network_or_error(recording, tmp_path)
     page = tmp_path / "replay.html"
     page.write_bytes(html.page(recording, "made up & <tested>"))
     assert "https://" not in page.read_text(encoding="utf-8").split("<script>")[0]
-    with opened(page.resolve().as_uri(), tmp_path / "profile", SIZE) as browser:
+    with opened(page.resolve().as_uri(), tmp_path / "profile", WINDOW) as browser:
         shown = settled(browser, lambda pixels: ground_is_drawn(pixels) and curves_are_drawn(pixels)).astype(
             int
         )

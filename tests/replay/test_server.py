@@ -113,24 +113,33 @@ def command(recording: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
             process.kill()
 
 
-def test_two_at_once_serve_the_replay_and_end_when_told_to(recording):
-    with command(recording) as (first, port), command(recording) as (second, other):
-        assert port != other
-        for place in (port, other):
-            status, content, _ = ask(place)
-            assert status == 200 and b"wasm_bindgen" in content and b"edl6dof replay: replay.rrd" in content
-            assert ask(place, hosts=["evil.example"])[0] == 403
-        for process, place, number in ((first, port, signal.SIGTERM), (second, other, signal.SIGINT)):
-            process.send_signal(number)
-            assert process.wait(timeout=10.0) == 0
-            with socket.socket() as probe:
-                assert probe.connect_ex(("127.0.0.1", place)) != 0
+@pytest.fixture(scope="module")
+def two(recording):
+    """Two programs that serve a replay, with their ports."""
+    with command(recording) as first, command(recording) as second:
+        yield first, second
 
 
-def test_the_served_page_plays(recording, tmp_path):
+def test_two_at_once_serve_the_replay(two):
+    assert two[0][1] != two[1][1]
+    for _, port in two:
+        status, content, _ = ask(port)
+        assert status == 200 and b"wasm_bindgen" in content and b"edl6dof replay: replay.rrd" in content
+        assert ask(port, hosts=["evil.example"])[0] == 403
+
+
+def test_the_served_page_plays(two, recording, tmp_path):
     """That it draws is seen in test_rendered.py: it is the page that is there written to a file."""
-    with command(recording) as (_, port):
-        assert ask(port)[1] == page(recording, "edl6dof replay: replay.rrd")
-        with opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (320, 240)) as browser:
-            wait_until_it_plays(browser)
-            assert browser.problems == []
+    port = two[0][1]
+    assert ask(port)[1] == page(recording, "edl6dof replay: replay.rrd")
+    with opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (320, 240)) as browser:
+        wait_until_it_plays(browser)
+        assert browser.problems == []
+
+
+def test_they_end_when_told_to(two):
+    for (process, port), number in zip(two, (signal.SIGTERM, signal.SIGINT), strict=True):
+        process.send_signal(number)
+        assert process.wait(timeout=10.0) == 0
+        with socket.socket() as probe:
+            assert probe.connect_ex(("127.0.0.1", port)) != 0

@@ -1,27 +1,17 @@
-"""Headless Chromium for tests: a picture of a page, its print, and what it wrote to its console."""
+"""Pages as a browser shows them: a picture, a print, and what a page wrote to its console."""
 
 from __future__ import annotations
 
-import re
-import shutil
-import subprocess
+import time
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pytest
-from PIL import Image
+from live_page import Page
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-OPTIONS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--hide-scrollbars",
-    "--enable-logging=stderr",
-    "--virtual-time-budget=60000",
-    "--no-pdf-header-footer",
-)
+#: Whether the page that was asked for is there, with all its plots.
+DRAWN = """location.href === %r && document.readyState === "complete" &&
+    (!document.querySelector("div.plot") || !!document.documentElement.dataset.drawn)"""
 
 
 class Shown(NamedTuple):
@@ -31,38 +21,20 @@ class Shown(NamedTuple):
     console: list[str]
 
 
-def browser() -> str:
-    """The program; skips the test where there is none."""
-    found = next(filter(None, map(shutil.which, NAMES)), None)
-    if found is None:
-        pytest.skip(
-            "no Chromium on this machine (Debian: apt-get install chromium): the report is not rendered"
-        )
-    return found
-
-
-def show(page: Path, place: Path, width: int = 1300, height: int = 6000, *options: str) -> Shown:
-    """Open a file as a user would, wait until it is drawn, and look."""
-    picture = place / "page.png"
-    said = run(page, place, f"--screenshot={picture}", f"--window-size={width},{height}", *options)
-    with Image.open(picture) as image:
-        return Shown(np.asarray(image.convert("RGB")), said)
-
-
-def print_out(page: Path, place: Path) -> Path:
-    """The page as PDF."""
-    run(page, place, f"--print-to-pdf={place / 'page.pdf'}")
-    return place / "page.pdf"
-
-
-def run(page: Path, place: Path, *options: str) -> list[str]:
-    """Run the browser; returns what the page wrote to its console, policy violations and network failures
-    included.
-    """
-    words = [browser(), *OPTIONS, f"--user-data-dir={place / 'profile'}", *options, page.resolve().as_uri()]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
-    assert done.returncode == 0, done.stderr[-2000:]
-    return [line for line in done.stderr.splitlines() if re.search(r"CONSOLE", line)]
+def show(browser: Page, page: Path, width: int = 1300, height: int = 6000, *, dark: bool = False) -> Shown:
+    """Open a file as a user would, wait until it is drawn, and look; ``dark``: to one who prefers it so."""
+    browser.said.clear()
+    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    browser.ask("Emulation.setEmulatedMedia", features=[scheme])
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    browser.ask("Emulation.setDeviceMetricsOverride", **metrics)
+    address = page.resolve().as_uri()
+    browser.ask("Page.navigate", url=address)
+    end = time.monotonic() + 180.0
+    while not browser.value(DRAWN % address):
+        assert time.monotonic() < end, browser.said
+        time.sleep(0.05)
+    return Shown(browser.picture(), list(browser.said))
 
 
 def share(pixels: np.ndarray, colour: str, tolerance: int = 12) -> float:

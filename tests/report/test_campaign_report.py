@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +13,7 @@ from edl6dof.report.campaign import drivers, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Figure
+from edl6dof.report.flight import site
 from edl6dof.report.numbers import aligned
 
 LIMITS = [("parachute_mach", "Mach at mortar fire", 2.1, "")]
@@ -69,6 +72,24 @@ def test_a_grid_is_no_sample():
     table = next(block for block in margins.limits(known) if isinstance(block, Table))
     assert table.columns[2:4] == ["50 %>", "largest>"] and table.rows[0][2:4] == ["1.85", "1.9"]
     assert "no random sample" in words(margins.limits(known))
+
+
+def test_units_and_shares_are_printed_as_in_the_report_of_a_flight():
+    known = results(100, peak_heat_flux_w_cm2=np.linspace(30.0, 35.0, 100))
+    known.limits = [("peak_heat_flux_w_cm2", "peak heat flux", 70.0, "W/cm2")]
+    for blocks in (margins.limits(known), margins.worst(known)):
+        assert next(block for block in blocks if isinstance(block, Table)).rows[0][1] == "W/cm²"
+    table = next(block for block in margins.limits(known) if isinstance(block, Table))
+    assert table.rows[0][-2].text == "50 %"
+
+
+@pytest.mark.parametrize("goal, name", [("time", "landing site"), ("landing", "target")])
+def test_what_flies_until_its_time_is_up_has_no_target(goal, name):
+    class Known(dict):
+        scenario, summary, when = {"mission": {"goal": goal}}, {"figures": {}}, {}
+
+    figure = site.ground_track(Known({site.EAST: np.arange(3.0), site.NORTH: np.zeros(3)}))
+    assert name in [trace.name for trace in figure.panels[0].traces]
 
 
 @pytest.mark.parametrize("height", [14_000.0, 9_000.0])
@@ -143,3 +164,12 @@ def test_few_flights_are_not_asked():
 )
 def test_numbers_beside_each_other_have_the_same_decimals(values, shown):
     assert aligned(*values) == shown
+
+
+def test_a_report_loads_neither_the_simulator_nor_what_takes_longer_than_the_report():
+    """Half of the time of a campaign's report once went into importing these."""
+    heavy = ("numba", "pandas", "scipy.stats", "scipy.optimize")
+    loaded = f"print(sys.modules.keys() & {set(heavy)})"
+    words = f"import sys, edl6dof.report.campaign.build, edl6dof.report.page; {loaded}"
+    said = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True)
+    assert said.stdout == "set()\n"

@@ -70,7 +70,8 @@ def test_small_run_comes_out_whole(monkeypatch):
     blind, looking = report.table.to_pylist()
     assert blind.get("spot_found") is None and looking["spot_found"] in (0.0, 1.0)
     assert looking["spot_miss_m"] < 5.0
-    (grid,) = report.grids
+    grid, spot = report.grids
+    assert spot.rows == (("lidar", 1.0),)
     assert [line[0] for line in grid.rows] == ["given", "lidar"]
     labels = [finding.label for finding in report.findings]
     assert "10 %: blind landings on a rock" in labels and "10 %, lidar: landings on a rock" in labels

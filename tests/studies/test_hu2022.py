@@ -23,9 +23,9 @@ def release(nominal):
 
 @pytest.fixture(scope="module")
 def few_moments():
-    """Of the moments at which a thruster dies the first and the last."""
+    """Of the moments at which a thruster dies the first."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(avoidance, "MOMENTS_S", avoidance.MOMENTS_S[::2])
+        patch.setattr(avoidance, "MOMENTS_S", avoidance.MOMENTS_S[:1])
         yield avoidance.MOMENTS_S
 
 
@@ -92,7 +92,7 @@ def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report):
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert found(report, "dispersed entries landed") == 100.0
     avoided = [row for row in report.table.to_pylist() if row["experiment"] == "avoidance"]
-    assert len(avoided) == 3 * (1 + 2 * 16) + 4  # controls; all sound, and 16 dead; slower estimators
+    assert len(avoided) == 3 * (1 + 2 * 8) + 4  # controls; all sound, and 8 dead; slower estimators
     assert all(row["landed"] for row in avoided)
     single = len(rigs.AGAINST_STEP) + len(rigs.WING)
     assert report.table.num_rows == 2 * ENTRIES + len(avoided) + single
@@ -101,7 +101,13 @@ def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report):
 
 def test_decoupled_formulation_finds_the_thrust_direction_sooner(report):
     assert found(report, "decoupled is no slower") >= 75.0
-    assert found(report, "thrust found, decoupled") < found(report, "thrust found, shortest path")
+    entries = [row for row in report.table.to_pylist() if row["experiment"] == "entry"]
+    sooner, later = (
+        np.median([row["settled_s"] for row in entries if row["variant"] == name])
+        for name in ("decoupled", "shortest_path")
+    )
+    assert sooner < later
+    assert "takes 6" in next(f.note for f in report.findings if f.label == "thrust found, decoupled")
 
 
 def test_estimator_answers_a_step_with_a_tenth_of_the_error_of_an_integral(report):
@@ -118,7 +124,7 @@ def avoidances(report, control, diagnosed):
 
 def test_every_dead_thruster_dies_at_every_moment_and_diagnosis_names_it(report, nominal, few_moments):
     expected = {(name, moment) for name in avoidance.pushes(nominal.scenario) for moment in few_moments}
-    assert len(expected) == 16
+    assert len(expected) == 8
     for control in avoidance.CONTROL:
         diagnosed = avoidances(report, control, True)
         assert {(row["thruster"], row["moment_s"]) for row in diagnosed} == expected

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
+
+#: Who knows of a change: nature alone, the flight computer alone, or both.
+Of = Literal["truth", "belief", "both"]
 
 #: Prefixes of the columns that hold what was changed.
 TRUTH, BELIEF = "truth.", "belief."
+
+#: Columns that say to which matrix and row of a design of Sobol indices a case belongs; the two matrices.
+MATRIX, ROW = "matrix", "row"
+A, B = "A", "B"
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from fnmatch import fnmatchcase
 from os.path import commonprefix
 from typing import Any, get_args
 
-from edl6dof.campaign.design.case import BELIEF, TRUTH
-from edl6dof.campaign.design.params import Of
+from edl6dof.campaign.design.case import BELIEF, TRUTH, Of
 
 
 def group_of(column: str, campaign: Mapping[str, Any]) -> str:

@@ -7,14 +7,12 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions.registry import Distribution
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
 from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultStart
-
-#: Who knows of a change: nature alone, the flight computer alone, or both.
-Of = Literal["truth", "belief", "both"]
 
 
 class Correlated(Params):

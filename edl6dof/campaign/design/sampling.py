@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from scipy.stats import qmc
 
 #: Third number of the seed of every generator here; 1 and 2 are the random profiles of
 #: ``edl6dof.environment.profiles``.
@@ -48,6 +47,8 @@ def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
     """A Latin hypercube is made whole, 8 bytes for each case and quantity; its columns are independent of
     each other.
     """
+    from scipy.stats import qmc  # here: no other sampling needs it
+
     return qmc.LatinHypercube(1, rng=_generator(seed, name)).random(cases)[:, 0]
 
 
@@ -61,6 +62,8 @@ def _random(seed: int, name: str, first: int, last: int) -> np.ndarray:
 
 def sobol_numbers(seed: int, dimensions: int, first: int, last: int) -> np.ndarray:
     """Rows ``first .. last - 1`` of a scrambled Sobol sequence, shape (last - first, dimensions)."""
+    from scipy.stats import qmc  # here: no other sampling needs it
+
     engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng((seed, _STREAM)))
     if first:
         engine.fast_forward(first)

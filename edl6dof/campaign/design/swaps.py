@@ -13,15 +13,13 @@ from typing import get_args
 
 import numpy as np
 
+from edl6dof.campaign.design.case import A, B, Of
 from edl6dof.campaign.design.groups import group_of
-from edl6dof.campaign.design.params import CampaignParams, Of
+from edl6dof.campaign.design.params import CampaignParams
 from edl6dof.campaign.design.sampling import sobol_numbers
 
-#: Names of the two matrices, and of the random profiles (density, gusts), which are a group of their own.
-A, B, PROFILES = "A", "B", "random profiles"
-
-#: Columns of the results that say to which matrix and row a case belongs.
-MATRIX, ROW = "matrix", "row"
+#: Name of the random profiles (density, gusts), which are a group of their own.
+PROFILES = "random profiles"
 
 
 @dataclass(frozen=True)

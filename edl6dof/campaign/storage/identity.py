@@ -17,7 +17,8 @@ import scipy
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.storage.files import Sealed, digest, sha256
+from edl6dof.campaign.storage.documents import Identity
+from edl6dof.campaign.storage.files import digest, sha256
 from edl6dof.campaign.storage.inputs import input_files
 from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.jit import outside_sources
@@ -26,36 +27,6 @@ _PACKAGE = Path(edl6dof.__file__).resolve().parent
 
 #: In the place of a hash: there is no such file, or this process has not loaded the plugin.
 _GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
-
-
-class Identity(Sealed):
-    """What the rows of a campaign follow from.
-
-    Attributes:
-        plan: SHA-256 of the plan.
-        sources: SHA-256 of every source file of the package.
-        versions: of the package, of Python and of the libraries that compute, by name.
-        plugins: SHA-256 of each plugin by its path.
-        files: SHA-256 of each table, vehicle and planet file that is read, by its path; those of the package
-            from its folder on.
-    """
-
-    plan: str
-    sources: str
-    versions: dict[str, str]
-    plugins: dict[str, str]
-    files: dict[str, str]
-
-    @property
-    def digest(self) -> str:
-        """One hash of it all."""
-        return digest(self.model_dump())
-
-    def items(self) -> Iterator[tuple[str, str]]:
-        """Each item by the name that messages give it."""
-        yield from (("plan", self.plan), ("sources of edl6dof", self.sources), *self.versions.items())
-        yield from ((f"plugin {name}", value) for name, value in self.plugins.items())
-        yield from ((f"file {name}", value) for name, value in self.files.items())
 
 
 def identity(plan: Plan) -> Identity:

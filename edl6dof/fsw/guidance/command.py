@@ -20,6 +20,7 @@ GUIDE = np.dtype(
         ("reference_drag", "f8"),
         ("range_to_go", "f8"),
         ("crossrange", "f8"),
+        ("least_bank", "f8"),  # smallest bank magnitude that entry guidance allows now, rad
         ("side", "f8"),  # that entry guidance banks to: +1 right, -1 left, 0 before it has begun
         ("downrange_to_go", "f8"),  # along the course until the aim point lies abeam, m
         ("drag_ratio", "f8"),  # measured over believed drag

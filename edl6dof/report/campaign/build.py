@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from edl6dof.campaign.quantiles import percent, quantile
-from edl6dof.report.campaign import drivers, faults, grid, landing, margins
+from edl6dof.report.campaign import drivers, grid, landing, margins
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Fact, Listing, Mood, Report, Section
+from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section
+from edl6dof.report.numbers import in_percent
 
 
 def campaign_report(folder: Path) -> Report:
     """The report of a campaign, finished or not; a section about what it does not have is left out."""
     results = Results(folder)
     sections = [
-        Section("faults", "Faults", list(faults.blocks(results))),
+        Section("faults", "Faults", list(_faults(results))),
         Section("success", "Success and causes", [margins.causes(results), *margins.convergence(results)]),
         Section("sweep", "Sweep", list(grid.figures(results))),
         Section("limits", "Limits", list(margins.limits(results))),
@@ -30,7 +32,7 @@ def campaign_report(folder: Path) -> Report:
         ),
     ]
     identity = results.store.info.identity
-    words, mood = faults.headline(results) if results.has_faults else _headline(results)
+    words, mood = _headline(results)
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
@@ -45,7 +47,19 @@ def campaign_report(folder: Path) -> Report:
     )
 
 
+def _faults(results: Results) -> Iterator[Block]:
+    """What the flights of a fault matrix tell; nothing where there is none."""
+    if results.has_faults:
+        from edl6dof.report.campaign import faults  # here: no other campaign needs its kinds of fault
+
+        yield from faults.blocks(results)
+
+
 def _headline(results: Results) -> tuple[str, Mood]:
+    if results.has_faults:
+        from edl6dof.report.campaign import faults
+
+        return faults.headline(results)
     success = results.success
     share = f": {success}" if results.is_sample else ""
     return f"{success.successes} of {success.trials} flights succeed{share}", _mood(results)
@@ -60,12 +74,12 @@ def _mood(results: Results) -> Mood:
 def _facts(results: Results) -> list[Fact]:
     facts = [
         Fact("flights", f"{len(results.cases):,}"),
-        Fact("success", f"{results.success.value:.2%}", _mood(results)),
+        Fact("success", in_percent(results.success.value, 2), _mood(results)),
     ]
     if not results.is_sample:
         return facts
     low, high = results.success.interval
-    facts.append(Fact("95 % interval", f"{low:.2%} .. {high:.2%}"))
+    facts.append(Fact("95 % interval", f"{100.0 * low:.2f} .. {in_percent(high, 2)}"))
     if results.has("landing_distance_m"):
         distance = results["landing_distance_m"] / 1e3
         facts += [

@@ -8,13 +8,14 @@ from textwrap import fill
 
 import numpy as np
 
-from edl6dof.campaign.design.swaps import A, B
-from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
+from edl6dof.campaign.design.case import A, B
+from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers_of_each
 from edl6dof.campaign.indices import Index, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
 from edl6dof.report.figure import GREY, SERIES, Axis, Band, Figure, Panel, Trace
+from edl6dof.report.numbers import in_percent
 
 #: Figures to explain; those with limits come first by themselves.
 _FIGURES = (
@@ -46,13 +47,13 @@ def blocks(results: Results) -> Iterator[Block]:
     if len(results.cases) < FEWEST:
         yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
         return
-    told = list(_told(results))
+    told = _told(results)
     yield Text(
         "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
         "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
-        f"{1.0 - CHANCE:.0%} of campaigns, all figures together. What remains is the work of the random "
-        "profiles of density and gusts, of inputs whose share is too small to be told, and of what only "
-        "several inputs together do."
+        f"{in_percent(1.0 - CHANCE)} of campaigns, all figures together. What remains is the work of the "
+        "random profiles of density and gusts, of inputs whose share is too small to be told, and of what "
+        "only several inputs together do."
     )
     if any(one.drivers.found for one in told):
         yield chart([one for one in told if one.drivers.found])
@@ -81,11 +82,10 @@ def indices(results: Results) -> Iterator[Block]:
     yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
 
 
-def _told(results: Results) -> Iterator[Told]:
+def _told(results: Results) -> list[Told]:
     moving = {name: results[name] for name in _figures(results)}
-    for name, values in moving.items():
-        level = -np.expm1(np.log1p(-CHANCE) / len(moving))  # Sidak: for each figure
-        yield Told(figure_of_merit(name), drivers(results.groups, values, level))
+    found = drivers_of_each(results.groups, list(moving.values()))
+    return [Told(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
 
 
 def _is_told(index: Index) -> bool:
@@ -95,7 +95,11 @@ def _is_told(index: Index) -> bool:
 
 def _shares(index: tuple[float, float, float]) -> tuple[Cell, str]:
     value, low, high = (min(max(bound, 0.0), 1.0) for bound in index)
-    return Cell(f"{value:.0%}", bar=value), f"{low:.0%} .. {high:.0%}"
+    return Cell(in_percent(value), bar=value), _ends(low, high)
+
+
+def _ends(low: float, high: float) -> str:
+    return f"{100.0 * low:.0f} .. {in_percent(high)}"
 
 
 def _figures(results: Results) -> list[str]:
@@ -112,16 +116,18 @@ def _moves(values: np.ndarray) -> bool:
 def _rows(told: list[Told]) -> Iterator[Row]:
     """A line that says what of a figure can be told, and below it its drivers."""
     for one in told:
-        least = f"{one.drivers.least:.0%}"
+        least = in_percent(one.drivers.least)
         flights = f"cannot be told with {one.drivers.flights:,} flights"
         if not one.drivers.found:
             yield [f"{one.figure.meaning}: {flights}, no share above {least}", "", "", ""]
             continue
-        remains = f"{max(1.0 - one.drivers.explained, 0.0):.0%} remains, shares below {least} {flights}"
+        remains = (
+            f"{in_percent(max(1.0 - one.drivers.explained, 0.0))} remains, shares below {least} {flights}"
+        )
         yield [f"{one.figure.meaning}: {remains}", "", "", ""]
         for driver in one.drivers.found:
-            share = Cell(f"{driver.share:.0%}", bar=driver.share)
-            yield [_INDENT + driver.name, share, f"{driver.low:.0%} .. {driver.high:.0%}", driver.effect]
+            share = Cell(in_percent(driver.share), bar=driver.share)
+            yield [_INDENT + driver.name, share, _ends(driver.low, driver.high), driver.effect]
 
 
 def chart(told: list[Told]) -> Figure:

@@ -64,9 +64,7 @@ def headline(results: Results) -> tuple[str, Mood]:
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Everything that a report says about the faults of a matrix; nothing where there is none."""
-    if not results.has_faults:
-        return
+    """Everything that a report says about the faults of a matrix."""
     rows = results.table.to_pylist()
     figures = fault_figures(rows)
     if figures["acceptance"]:

@@ -9,6 +9,7 @@ import numpy as np
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
+from edl6dof.report.numbers import printed
 
 #: Figures mapped over the grid, besides success.
 _FIGURES = (
@@ -34,7 +35,7 @@ def figures(results: Results) -> Iterator[Figure]:
 
 
 def _label(figure: FigureOfMerit) -> str:
-    return f"{figure.meaning} ({figure.unit.label})" if figure.unit.label else figure.meaning
+    return f"{figure.meaning} ({printed(figure.unit.label)})" if figure.unit.label else figure.meaning
 
 
 def _axes(results: Results) -> list[str]:

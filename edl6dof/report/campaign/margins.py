@@ -12,7 +12,7 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
 from edl6dof.report.figure import BLUE, GREEN, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.numbers import aligned, significant
+from edl6dof.report.numbers import aligned, in_percent, printed, significant
 
 #: Figures without a limit whose quantiles are of interest.
 _OTHERS = (
@@ -34,9 +34,9 @@ def limits(results: Results) -> Iterator[Block]:
         missed = int(np.sum(values > limit))
         largest = _upper(results, values, shares)
         mood: Mood = "bad" if missed else "good"
-        used = Cell(f"{largest / limit:.0%}", mood, largest / limit) if largest is not None else "-"
+        used = Cell(in_percent(largest / limit), mood, largest / limit) if largest is not None else "-"
         cells = [in_words(results, values, share) for share in shares]
-        rows.append([label, unit, *cells, significant(limit), used, str(missed)])
+        rows.append([label, printed(unit), *cells, significant(limit), used, str(missed)])
     end = "upper bound of the last quantile" if results.is_sample else "largest value"
     yield Text(f"{note(results)} Used is the {end} over the limit.")
     heads = [f"{head(share)}>" for share in shares]
@@ -58,7 +58,7 @@ def other_figures(results: Results) -> Iterator[Block]:
     rows: list[Row] = [
         [
             figure.meaning,
-            figure.unit.label,
+            printed(figure.unit.label),
             *(in_words(results, results[figure.name], share) for share in shares),
         ]
         for figure in map(figure_of_merit, _OTHERS)
@@ -113,13 +113,15 @@ def causes(results: Results) -> Block:
         if not results.is_sample:
             return Text("No flight failed.")
         low, _ = results.success.interval
-        return Text(f"No flight failed. With 95 % confidence the success probability is above {low:.2%}.")
+        return Text(
+            f"No flight failed. With 95 % confidence the success probability is above {in_percent(low, 2)}."
+        )
     rows: list[Row] = []
     for cause, number in results.causes:
         share = Proportion(number, len(results.cases))
         first = results.cases[[text == cause for text in results.table["cause"].to_pylist()]][:3]
         refly = ", ".join(str(case) for case in first)
-        rows.append([cause, str(number), Cell(f"{share.value:.2%}", "bad", share.value), refly])
+        rows.append([cause, str(number), Cell(in_percent(share.value, 2), "bad", share.value), refly])
     return Table(["cause", "flights>", "share", "cases"], rows)
 
 
@@ -186,7 +188,7 @@ def worst(results: Results) -> Iterator[Block]:
             share = float(values[nearest[0]]) / limit
             shown = Cell(significant(values[nearest[0]]), "bad" if share > 1.0 else "plain", share)
             cases = ", ".join(str(results.cases[index]) for index in nearest)
-            rows.append([label, unit, shown, significant(limit), cases])
+            rows.append([label, printed(unit), shown, significant(limit), cases])
     if rows:
         yield Text(f"The worst of each first; one of them again: edl6dof refly {results.folder} CASE")
         yield Table(["figure", "unit", "worst>", "limit>", "cases"], rows)

@@ -12,13 +12,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from edl6dof.campaign.design.case import BELIEF, TRUTH
+from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, A, B
 from edl6dof.campaign.design.groups import group_of
-from edl6dof.campaign.design.swaps import MATRIX, ROW, A, B
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.document.source import parse_document
-from edl6dof.metrics.evaluation import LIMITS
+from edl6dof.metrics.figures import LIMITS
 
 
 class Results:

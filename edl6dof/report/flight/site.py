@@ -38,7 +38,7 @@ def ground_track(run: Run) -> Figure:
     panel = Panel(
         _axis("east", "km"),
         _axis("north", "km"),
-        [curve, _target(1e3), _events(run, 1e3, {"mortar": "parachute"})],
+        [curve, _target(run), _events(run, 1e3, {"mortar": "parachute"})],
     )
     caption = "Axes have different scales."
     if run.summary["figures"].get("bank_reversals"):
@@ -63,14 +63,14 @@ def landing_site(run: Run) -> Figure:
         around = Panel(
             _axis("east", "km"),
             _axis("north", "km"),
-            [*planned, *allowed, below, _target(1e3)],
+            [*planned, *allowed, below, _target(run)],
             equal=True,
             title="planned ellipse",
         )
     left = Panel(
         _axis("east", "km"),
         _axis("north", "km"),
-        [*([] if planned else allowed), *parts, below, _target(1e3), parachute],
+        [*([] if planned else allowed), *parts, below, _target(run), parachute],
         equal=True,
         title="from the parachute on",
     )
@@ -79,7 +79,7 @@ def landing_site(run: Run) -> Figure:
     track = Trace(run[EAST][last], run[NORTH][last], "vehicle", colour=BLUE, width=2.2)
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
-    near = [_target(1.0)] if away < 2.0 * reach else []  # else there were nothing else to be seen
+    near = [_target(run)] if away < 2.0 * reach else []  # else there were nothing else to be seen
     right = Panel(
         _axis("east", "m"),
         _axis("north", "m"),
@@ -100,10 +100,10 @@ def _axis(way: str, unit: str) -> Axis:
     return Axis(f"{way} of the landing site ({unit})")
 
 
-def _target(scale: float) -> Trace:
-    return Trace(
-        np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0, border=True
-    )
+def _target(run: Run) -> Trace:
+    """The landing site, which is no target of what flies until its time is up."""
+    name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
+    return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
 
 
 def _circle(radius: float, name: str) -> Trace:

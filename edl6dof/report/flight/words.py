@@ -14,7 +14,7 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
 from edl6dof.report.flight.parts import has_signal
-from edl6dof.report.numbers import printed
+from edl6dof.report.numbers import in_percent, printed
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -68,7 +68,7 @@ def facts(run: Run) -> list[Fact]:
 def limits_and_published(run: Run) -> Iterator[Block]:
     """Limits and published figures, as far as there are any."""
     of_limits, of_published = limits(run), published(run)
-    yield of_limits if of_limits.rows else Text("The flight reached no point to which a limit applies.")
+    yield of_limits if of_limits.rows else Text("No limit applies as far as this flight went.")
     if of_published.rows:
         yield of_published
 
@@ -81,7 +81,7 @@ def limits(run: Run) -> Table:
         shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
         share = value / float(limit["limit"])
         used = Cell(
-            "-" if math.isnan(share) else f"{100.0 * share:.0f} %",
+            "-" if math.isnan(share) else in_percent(share),
             "good" if limit["ok"] else "bad",
             share if share == share else None,
         )

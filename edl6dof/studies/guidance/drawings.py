@@ -9,8 +9,8 @@ import numpy as np
 from edl6dof.campaign.rows import Row
 from edl6dof.report.figure import Axis, Figure, Heat, Panel
 from edl6dof.studies import plots
-from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED
-from edl6dof.studies.guidance.tables import TARGET_KM, best_first, misses, names, of, quantile
+from edl6dof.studies.guidance.conditions import DISPERSED
+from edl6dof.studies.guidance.tables import TARGET_KM, best_first, conditions, largest, misses, names, of
 
 #: Miss (km) at which the colour of the map ends.
 _WORST_KM = 50.0
@@ -34,20 +34,18 @@ def _comparison(rows: Sequence[Row]) -> Figure:
 
 
 def _map(vehicle: str, rows: Sequence[Row]) -> Panel:
-    """99 % of the misses, a row for each law, a column for each condition; coloured by its
+    """The largest miss, a row for each law, a column for each condition; coloured by its
     logarithm.
     """
     laws = best_first(rows)[::-1]
-    columns = [name for name in (*(c.name for c in CONDITIONS), DISPERSED) if of(rows, condition=name)]
-    miss = np.array(
-        [[quantile(misses(of(rows, law=law, condition=name)), 0.99) for name in columns] for law in laws]
-    )
+    columns = conditions(rows)
+    miss = np.array([[largest(of(rows, law=law, condition=name)) for name in columns] for law in laws])
     shown = np.log10(np.clip(miss, 0.1, _WORST_KM))
     heat = Heat(
         np.arange(len(columns)), np.arange(len(laws)), shown, "log10 of the miss in km", -1.0,
         float(np.log10(_WORST_KM)), labels=[[_words(value) for value in line] for line in miss], written=True,
     )  # fmt: skip
-    return Panel(Axis("", names=columns), Axis("", names=laws), heat=heat, title=f"{vehicle}: 99 % of misses")
+    return Panel(Axis("", names=columns), Axis("", names=laws), heat=heat, title=f"{vehicle}: largest miss")
 
 
 def _words(km: float) -> str:
@@ -63,7 +61,9 @@ def _of_dispersed(vehicle: str, rows: Sequence[Row]) -> Iterator[Figure]:
     for law in order:
         miss = misses(of(rows, law=law))
         shares.append(plots.curve(np.sort(miss), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law))
-    limit = max(2.0 * TARGET_KM, 3.0 * quantile(misses(of(rows, law=order[0])), 0.99))
+    limit = max(
+        2.0 * TARGET_KM, 3.0 * float(np.quantile(misses(of(rows, law=order[0])), 0.99, method="higher"))
+    )
     share = plots.panel(
         f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)", shares, x_range=(0.0, limit)
     )

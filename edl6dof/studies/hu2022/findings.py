@@ -15,6 +15,7 @@ from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
 from edl6dof.studies.hu2022.printed_force import POLES_RAD_S, largest_n
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
+from edl6dof.studies.quantiles import with_quantile
 from edl6dof.studies.study import Finding
 
 #: Figures of the flight, and where Figs. 8 to 12 and the text give them.
@@ -96,11 +97,11 @@ def _entries(rows: list[Row]) -> tuple[Finding, ...]:
     landed = 100.0 * np.mean([row["landed"] for name in FORMULATIONS for row in by[name]])
     findings = []
     for name in FORMULATIONS:
-        word, mean = name.replace("_", " "), np.median([row["mean_error_deg"] for row in by[name]])
+        word, mean = name.replace("_", " "), np.array([row["mean_error_deg"] for row in by[name]])
         findings += [
-            Finding(f"thrust found, {word}", "s", float(np.median(found[name])), note="median"),
-            Finding(f"worst tenth, {word}", "s", float(np.percentile(found[name], 90.0))),
-            Finding(f"mean error, {word}", "deg", float(mean), note="median"),
+            with_quantile(Finding(f"thrust found, {word}", "s", nan, note="median"), found[name], 0.5),
+            with_quantile(Finding(f"worst tenth, {word}", "s", nan, note="90 %"), found[name], 0.9),
+            with_quantile(Finding(f"mean error, {word}", "deg", nan, note="median"), mean, 0.5),
         ]
     quicker = 100.0 * np.mean(found["decoupled"] <= found["shortest_path"] + 0.05)
     return (

@@ -7,9 +7,9 @@ from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import kept_by
 from edl6dof.campaign.rows import Row
 from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert
+from edl6dof.studies.quantiles import quantile_grid
 from edl6dof.studies.study import Finding, Grid
 
 #: The law that the others are compared with, and the ones that solve an optimisation problem in flight.
@@ -65,6 +65,7 @@ def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
 def grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
     """Dispersed landings, diverts, failing engines."""
     yield _fuel(rows)
+    yield from _misses(rows)
     yield _feasibility(rows, calls)
     yield _diverts(rows)
     yield _faults(rows)
@@ -82,9 +83,15 @@ def _fuel(rows: Sequence[Row]) -> Grid:
     return Grid(f"{_flights(rows)} dispersed landings: propellant, and less {REFERENCE}", heads, tuple(lines))
 
 
+def _misses(rows: Sequence[Row]) -> Iterator[Grid]:
+    for name, words in (("target_miss_m", "of the target"), ("navigated_miss_m", "as navigated")):
+        title = f"{_flights(rows)} dispersed landings: quantiles of the miss {words}, m"
+        yield quantile_grid(title, "law", {law: values(of(rows, law), name, inf) for law in laws(rows)})
+
+
 def _feasibility(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
     heads = (
-        "law", "miss m: 50 %", "99 %", "as navigated: 99 %", "tilt deg: mean", "peak", "not reached %",
+        "law", "tilt deg: mean", "peak", "not reached %",
         "saturated %", "landed %", "call us",
     )  # fmt: skip
     lines: list[Line] = [(law, *_kept(of(rows, law)), calls[law]) for law in laws(rows)]
@@ -92,11 +99,8 @@ def _feasibility(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
 
 
 def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
-    miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg", 0.0)
     return (
-        *(kept_by(miss, 0.5), kept_by(miss, 0.99)),
-        kept_by(values(flown, "navigated_miss_m", inf), 0.99),
-        *(mean(flown, "peak_tilt_deg"), float(np.max(tilt))),
+        *(mean(flown, "peak_tilt_deg"), float(np.max(values(flown, "peak_tilt_deg", 0.0)))),
         _share(not reached(row) for row in flown),
         _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
         _share(row.get("came_down", False) for row in flown),

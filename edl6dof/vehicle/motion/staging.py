@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from edl6dof.apart import stay_apart
 from edl6dof.interface.events import (
     CUT_OFF,
     DEPLOY,
@@ -132,6 +133,7 @@ def jettison(case, plant, index):
 @kernel
 def carry_out(case, plant, number):
     """Change the vehicle as event ``number`` demands, at ``plant.t``."""
+    stay_apart()
     event = case.events.events[number]
     action, thing = event.action, event.thing
     if action == JETTISON:

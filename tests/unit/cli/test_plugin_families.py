@@ -83,26 +83,26 @@ def test_members_outside_the_package_are_chosen_by_their_names(tmp_path):
     assert "mine.yaml: ok" in out
 
 
-def test_goal_of_an_engine_that_is_no_line_is_refused_in_one_line(tmp_path):
-    family, member, old, new, chosen = next(row for row in FAMILIES if row[0] == "engine_model")
+def mistaken(family, before, after):
+    """A member that is chosen, its file's text with a mistake in the place of what is right."""
+    family, member, old, new, chosen = next(row for row in FAMILIES if row[0] == family)
     text = (PACKAGE / member).read_text(encoding="utf-8")
+    wrong = text.replace(old, new).replace(before, after)
+    assert before in text.replace(old, new)
+    return family, member, text, wrong, chosen
+
+
+def test_each_mistake_is_refused_in_one_line(tmp_path):
+    """The goal of an engine that is no line, a sensor that writes what does not cross."""
     line = "return line_in_step(engine.full_thrust * first, engine.full_thrust * second, step)"
-    wrong = text.replace(old, new).replace(line, "return engine.full_thrust * first / step")
-    assert line in text
-    status, _, error = checked(tmp_path, (family, member, text, wrong, chosen))
+    engine = mistaken("engine_model", line, "return engine.full_thrust * first / step")
+    sensor = mistaken("sensor", "sensed.imu_gain_B", "sensed.gain_B")
+    status, _, error = checked(tmp_path, engine, sensor)
     assert status == 2
-    assert "goal: must return two numbers: mean and slope" in error and len(error.strip().splitlines()) == 1
-
-
-def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path):
-    family, member, *_ = next(row for row in FAMILIES if row[0] == "sensor")
-    source = PACKAGE / member
-    text = source.read_text(encoding="utf-8").replace('"imu"', '"imu_b"')
-    wrong = text.replace("sensed.imu_gain_B", "sensed.gain_B")
-    assert wrong != text
-    status, _, error = checked(tmp_path, (family, member, source.read_text(encoding="utf-8"), wrong, {}))
-    assert status == 2
-    assert "uses a field that its records do not have" in error and len(error.strip().splitlines()) == 1
+    lines = error.strip().splitlines()
+    assert len(lines) == 2 and "my_engine_model.py" in lines[0] and "my_sensor.py" in lines[1]
+    assert "goal: must return two numbers: mean and slope" in lines[0]
+    assert "uses a field that its records do not have" in lines[1]
 
 
 def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():

@@ -67,8 +67,11 @@ def check_hill(terrain, grid, tolerance):
         assert (rise_north, rise_east) == pytest.approx(slopes, abs=2e-3)
 
 
-@pytest.mark.parametrize("corner", [True, False])
-@pytest.mark.parametrize("step", [5.0, 0.8, 1.7])
+@pytest.mark.parametrize(
+    "step, corner",
+    [(5.0, True), (5.0, False), (1.7, True), (1.7, False), (0.8, True)]
+    + [pytest.param(0.8, False, marks=pytest.mark.long)],
+)
 def test_ground_is_that_of_the_grid_shifted_to_the_site(tmp_path, corner, step):
     file = write_ascii(tmp_path / "hill.asc", step, 450.0 if step < 5.0 else 600.0, corner)
     check_hill(*build(file), tolerance=0.02)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from made_up_course import FLATTENING, MU, RADIUS, SITE, SPIN
-from made_up_landing import ARM
+from made_up_instruments import ARM
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.navigation.filters.error_state import ErrorStateParams

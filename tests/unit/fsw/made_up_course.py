@@ -1,5 +1,7 @@
 """The true course of a made-up Mars landing: entry, parachute from 7 km, powered descent, hover, touchdown,
 flown over the planet that the flight computer believes in.
+
+Vectors are tuples: with arrays it took three times as long to compile.
 """
 
 import numpy as np
@@ -17,6 +19,7 @@ from edl6dof.spatial.quaternion import (
     rotation_vector,
     to_frame,
 )
+from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, unit
 
 DT = 0.05
 MU, RADIUS, SPIN = 4.282837e13, 3396190.0, 7.088218e-5
@@ -27,11 +30,26 @@ LATITUDE, LONGITUDE, SITE = np.radians(25.0), np.radians(110.0), -4100.0
 @kernel
 def _axes_at(x, down, bank):
     """Attitude with ``x`` forward, z as far down as may be, then rolled by ``bank``."""
-    y = np.cross(down, x)
-    y /= np.sqrt(np.sum(y * y))
-    z = np.cross(x, y)
-    turned = from_axes((x[0], x[1], x[2]), (y[0], y[1], y[2]), (z[0], z[1], z[2]))
-    return multiply(turned, about_axis((1.0, 0.0, 0.0), bank))
+    y = unit(cross(down, x))
+    return multiply(from_axes(x, y, cross(x, y)), about_axis((1.0, 0.0, 0.0), bank))
+
+
+@kernel
+def pull_of(r):
+    """Gravity at a position, m/s2."""
+    return scale(-MU / norm(r) ** 3, r)
+
+
+@kernel
+def moving(r, v):
+    """Velocity relative to the planet."""
+    return v[0] + SPIN * r[1], v[1] - SPIN * r[0], v[2]
+
+
+@kernel
+def half_turned(q, angle):
+    """The attitude half way through a small turn."""
+    return normalise(multiply(q, (1.0, 0.25 * angle[0], 0.25 * angle[1], 0.25 * angle[2])))
 
 
 @kernel
@@ -53,46 +71,50 @@ def _falling_speed(h):
 
 
 @kernel
-def fly_truth(onboard, r, v, steps, entry):
+def fly_truth(onboard, start, steps, entry):
     """True states and increments of the cycles: r, v, q, angle, gain, height above the site."""
-    planet = onboard.planet
     rs, vs, qs = np.zeros((steps, 3)), np.zeros((steps, 3)), np.zeros((steps, 4))
     angles, gains, heights = np.zeros((steps, 3)), np.zeros((steps, 3)), np.zeros(steps)
-    q = (1.0, 0.0, 0.0, 0.0)
+    q, (r, v) = (1.0, 0.0, 0.0, 0.0), start
+    r_before, v_before = r, v
     for k in range(steps):
         t = k * DT
-        north, east, up, altitude = level_axes(planet, (r[0], r[1], r[2]), t)
-        up, east, north = np.array(up), np.array(east), np.array(north)
-        v_rel = np.array([v[0] + SPIN * r[1], v[1] - SPIN * r[0], v[2]])
-        g = -MU / np.sum(r * r) ** 1.5 * r
-        h = altitude - onboard.site.altitude
+        _, east, up, altitude = level_axes(onboard.planet, r, t)
+        v_rel, h, g = moving(r, v), altitude - onboard.site.altitude, pull_of(r)
         if entry:
-            speed = np.sqrt(np.sum(v_rel * v_rel))
+            speed = norm(v_rel)
             drag = 0.016 * np.exp(-altitude / 10e3) * speed**2 / (2.0 * 110.0)
-            new = _axes_at(v_rel / speed, -up, _bank(t))
-            pull = from_frame(new, (-drag, 0.0, -0.24 * drag))
-            f = np.array(pull)
+            new = _axes_at(scale(1.0 / speed, v_rel), scale(-1.0, up), _bank(t))
+            f = from_frame(new, (-drag, 0.0, -0.24 * drag))
         else:
-            goal = -_falling_speed(h) * up + (12.0 * east + 5.0 * north) * min(h / 3000.0, 1.0)
-            f = (goal - v_rel) / (3.0 if h > 1200.0 else 0.8) - g
+            f = _steered(h, v_rel, g, onboard.planet, r, t)
             swing = np.radians(6.0) * min(h / 3000.0, 1.0) * np.sin(2.5 * t)
-            new = _axes_at(-f / np.sqrt(np.sum(f * f)), east, 0.3 * np.sin(0.1 * t))
+            new = _axes_at(unit(scale(-1.0, f)), east, 0.3 * np.sin(0.1 * t))
             new = multiply(new, about_axis((0.0, 1.0, 0.0), swing))
             new = multiply(new, about_axis((0.0, 0.0, 1.0), 0.7 * swing))
         new = normalise(new)
         if k > 0:
             angle = rotation_vector(multiply(conjugate(q), new))
-            half = multiply(q, (1.0, 0.25 * angle[0], 0.25 * angle[1], 0.25 * angle[2]))
-            angles[k] = np.array(angle)
-        q = new
-        rs[k], vs[k], qs[k], heights[k] = r, v, np.array(q), h
-        if k > 0:
-            gained = (vs[k] - vs[k - 1]) - DT * (-MU / np.sum(rs[k - 1] ** 2) ** 1.5 * rs[k - 1])
-            gains[k] = np.array(to_frame(normalise(half), (gained[0], gained[1], gained[2])))
-        later = v + DT * (f + g)
-        r = r + 0.5 * DT * (v + later)
+            gained = sub(sub(v, v_before), scale(DT, pull_of(r_before)))
+            put3(angles[k], 0, angle)
+            put3(gains[k], 0, to_frame(half_turned(q, angle), gained))
+        q, r_before, v_before, heights[k] = new, r, v, h
+        put3(rs[k], 0, r)
+        put3(vs[k], 0, v)
+        qs[k, 0], qs[k, 1], qs[k, 2], qs[k, 3] = q
+        later = add(v, scale(DT, add(f, g)))
+        r = add(r, scale(0.5 * DT, add(v, later)))
         v = later
     return rs, vs, qs, angles, gains, heights
+
+
+@kernel
+def _steered(h, v_rel, g, planet, r, t):
+    """Specific force of the descent: towards its speeds down and, high up, along the ground."""
+    north, east, up, _ = level_axes(planet, r, t)
+    along = scale(min(h / 3000.0, 1.0), add(scale(12.0, east), scale(5.0, north)))
+    goal = sub(along, scale(_falling_speed(h), up))
+    return sub(scale(1.0 / (3.0 if h > 1200.0 else 0.8), sub(goal, v_rel)), g)
 
 
 def truth(onboard, entry):
@@ -104,7 +126,7 @@ def truth(onboard, entry):
     v_rel = fall * up + across * east if entry else -120.0 * up + 60.0 * east
     v = v_rel + np.array([-SPIN * r[1], SPIN * r[0], 0.0])
     steps = int(300.0 / DT) if entry else int(250.0 / DT)
-    flown = fly_truth(onboard[0], r, v, steps, entry)
+    flown = fly_truth(onboard[0], (tuple(r), tuple(v)), steps, entry)
     if entry:
         return flown
     down = int(np.argmax(flown[5] < 0.5))

@@ -5,7 +5,18 @@ The solution is integrated by the rule by which the truth was made, so that inst
 """
 
 import numpy as np
-from made_up_course import DT, MU, RADIUS, SITE, SPIN
+from made_up_course import DT, SITE, half_turned, pull_of
+from made_up_instruments import (
+    CENTRE,
+    draw_unit,
+    drawn_before,
+    lay_ground,
+    normal,
+    read_radar,
+    spoilt,
+    star_fix,
+    walk,
+)
 
 from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.navigation.filters import error_state
@@ -22,123 +33,39 @@ from edl6dof.spatial.quaternion import (
     normalise,
     rotation_vector,
 )
-from edl6dof.spatial.vector import cross, sub, take3
-
-ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
+from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
 
 #: The filter as flights call it: what is compiled for them is not compiled again with what flies it here.
 start, correct = (on_its_own(NOTHING)(one) for one in (error_state.start, error_state.correct))
 
 
 @kernel
-def true_range(u, up, height):
-    """Range along ``u`` to a sphere of the planet's radius."""
-    c = -(u[0] * up[0] + u[1] * up[1] + u[2] * up[2])
-    far = RADIUS + height
-    return far * c - np.sqrt(RADIUS**2 - far**2 * (1.0 - c * c))
-
-
-@kernel
 def strapdown(onboard, motion, solution):
     """One cycle of the solution, by the rule by which the truth was made."""
-    r, v = solution.r_I.copy(), solution.v_I.copy()
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
-    a = motion.angle
-    half = normalise(multiply(q, (1.0, 0.25 * a[0], 0.25 * a[1], 0.25 * a[2])))
-    gained = from_frame(half, (motion.gain[0], motion.gain[1], motion.gain[2]))
-    size = np.sqrt(np.sum(a * a))
+    r, v, q, a = take3(solution.r_I, 0), take3(solution.v_I, 0), attitude(solution), take3(motion.angle, 0)
+    gained = from_frame(half_turned(q, a), take3(motion.gain, 0))
+    size = norm(a)
     if size > 0.0:
-        q = multiply(q, about_axis((a[0] / size, a[1] / size, a[2] / size), size))
-    g = -MU / np.sum(r * r) ** 1.5 * r
-    later = v + DT * g + np.array(gained)
-    solution.r_I[:] = r + 0.5 * DT * (v + later)
-    solution.v_I[:] = later
-    solution.q_I2B[:] = np.array(normalise(q))
+        q = multiply(q, about_axis(scale(1.0 / size, a), size))
+    later = add(v, add(scale(DT, pull_of(r)), gained))
+    put3(solution.r_I, 0, add(r, scale(0.5 * DT, add(v, later))))
+    put3(solution.v_I, 0, later)
+    turn(solution, normalise(q))
     solution.t += DT
 
 
 @kernel
-def draw_unit(unit, size, rng):
-    """Errors of the instruments of one flight: biases (B) and matrices of scale and misalignment of gyros and
-    accelerometers, bias of the star tracker, scales and biases of the radar.  ``size``: factor of all.
-    """
-    half = size * np.sqrt(0.5)  # six instruments on a cone: H'H = 2
-    return (
-        half * unit.gyro_bias * rng.standard_normal(3),
-        half * unit.accelerometer_bias * rng.standard_normal(3),
-        half * unit.gyro_scale * rng.standard_normal((3, 3)),
-        half * unit.accelerometer_scale * rng.standard_normal((3, 3)),
-        size * unit.star_bias * rng.standard_normal(3),
-        size * unit.range_scale * rng.standard_normal(unit.n_beams),
-        size * unit.speed_scale * rng.standard_normal(unit.n_beams),
-        size * unit.range_bias * rng.standard_normal(unit.n_beams),
-    )
+def attitude(place):
+    """Attitude in a record."""
+    q = place.q_I2B
+    return q[0], q[1], q[2], q[3]
 
 
 @kernel
-def walk(bias, size, rng):
-    """A cycle of the random walk of a bias."""
-    for i in range(3):
-        bias[i] += size * np.sqrt(DT) * rng.standard_normal()
-
-
-@kernel
-def spoil(increment, scale, noise, bias, believed, rng):
-    """Make of a true increment over a cycle the one that is counted and corrected by the believed bias."""
-    x, y, z = increment[0], increment[1], increment[2]
-    for i in range(3):
-        increment[i] += scale[i, 0] * x + scale[i, 1] * y + scale[i, 2] * z
-        increment[i] += noise * np.sqrt(DT) * rng.standard_normal() + DT * (bias[i] - believed[i])
-
-
-@kernel
-def star_fix(unit, q, bias, size, rng):
-    """What the star tracker says of the attitude ``q``."""
-    noise = size * unit.star_sigma * rng.standard_normal(3)
-    turned = from_frame(q, (bias[0], bias[1], bias[2]))
-    e = 0.5 * (noise + np.array(turned))
-    return normalise(multiply((1.0, e[0], e[1], e[2]), q))
-
-
-@kernel
-def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, radar, rng):
-    """Fill ``radar``; ``looks``: state of each beam (0 sound, 1 lost, 2 locked on something 60 m away)."""
-    unit, planet = onboard.instruments, onboard.planet
-    arm = sub(ARM, CENTRE)
-    place = r + np.array(from_frame(q, arm))
-    swing = np.array(from_frame(q, cross(take3(rate, 0), arm)))
-    _, _, up, altitude = level_axes(planet, (place[0], place[1], place[2]), t)
-    height = altitude - onboard.site.altitude - terrain
-    velocity = v + swing - np.array([-SPIN * place[1], SPIN * place[0], 0.0])
-    radar.fresh = 5.0 < height < 7500.0
-    for b in range(unit.n_beams):
-        axis = unit.beam_axis[b]
-        u = np.array(from_frame(q, (axis[0], axis[1], axis[2])))
-        slope = -(u[0] * up[0] + u[1] * up[1] + u[2] * up[2])
-        reach, speed = true_range(u, up, height), np.sum(u * velocity)
-        ground = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
-        noise = size * (unit.range_sigma + unit.range_sigma_relative * reach) * rng.standard_normal()
-        noise += size * ground / slope * rng.standard_normal()
-        radar.range[b] = reach * (1.0 + drawn[5][b]) + drawn[7][b] + noise
-        noise = unit.speed_sigma + unit.speed_sigma_relative * abs(speed)
-        radar.speed[b] = speed * (1.0 + drawn[6][b]) + size * noise * rng.standard_normal()
-        radar.locked[b] = looks[b] != 1
-        if looks[b] == 2:
-            radar.range[b], radar.speed[b] = 60.0, 12.0
-
-
-@kernel
-def lay_ground(params, rs, vs, size, rng):
-    """Height of the ground below each cycle above what is believed of the site."""
-    ground = np.zeros(len(rs))
-    ground[0] = size * params.terrain_sigma * rng.standard_normal()
-    for k in range(1, len(rs)):
-        moved = vs[k] - np.array([-SPIN * rs[k, 1], SPIN * rs[k, 0], 0.0])
-        up = rs[k] / np.sqrt(np.sum(rs[k] ** 2))
-        along = np.sqrt(max(np.sum(moved**2) - np.sum(moved * up) ** 2, 0.0))
-        change = params.terrain_change * np.sqrt(along * DT / 1000.0)
-        ground[k] = ground[k - 1] + size * change * rng.standard_normal()
-    return ground
+def turn(place, q):
+    """Write it there."""
+    for i in range(4):
+        place.q_I2B[i] = q[i]
 
 
 @kernel
@@ -146,21 +73,69 @@ def apart(planet, r, believed, t):
     """Error of a position, upwards the difference of altitude: some hundred metres to the side the planet has
     fallen away by as much as the height is known.
     """
-    _, _, up, altitude = level_axes(planet, (believed[0], believed[1], believed[2]), t)
-    true_altitude = level_axes(planet, (r[0], r[1], r[2]), t)[3]
-    error, axis = r - believed, np.array(up)
-    return error + (true_altitude - altitude - np.sum(axis * error)) * axis
+    _, _, up, altitude = level_axes(planet, believed, t)
+    error, true_altitude = sub(r, believed), level_axes(planet, r, t)[3]
+    return add(error, scale(true_altitude - altitude - dot(up, error), up))
 
 
 @kernel
-def fly_filter(onboard, params, records, flown, rng, size, stars_until, looks, reports):
+def begin(onboard, params, records, drawn, place, size, draws):
+    """The solution at the first cycle: what tracking and the star tracker say."""
+    unit, solution = onboard.instruments, records[2][0]
+    r, v, q = place
+    for i in range(3):
+        solution.r_I[i] = r[i] + size * normal(draws) * unit.tracking_position_sigma[i]
+        solution.v_I[i] = v[i] + size * normal(draws) * unit.tracking_velocity_sigma[i]
+    turn(solution, star_fix(unit, q, drawn[4], size, draws))
+    start(params, onboard, records[0][0], solution, records[4][0])
+
+
+@kernel
+def read_inertial(onboard, motion, solution, drawn, biases, increments, half, draws):
+    """What the inertial unit counts in a cycle, its biases walked on."""
+    unit, (bg, ba), (angle, gain) = onboard.instruments, biases, increments
+    walk(bg, half * unit.gyro_bias_walk, draws)
+    walk(ba, half * unit.accelerometer_bias_walk, draws)
+    motion.dt, noise = DT, half * unit.gyro_noise
+    for i in range(3):
+        motion.angle[i] = spoilt(i, angle, drawn[2], noise, bg, solution.gyro_bias, draws)
+        motion.rate[i] = motion.angle[i] / DT
+    noise = half * unit.accelerometer_noise
+    for i in range(3):
+        motion.gain[i] = spoilt(i, gain, drawn[3], noise, ba, solution.accelerometer_bias, draws)
+
+
+@kernel
+def report(onboard, solution, biases, place, ground, errors):
+    """Error states of the solution."""
+    r, v, q = place
+    put3(errors, 0, apart(onboard.planet, r, take3(solution.r_I, 0), solution.t))
+    put3(errors, 3, sub(v, take3(solution.v_I, 0)))
+    put3(errors, 6, rotation_vector(multiply(q, conjugate(attitude(solution)))))
+    for i in range(3):
+        errors[9 + i] = biases[0][i, 0] - solution.gyro_bias[i]
+        errors[12 + i] = biases[1][i, 0] - solution.accelerometer_bias[i]
+    errors[15] = ground - solution.terrain
+
+
+@kernel
+def claim(solution, claims):
+    """Standard deviations that it claims."""
+    for i in range(3):
+        claims[i], claims[3 + i] = solution.sigma_r[i], solution.sigma_v[i]
+        claims[6 + i] = solution.sigma_attitude[i]
+    claims[9] = solution.sigma_height
+
+
+@kernel
+def fly_filter(onboard, params, records, flown, draws, size, stars_until, looks, reports):
     """Let the filter follow one flight.
 
     Args:
         onboard, params: records; the believed altitude of the site is set so that the landing is on ground.
         records: (sensed, motion, solution, health, memory), arrays of one, zeros but for the health.
         flown: what ``truth`` returned.
-        rng: makes the errors of this flight.
+        draws: make the errors of this flight.
         size: factor of all errors.
         stars_until: time of the last star fix, s.
         looks: state of each beam in each cycle (see ``read_radar``).
@@ -173,44 +148,33 @@ def fly_filter(onboard, params, records, flown, rng, size, stars_until, looks, r
     sensed, motion, solution = records[0][0], records[1][0], records[2][0]
     health, memory = records[3][0], records[4][0]
     unit, half = onboard.instruments, size * np.sqrt(0.5)
-    drawn = draw_unit(unit, size, rng)
-    bg, ba = drawn[0].copy(), drawn[1].copy()
-    ground = lay_ground(params, rs, vs, size, rng)
+    drawn = draw_unit(unit, size, draws)
+    biases = (drawn[0].copy(), drawn[1].copy())
+    ground = lay_ground(params, rs, vs, size, draws)
     onboard.site.altitude = SITE - ground[-1]
-    told, count = 0, len(reports)
-    errors, covariances = np.zeros((count, STATES)), np.zeros((count, STATES, memory.covariance.shape[1]))
+    told, count, wide = 0, len(reports), memory.covariance.shape[1]
+    errors, covariances = np.zeros((count, STATES)), np.zeros((count, STATES, wide))
     claims = np.zeros((count, 10))
     steps = len(rs)
     innovations, used = np.zeros((steps, 2, unit.n_beams)), np.zeros(steps, np.int64)
-    motion.centre[:] = np.array(CENTRE)
+    put3(motion.centre, 0, CENTRE)
     motion.rate_known, motion.force_known = 1, 1
     for k in range(steps):
         q = (qs[k, 0], qs[k, 1], qs[k, 2], qs[k, 3])
+        place = (take3(rs[k], 0), take3(vs[k], 0), q)
         sensed.stars.valid = k * DT <= stars_until
         if sensed.stars.valid:
-            sensed.stars.q_I2B[:] = np.array(star_fix(unit, q, drawn[4], size, rng))
+            turn(sensed.stars, star_fix(unit, q, drawn[4], size, draws))
         if k == 0:
-            for i in range(3):
-                wide = size * rng.standard_normal()
-                solution.r_I[i] = rs[0, i] + wide * unit.tracking_position_sigma[i]
-                wide = size * rng.standard_normal()
-                solution.v_I[i] = vs[0, i] + wide * unit.tracking_velocity_sigma[i]
-            solution.q_I2B[:] = np.array(star_fix(unit, q, drawn[4], size, rng))
-            start(params, onboard, sensed, solution, memory)
+            begin(onboard, params, records, drawn, place, size, draws)
         else:
-            walk(bg, half * unit.gyro_bias_walk, rng)
-            walk(ba, half * unit.accelerometer_bias_walk, rng)
-            angle, gain = angles[k].copy(), gains[k].copy()
-            spoil(angle, drawn[2], half * unit.gyro_noise, bg, solution.gyro_bias, rng)
-            spoil(gain, drawn[3], half * unit.accelerometer_noise, ba, solution.accelerometer_bias, rng)
-            motion.dt = DT
-            for i in range(3):
-                motion.angle[i], motion.gain[i], motion.rate[i] = angle[i], gain[i], angle[i] / DT
+            turned = take3(angles[k], 0)
+            read_inertial(onboard, motion, solution, drawn, biases, (turned, take3(gains[k], 0)), half, draws)
             strapdown(onboard, motion, solution)
             sensed.t = k * DT
             read_radar(
-                *(onboard, params.terrain_change, sensed.t, rs[k], vs[k], q, angles[k] / DT, ground[k]),
-                *(drawn, looks[k], size, sensed.radar, rng),
+                *(onboard, params.terrain_change, sensed.t, place[0], place[1], q),
+                *(scale(1.0 / DT, turned), ground[k], drawn, looks[k], size, sensed.radar, draws),
             )
             solution.beams_used = 0
             correct(params, onboard, health, sensed, motion, solution, memory)
@@ -220,19 +184,11 @@ def fly_filter(onboard, params, records, flown, rng, size, stars_until, looks, r
                     innovations[k, 0, b] = solution.range_innovation[b]
                     innovations[k, 1, b] = solution.speed_innovation[b]
         if told < count and k == reports[told]:
-            p = solution.q_I2B
-            turn = rotation_vector(multiply(q, conjugate((p[0], p[1], p[2], p[3]))))
-            errors[told, 0:3] = apart(onboard.planet, rs[k], solution.r_I, solution.t)
-            errors[told, 3:6] = vs[k] - solution.v_I
-            errors[told, 6:9] = np.array(turn)
-            errors[told, 9:12], errors[told, 12:15] = (
-                bg - solution.gyro_bias,
-                ba - solution.accelerometer_bias,
-            )
-            errors[told, 15] = ground[k] - solution.terrain
-            covariances[told] = memory.covariance
-            claims[told, 0:3], claims[told, 3:6] = solution.sigma_r, solution.sigma_v
-            claims[told, 6:9], claims[told, 9] = solution.sigma_attitude, solution.sigma_height
+            report(onboard, solution, biases, place, ground[k], errors[told])
+            claim(solution, claims[told])
+            for i in range(STATES):
+                for j in range(wide):
+                    covariances[told, i, j] = memory.covariance[i, j]
             told += 1
     return errors, covariances, innovations, used, claims
 
@@ -249,8 +205,9 @@ def fly(onboard, params, flown, reports, seed=1, size=1.0, stars_until=-1.0, loo
     """One flight of the filter (see ``fly_filter``)."""
     if looks is None:
         looks = np.zeros((len(flown[0]), 8), np.int64)
+    draws = drawn_before(np.random.default_rng(seed), len(flown[0]))
     return fly_filter(
-        *(onboard[0], params[0], records(), flown, np.random.default_rng(seed), size, stars_until, looks),
+        *(onboard[0], params[0], records(), flown, draws, size, stars_until, looks),
         np.array(reports, np.int64),
     )
 
@@ -268,7 +225,8 @@ def stepped(onboard, flown, first, cycles, begin, records, looks=None):
     solution["q_I2B"], solution["terrain"] = qs[first], 20.0
     motion["centre"], motion["rate_known"], motion["force_known"] = CENTRE, 1, 1
     begin(sensed, solution)
-    drawn = draw_unit(onboard[0]["instruments"], 1.0, rng)
+    draws = drawn_before(rng, cycles)
+    drawn = draw_unit(onboard[0]["instruments"], 1.0, draws)
     every = np.zeros((len(rs), 8), np.int64) if looks is None else looks
     for k in range(first + 1, first + cycles):
         motion["dt"] = DT
@@ -277,7 +235,7 @@ def stepped(onboard, flown, first, cycles, begin, records, looks=None):
         strapdown(onboard[0], motion, solution)
         sensed["t"] = k * DT
         read_radar(
-            *(onboard[0], 0.0, sensed["t"], rs[k], vs[k], tuple(qs[k]), angles[k] / DT, 0.0),
-            *(drawn, every[k], 1.0, sensed["radar"], rng),
+            *(onboard[0], 0.0, sensed["t"], tuple(rs[k]), tuple(vs[k]), tuple(qs[k])),
+            *(tuple(angles[k] / DT), 0.0, drawn, every[k], 1.0, sensed["radar"], draws),
         )
         yield k

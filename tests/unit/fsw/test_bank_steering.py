@@ -30,6 +30,7 @@ class Steering:
     def __init__(self, onboard):
         self.onboard, self.memory = onboard[0], np.zeros(1, STEERING)[0]
         self.out, self.nav = np.zeros(1, GUIDE)[0], np.zeros(1, NAV)[0]
+        self.out["least_bank"] = self.onboard["guidance"]["entry"]["bank_min"]
 
     def __call__(self, wanted, crossrange, speed, range_to_go=500e3, dt=1.0):
         self.nav["t"] += dt

@@ -8,12 +8,14 @@ what the fault leaves by its definition, and the kernels see only the schedule a
 import numpy as np
 import pytest
 
-from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
-from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, KIND_NAMES, DiagnosisParams, diagnose
+from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, DiagnosisParams, diagnose
 from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
-from edl6dof.fsw.estimation.activity import ACTIVITY
+from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.sensed import SENSED
+from edl6dof.jit import kernel
 from edl6dof.scenario.loading import load_scenario
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
@@ -32,6 +34,18 @@ def effectiveness(shared_onboard):
     return table
 
 
+@kernel
+def look(onboards, sensed, memories, load, t):
+    """A cycle of diagnosis with the records of a flight, for which it is compiled."""
+    onboard, memory = onboards[0], memories[0]
+    diagnose(
+        *(onboard.diagnosis, onboard.flow_meters != 0, onboard.instruments, onboard.vehicle),
+        *(sensed[0].branch_used, memory.effectiveness.matrix, memory.estimation.activity, load),
+        *(memory.disturbance.unexplained, t, DT, memory.diagnosis),
+        *(memory.health.thruster, memory.command.shut),
+    )
+
+
 class Watch:
     """The diagnosis with a valve schedule and a true fault to look at.
 
@@ -39,22 +53,21 @@ class Watch:
     """
 
     def __init__(self, onboard, effectiveness, seed=0, metered=True, **settings):
-        self.vehicle, self.instruments = onboard[0]["vehicle"], onboard[0]["instruments"]
+        self.onboard, self.fsw, self.sensed = onboard.copy(), np.zeros(1, FSW), np.zeros(1, SENSED)
+        self.onboard["flow_meters"], self.vehicle = metered, onboard[0]["vehicle"]
         self.effectiveness, self.rng = effectiveness, np.random.default_rng(seed)
-        self.params = np.zeros(1, dtype_of(DiagnosisParams))
+        self.fsw["effectiveness"]["matrix"], self.params = effectiveness, self.onboard["diagnosis"]
         fill(self.params[0], DiagnosisParams(**settings))
-        self.memory = np.zeros(1, DIAGNOSIS)
+        self.memory, self.activity = self.fsw["diagnosis"], self.fsw["estimation"]["activity"]
         self.memory["leak"]["branch"] = self.memory["hypotheses"]["meter"] = NONE
-        self.activity, self.healthy, self.shut = (
-            np.zeros(1, ACTIVITY),
-            np.ones(32, "i8"),
-            np.zeros(32, "i8"),
-        )
-        self.t, self.asked, self.metered = 0.0, np.zeros(32), metered
+        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.fsw["command"]["shut"][0]
+        self.unexplained, self.used = self.fsw["disturbance"]["unexplained"][0], self.sensed["branch_used"][0]
+        self.healthy[:] = 1
+        self.t, self.asked = 0.0, np.zeros(32)
         jets = self.vehicle["thrusters"][: len(NAMES)]
         self.flow = jets["thrust"] / (jets["specific_impulse"] * 9.80665)
         self.branch = self.vehicle["branches"]["of"][: len(NAMES)]
-        self.branches, self.used = int(self.vehicle["branches"]["count"]), np.zeros(32)
+        self.branches = int(self.vehicle["branches"]["count"])
         self.scale = 1.0 + self.rng.normal(0.0, 0.01, 32)
         self.dead_meters = []
 
@@ -78,25 +91,10 @@ class Watch:
         open_to = np.append(self.shut[self.branch] == 0, np.ones(32 - len(NAMES), bool))
         given[~open_to] = 0.0
         noise = self.rng.normal(0.0, [2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
-        unexplained = (given - share) @ self.effectiveness + noise + disturbance
+        self.unexplained[:] = (given - share) @ self.effectiveness + noise + disturbance
         self.activity["share"], self.activity["wrench"] = share, share @ self.effectiveness
         self.count(given if flows else share)
-        diagnose(
-            self.params[0],
-            self.metered,
-            self.instruments,
-            self.vehicle,
-            self.used,
-            self.effectiveness,
-            self.activity[0],
-            load,
-            unexplained,
-            self.t,
-            DT,
-            self.memory[0],
-            self.healthy,
-            self.shut,
-        )
+        look(self.onboard, self.sensed, self.fsw, load, self.t)
         self.t += DT
 
     def count(self, given):

@@ -1,5 +1,5 @@
 """Whether the error-state filter claims what is so: errors over their covariance, and innovations over
-theirs, in 200 made-up flights (NEES and NIS, 95 % bounds of chi-square).
+theirs, in 100 made-up flights (NEES and NIS, 95 % bounds of chi-square).
 
 Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), 5.4.
 """
@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from edl6dof.fsw.navigation.filters.kalman.states import STATES
 
-FLIGHTS = 200
+FLIGHTS = 100
 ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
 #: Parts of the error state, that are looked at one by one too.
 PARTS = {"position": (0, 3), "velocity": (3, 6), "attitude": (6, 9), "biases": (9, 15)}

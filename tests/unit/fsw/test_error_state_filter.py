@@ -4,6 +4,7 @@ does with beams that lie or are lost.
 
 import made_up_belief as belief
 import made_up_course as course
+import made_up_instruments as instruments
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
 #: Every reading counts fully, as in the textbook.
 ALL_COUNT = belief.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
 UNSURE = belief.params_record(unknown_rate_deg_s=60.0)
-CENTRE, ARM = np.array(landing.CENTRE), np.array(landing.ARM)
+CENTRE, ARM = np.array(instruments.CENTRE), np.array(instruments.ARM)
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +136,7 @@ def expected(flown, error, beam):
     solution["q_I2B"] = turned / np.linalg.norm(turned)
     motion["rate"], motion["centre"] = (0.1, -0.2, 0.05), CENTRE
     q, lever, velocity, swing, up, height = place_antenna(ONBOARD[0], motion, solution, 0.0)
-    u = landing.from_frame(q, tuple(ONBOARD[0]["instruments"]["beam_axis"][beam]))
+    u = instruments.from_frame(q, tuple(ONBOARD[0]["instruments"]["beam_axis"][beam]))
     reach, slope, _ = expected_range(u, up, height, course.RADIUS)
     return np.array([reach, np.dot(u, np.add(velocity, swing))]), (u, lever, velocity, up, slope)
 

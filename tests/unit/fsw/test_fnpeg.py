@@ -9,7 +9,16 @@ import pytest
 
 import edl6dof
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.laws.fnpeg import MEMORY, bank_plan, correct, ends, start, within_limits
+from edl6dof.fsw.guidance.entry.laws.fnpeg import (
+    MEMORY,
+    bank_plan,
+    correct,
+    correct_turn,
+    ends,
+    reverse_when_due,
+    start,
+    within_limits,
+)
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank, shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import NAV
@@ -54,7 +63,7 @@ def test_corrections_end_at_the_aim_point_in_range_and_crossrange(onboard):
     record, nav, out, memory = onboard[0], on_the_way(), as_believed(), np.zeros(1, MEMORY)[0]
     params = record["guidance"]["entry"]["fnpeg"]
     out["crossrange"] = 1.0
-    start(params, record, nav, memory, out)
+    start(params, record, nav, memory, out, record["guidance"]["entry"]["align_speed"])
     first = ends(params, record, nav, memory, out, memory["bank"], memory["turn"])
     for _ in range(8):
         correct(params, record, nav, memory, out, record["guidance"]["entry"]["align_speed"])
@@ -84,7 +93,7 @@ def test_out_of_reach_the_reversal_takes_both_misses_into_account(onboard):
     params, slowest = entry["fnpeg"], float(entry["align_speed"])
     entry["bank_rate"], entry["bank_max"] = radians(5.0), radians(90.0)
     out["crossrange"] = 1.0
-    start(params, record, nav, memory, out)
+    start(params, record, nav, memory, out, slowest)
     for _ in range(20):
         correct(params, record, nav, memory, out, slowest)
     assert memory["left"] == 1 and memory["miss"] > params["tolerance"]
@@ -94,6 +103,46 @@ def test_out_of_reach_the_reversal_takes_both_misses_into_account(onboard):
     assert here < 1.001 * min(around)
     assert here < 0.99 * min(around[0], around[-1])
     assert abs(memory["aside"]) > 1e3  # range and crossrange are bought from each other
+
+
+def low_and_slow(aside_deg):
+    """25 km up, 90 km before the aim point of Tianwen-1, heading ``aside_deg`` to the right of south."""
+    nav = on_the_way(40.0)
+    nav["latitude"], nav["altitude"], nav["speed"], nav["drag"] = radians(26.9), 25e3, 1140.0, 10.0
+    gamma, psi = radians(-1.5), radians(180.0 + aside_deg)
+    nav["v_N"] = 1140.0 * np.array([cos(gamma) * cos(psi), cos(gamma) * sin(psi), -sin(gamma)])
+    return nav
+
+
+@pytest.mark.parametrize("aside_deg", [-1.0, -0.5, 0.0, 0.5, 1.0])
+def test_correction_of_a_reversal_brings_the_predicted_end_no_farther_aside(onboard, aside_deg):
+    """Low down a late reversal does little: by its slope alone the last one would be made at once."""
+    record, nav, out, memory = onboard[0], low_and_slow(aside_deg), as_believed(), np.zeros(1, MEMORY)[0]
+    params = record["guidance"]["entry"]["fnpeg"]
+    slowest = float(record["guidance"]["entry"]["align_speed"])
+    for side in (1.0, -1.0):
+        for turn in (slowest, 800.0, 1000.0, 1140.0):
+            memory["side"], memory["turn"], memory["bank"], memory["left"] = side, turn, radians(40.0), 1
+            before = ends(params, record, nav, memory, out, memory["bank"], turn)
+            memory["miss"], memory["aside"] = before
+            correct_turn(params, record, nav, memory, out, slowest)
+            after = ends(params, record, nav, memory, out, memory["bank"], memory["turn"])
+            assert abs(after[1]) <= abs(before[1])
+            assert memory["turn"] >= slowest
+
+
+def test_next_reversal_stays_where_it_was_foreseen_and_where_it_still_does_something(onboard):
+    record, nav, memory = onboard[0], low_and_slow(0.0), np.zeros(1, MEMORY)[0]
+    params = record["guidance"]["entry"]["fnpeg"]
+    memory["side"], memory["left"], memory["turn"], memory["later"] = 1.0, 2, 1150.0, 990.0
+    reverse_when_due(params, nav, memory, 660.0)
+    assert (memory["side"], memory["left"], memory["turn"], memory["later"]) == (-1.0, 1, 990.0, 0.0)
+    memory["left"], memory["turn"], memory["later"] = 2, 1150.0, 630.0
+    reverse_when_due(params, nav, memory, 660.0)
+    assert memory["turn"] == 660.0
+    memory["left"], memory["turn"], memory["later"] = 1, 1150.0, 0.0
+    reverse_when_due(params, nav, memory, 660.0)
+    assert memory["turn"] == 0.0
 
 
 def test_slow_reversal_is_predicted_to_fly_farther(onboard):

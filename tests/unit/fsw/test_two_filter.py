@@ -2,6 +2,7 @@
 
 import made_up_belief as belief
 import made_up_course as course
+import made_up_instruments as instruments
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -51,14 +52,14 @@ def test_the_fit_is_that_of_weighted_least_squares(descent):
         descent, 900, 60, window_s=window, edit=20.0, converged_m_s=1e-6, radar_interval_s=0.0
     ):
         q, v, r = before["q_I2B"], before["v_I"], before["r_I"]
-        arm = np.array(landing.ARM) - np.array(landing.CENTRE)
+        arm = np.array(instruments.ARM) - np.array(instruments.CENTRE)
         spin = np.array([0.0, 0.0, course.SPIN])
-        place = r + np.array(landing.from_frame(tuple(q), tuple(arm)))
+        place = r + np.array(instruments.from_frame(tuple(q), tuple(arm)))
         rate = (descent[3][k] + 1e-7) / course.DT
-        swing = np.array(landing.from_frame(tuple(q), tuple(np.cross(rate, arm))))
+        swing = np.array(instruments.from_frame(tuple(q), tuple(np.cross(rate, arm))))
         for beam in range(4):
             axis = ONBOARD[0]["instruments"]["beam_axis"][beam]
-            u = np.array(landing.from_frame(tuple(q), tuple(axis)))
+            u = np.array(instruments.from_frame(tuple(q), tuple(axis)))
             speed = u @ (v - np.cross(spin, place) + swing)
             rows.append(u)
             residuals.append(sensed["radar"]["speed"][beam] - speed)

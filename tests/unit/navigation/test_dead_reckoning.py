@@ -81,7 +81,8 @@ def take_part(onboards, states, sensed, memories, angles, gains, stars, first):
         s.tracking.fresh = 1 if first + k == 0 else 0
         s.stars.valid = 1 if first + k < len(stars) else 0
         if s.stars.valid:
-            s.stars.q_I2B[:] = stars[first + k]
+            for i in range(4):  # a slice would have words about its size compiled with it
+                s.stars.q_I2B[i] = stars[first + k, i]
         estimate_state(onboards[0], states[0], s, memories[0])
 
 

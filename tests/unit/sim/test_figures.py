@@ -15,8 +15,8 @@ import edl6dof
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, failed_thrusters
-from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
-from edl6dof.metrics.figures import FIGURES, figure_of_merit
+from edl6dof.metrics.evaluation import checks, peak_figures
+from edl6dof.metrics.figures import FIGURES, LIMITS, figure_of_merit
 from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.metrics.touchdown import touchdown_state

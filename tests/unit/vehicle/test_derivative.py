@@ -8,12 +8,13 @@ from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof.config.dtype import duplicate
+from edl6dof.jit import kernel
 from edl6dof.scenario import records
 from edl6dof.sim.flight import fly
 from edl6dof.vehicle.motion.body import derivatives
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step
 from edl6dof.vehicle.parachutes.parachute import canopy_force
-from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, STATES, WORKSPACE
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, WORKSPACE
 from edl6dof.vehicle.surroundings import planet_rotation, surroundings
 
 #: Coasting, in lift, while the parachute inflates, below it, under power, on the ground.
@@ -39,13 +40,23 @@ def points():
     return found
 
 
+@kernel
+def derivatives_at(case, tables, plant, t, outputs, work):
+    """Of the state in ``work.stage``, into ``work.k[0]``: arrays of a flight, for which it is compiled."""
+    derivatives(case, tables, plant, t, planet_rotation(case.planet, t), work.stage, outputs, work.k[0])
+
+
+def derivative(case, tables, plant, t, y, outputs):
+    """Of a state, which it must leave alone like the plant."""
+    work, before = np.zeros(1, WORKSPACE), plant.tobytes()
+    work["stage"] = y
+    derivatives_at(case, tables, plant[0], t, outputs[0], work[0])
+    assert plant.tobytes() == before and work["stage"].tobytes() == y.tobytes()
+    return work["k"][0, 0]
+
+
 def evaluated(point, outputs):
-    case, tables, plant, t, y = point
-    before = plant.tobytes(), y.tobytes()
-    dy = np.zeros(STATES)
-    derivatives(case, tables, plant[0], t, planet_rotation(case["planet"], t), y, outputs[0], dy)
-    assert (plant.tobytes(), y.tobytes()) == before
-    return dy.tobytes(), outputs.tobytes()
+    return derivative(*point, outputs).tobytes(), outputs.tobytes()
 
 
 def test_any_order_any_number_of_times_same_bits(points):
@@ -73,8 +84,8 @@ def test_step_starts_from_the_state_and_from_nothing_in_the_workspace(points):
 def test_the_canopy_flies_in_the_air_at_its_own_height(points):
     """Its force without the riser's, from the air there; that at the vehicle is 0.1 % denser or more."""
     case, tables, plant, t, y = next(point for point in points if point[3] == 300.0)
-    outputs, dy = np.zeros(1, OUTPUTS), np.zeros(STATES)
-    derivatives(case, tables, plant[0], t, planet_rotation(case["planet"], t), y, outputs[0], dy)
+    outputs = np.zeros(1, OUTPUTS)
+    derivative(case, tables, plant, t, y, outputs)
     out, place = outputs[0], y[CANOPY_POSITION : CANOPY_POSITION + 3]
     areoid, rotation = plant["inputs"]["areoid"][0], planet_rotation(case["planet"], t)
     _, gas, _, air = surroundings(case, tables, areoid, rotation, place)

@@ -83,14 +83,14 @@ def test_free_molecular_drag_is_twice_the_projected_area():
     assert (ca, cn, cm) == pytest.approx((2.0, 0.0, 0.0), abs=1e-9)
     assert coefficients(table, 20.0, 180.0, RARE)[0] == pytest.approx(-2.0, abs=1e-9)
     side = coefficients(table, 20.0, 90.0, RARE)
-    rings = capsule_rings(PARAMS.capsule, 400)
+    rings = capsule_rings(PARAMS.capsule, 100)
     order = np.argsort(-rings.x)
     projected = 2 * np.trapezoid(rings.r[order], -rings.x[order])  # the silhouette seen from the side
     assert side[:2] == pytest.approx([0.0, 2 * projected / AREA], abs=2e-3)
 
 
 def test_sphere_has_the_same_drag_from_everywhere():
-    node, weight = np.polynomial.legendre.leggauss(400)
+    node, weight = np.polynomial.legendre.leggauss(240)
     s = node * pi / 2
     rings = type(capsule_rings(PARAMS.capsule))(
         np.sin(s), np.cos(s), np.sin(s), np.cos(s), np.cos(s) * weight * pi / 2

@@ -10,7 +10,6 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 from scipy.special import ndtr
-from scipy.stats import truncnorm
 
 from edl6dof.campaign.design.distributions.base import Spread, inside
 from edl6dof.config.base import REQUIRED, param
@@ -42,6 +41,8 @@ class TruncatedNormal(Spread):
         )
         if not ndtr(high) - ndtr(low) > 1e-9:
             raise ValueError("low and high leave nothing of the distribution")
+        from scipy.stats import truncnorm  # here: no other distribution needs it
+
         values = truncnorm.ppf(inside(unit), low, high, mean, sigma)
         return np.clip(values, self.low, self.high)  # the last bit may be outside
 

@@ -65,5 +65,6 @@ def entry_guidance(law, onboard, nav, memory, out):
     measure_air(onboard, nav, memory.air)
     air = memory.air
     out.drag_ratio, out.drag_trend, out.lift_ratio = air.drag, air.trend, air.lift
+    out.least_bank = onboard.guidance.entry.bank_min
     wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
     steer_bank(onboard, nav, memory.steering, out, wanted)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
@@ -33,10 +34,11 @@ STEERING = np.dtype(
 
 
 @kernel
-def limited(onboard, wanted):
-    """Bank magnitude (rad) inside the limits that all laws share."""
-    p = onboard.guidance.entry
-    return clamp(abs(wanted), p.bank_min, p.bank_max)
+def limited(onboard, out, wanted):
+    """Bank magnitude (rad) inside the limits that all laws share; the lower one is that which the law allows
+    now.
+    """
+    return clamp(abs(wanted), out.least_bank, onboard.guidance.entry.bank_max)
 
 
 @kernel
@@ -59,13 +61,14 @@ def steer_bank(onboard, nav, memory, out, wanted):
 
     The rate limit moves the command through zero bank, never through lift down.
     """
+    stay_apart()
     p = onboard.guidance.entry
     if nav.speed < p.align_speed:
         goal = 0.0
     elif nav.speed < p.heading.speed:
         goal = heading_bank(p.heading, out.range_to_go, out.crossrange)
     else:
-        goal = chosen_side(onboard, nav, memory, out, wanted) * limited(onboard, wanted)
+        goal = chosen_side(onboard, nav, memory, out, wanted) * limited(onboard, out, wanted)
     if memory.t > 0.0:
         step = p.bank_rate * (nav.t - memory.t)
         goal = clamp(goal, memory.bank - step, memory.bank + step)

@@ -7,8 +7,9 @@ the one that is sought to a fixed one at the end; it is corrected by Gauss-Newto
 predicted range is better.  The speed of the next reversal is corrected alike until the predicted crossrange
 is none; the one after it is foreseen at a set share of that speed.  Where the largest bank angle ends beyond
 the aim point all the same, the reversal is moved to where both misses together are least: rolling through
-lift up adds range, the more the slower the vehicle rolls.  Where load or heat rate would pass their limits,
-vertical lift is added until the altitude rate is one that keeps them.
+lift up adds range, the more the slower the vehicle rolls.  Where the smallest bank angle ends short, it is
+let go (:mod:`~edl6dof.fsw.guidance.entry.prediction.range_stretch`).  Where load or heat rate would pass
+their limits, vertical lift is added until the altitude rate is one that keeps them.
 Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
 and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
 "Verification of a fully numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216
@@ -25,10 +26,12 @@ from math import acos, copysign, cos, hypot, sin, sqrt
 
 import numpy as np
 
+from edl6dof.apart import stay_apart
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.guidance.entry.prediction.range_stretch import stretched
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
@@ -65,6 +68,11 @@ class FnpegParams(Params):
         status="design",
         gt=0.0,
         lt=1.0,
+    )
+    stretch: bool = param(
+        True,
+        "whether bank_min_deg is let go where it leaves range too short",
+        status="design",
     )
     heading_speed_m_s: float | None = param(
         None,
@@ -109,6 +117,7 @@ def most_bank(params, entry):
 @kernel
 def ends(params, onboard, nav, memory, out, bank, turn):
     """Predicted downrange and crossrange miss, m."""
+    stay_apart()
     down, aside, _, _ = predict(onboard, nav, out, bank_plan(params, onboard, nav, memory, bank, turn))
     return down, aside
 
@@ -126,9 +135,28 @@ def correct_range(params, onboard, nav, memory, out):
     way = clamp(-memory.miss / slope, -STEP_BANK, STEP_BANK)
     for _ in range(params.halvings + 1):
         better = clamp(memory.bank + way, entry.bank_min, most)
+        if better == memory.bank:
+            return
         down, aside = ends(params, onboard, nav, memory, out, better, memory.turn)
         if abs(down) < abs(memory.miss):
             memory.bank, memory.miss, memory.aside = better, down, aside
+            return
+        way *= 0.5
+
+
+@kernel
+def move_turn(params, onboard, nav, memory, out, slowest, way, weight):
+    """Move the next reversal's speed by ``way`` (m/s), halved until the predicted crossrange, together with
+    ``weight`` times the downrange miss, is less.
+    """
+    way = clamp(way, -STEP_TURN, STEP_TURN)
+    for _ in range(params.halvings + 1):
+        turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
+        if turn == memory.turn:
+            return
+        down, aside = ends(params, onboard, nav, memory, out, memory.bank, turn)
+        if hypot(weight * down, aside) < hypot(weight * memory.miss, memory.aside):
+            memory.turn, memory.miss, memory.aside = turn, down, aside
             return
         way *= 0.5
 
@@ -141,28 +169,18 @@ def correct_turn(params, onboard, nav, memory, out, slowest):
     slope = (beside - memory.aside) / nudge
     # turning at a higher speed leaves less of the present side
     if memory.side * slope < 0.0:
-        way = clamp(-memory.aside / slope, -STEP_TURN, STEP_TURN)
-        memory.turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
+        move_turn(params, onboard, nav, memory, out, slowest, -memory.aside / slope, 0.0)
 
 
 @kernel
 def least_of_both(params, onboard, nav, memory, out, slowest):
-    """One Gauss-Newton step of the next reversal's speed for downrange and crossrange together, halved until
-    the predicted end is nearer to the aim point.
-    """
+    """One Gauss-Newton step of the next reversal's speed for downrange and crossrange together."""
     nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
     down, aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn + nudge)
     down_slope, aside_slope = (down - memory.miss) / nudge, (aside - memory.aside) / nudge
     square = max(down_slope * down_slope + aside_slope * aside_slope, 1e-12)
     way = -(memory.miss * down_slope + memory.aside * aside_slope) / square
-    way = clamp(way, -STEP_TURN, STEP_TURN)
-    for _ in range(params.halvings + 1):
-        turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
-        down, aside = ends(params, onboard, nav, memory, out, memory.bank, turn)
-        if hypot(down, aside) < hypot(memory.miss, memory.aside):
-            memory.turn, memory.miss, memory.aside = turn, down, aside
-            return
-        way *= 0.5
+    move_turn(params, onboard, nav, memory, out, slowest, way, 1.0)
 
 
 @kernel
@@ -174,7 +192,7 @@ def correct(params, onboard, nav, memory, out, slowest):
     beyond = memory.miss > params.tolerance and memory.bank >= most_bank(params, onboard.guidance.entry)
     if beyond and memory.left > 1:
         memory.left -= 1  # through lift up so often leads beyond the aim point, whatever the bank angle
-        foresee(params, nav, memory)
+        foresee(params, nav.speed * params.spacing, memory, slowest)
     elif beyond and memory.turn > 0.0:
         least_of_both(params, onboard, nav, memory, out, slowest)
     elif memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
@@ -182,28 +200,30 @@ def correct(params, onboard, nav, memory, out, slowest):
 
 
 @kernel
-def start(params, onboard, nav, memory, out):
+def start(params, onboard, nav, memory, out, slowest):
     """The plan before the first correction: reversals equally far apart in speed."""
     memory.side = first_side(out)
     memory.left = params.reversals
     memory.bank = abs(nav.bank)
-    foresee(params, nav, memory)
+    foresee(params, nav.speed * params.spacing, memory, slowest)
 
 
 @kernel
-def foresee(params, nav, memory):
-    """First guess of the next reversal, and where the one after it stays until the next is done."""
-    memory.turn = params.spacing * nav.speed if memory.left > 0 else 0.0
+def foresee(params, turn, memory, slowest):
+    """Foresee the next reversal at ``turn`` (m/s), no slower than range is controlled to, and where the one
+    after it stays until the next is done.
+    """
+    memory.turn = max(turn, slowest) if memory.left > 0 else 0.0
     memory.later = params.spacing * memory.turn if memory.left > 1 else 0.0
 
 
 @kernel
-def reverse_when_due(params, nav, memory):
-    """Change the side at the planned speed, and turn to the reversal after it."""
+def reverse_when_due(params, nav, memory, slowest):
+    """Change the side at the planned speed, and turn to the reversal after it where it was foreseen."""
     if memory.left > 0 and nav.speed <= memory.turn:
         memory.side = -memory.side
         memory.left -= 1
-        foresee(params, nav, memory)
+        foresee(params, memory.later, memory, slowest)
 
 
 @kernel
@@ -239,14 +259,19 @@ def guide(params, plan, onboard, nav, memory, out):
     entry = onboard.guidance.entry
     slowest = max(entry.align_speed, entry.heading.speed)
     if memory.side == 0.0:
-        start(params, onboard, nav, memory, out)
+        start(params, onboard, nav, memory, out, slowest)
     if nav.drag >= params.start_drag:
         memory.started = 1
-    if memory.started != 0 and nav.speed > slowest:
+    controls = memory.started != 0 and nav.speed > slowest
+    if controls:
         correct(params, onboard, nav, memory, out, slowest)
-        reverse_when_due(params, nav, memory)
+        reverse_when_due(params, nav, memory, slowest)
     ahead = bank_plan(params, onboard, nav, memory, memory.bank, memory.turn)
-    return within_limits(params, onboard, nav, planned_bank(onboard, ahead, nav.speed))
+    bank = planned_bank(onboard, ahead, nav.speed)
+    if controls and params.stretch and memory.bank <= entry.bank_min and memory.miss < -params.tolerance:
+        bank = stretched(onboard, nav, out, memory.side, memory.turn, memory.later)
+        out.least_bank = min(abs(bank), entry.bank_min)
+    return within_limits(params, onboard, nav, bank)
 
 
 MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(4); Smith 2016", MEMORY)

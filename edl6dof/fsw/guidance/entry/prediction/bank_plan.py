@@ -13,7 +13,7 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
 #: Kinds of plan.
-SHIFTED, LINEAR, IN_PLANE = range(3)
+SHIFTED, LINEAR, IN_PLANE, HELD = range(4)
 
 
 @kernel
@@ -41,12 +41,20 @@ def linear(bank, last_bank, speed, side, first_turn, second_turn):
 
 
 @kernel
+def held(bank):
+    """One bank angle (rad), its sign included, all the way; the smallest bank magnitude is no limit to it."""
+    return HELD, abs(bank), 0.0, 0.0, -1.0 if bank < 0.0 else 1.0, 0.0, 0.0
+
+
+@kernel
 def planned_bank(onboard, plan, speed):
     """Bank angle (rad) that the plan holds at ``speed``, its magnitude within the limits; of a flight in the
     plane positive on the present side.
     """
     entry = onboard.guidance.entry
     kind, first, last, start, side, first_turn, second_turn = plan
+    if kind == HELD:
+        return side * min(first, entry.bank_max)
     if kind == LINEAR:
         end2 = entry.final_speed * entry.final_speed
         share = clamp((speed * speed - end2) / max(start * start - end2, 1.0), 0.0, 1.0)

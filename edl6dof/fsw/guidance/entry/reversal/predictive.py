@@ -45,7 +45,7 @@ def side(params, onboard, nav, memory, out, wanted, sign):
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:
         return sign
-    shift = cos(clamp(abs(wanted), entry.bank_min, entry.bank_max)) - cos(
+    shift = cos(clamp(abs(wanted), out.least_bank, entry.bank_max)) - cos(
         reference_bank(onboard, 0.0, nav.speed)
     )
     _, going_on, _, _ = predict(onboard, nav, out, shifted(shift, sign, 0.0, 0.0))

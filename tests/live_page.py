@@ -27,13 +27,9 @@ import pytest
 from PIL import Image
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-OPTIONS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-dev-shm-usage",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-)
+OPTIONS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars")
+#: For pages that draw with WebGL, and for others.
+GL, NO_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader"), ("--disable-gpu",)
 
 
 class Page:
@@ -53,6 +49,7 @@ class Page:
             pass
         self._numbers = itertools.count(1)
         self.problems: list[str] = []  #: errors that the console and the log showed
+        self.said: list[str] = []  #: these, and whatever else the page wrote to its console
         for domain in ("Page", "Runtime", "Log"):
             self.ask(f"{domain}.enable")
 
@@ -77,16 +74,27 @@ class Page:
         """Value of a script expression."""
         return self.ask("Runtime.evaluate", expression=expression, returnByValue=True)["result"].get("value")
 
+    def printed(self) -> bytes:
+        """The page on paper, PDF."""
+        asked = {"preferCSSPageSize": True, "printBackground": True}
+        return base64.b64decode(self.ask("Page.printToPDF", **asked)["data"])
+
     def _note(self, said: dict[str, Any]) -> None:
         method, what = said.get("method"), said.get("params", {})
         if method == "Runtime.exceptionThrown":
-            self.problems.append(str(what["exceptionDetails"].get("text")))
-        if method == "Runtime.consoleAPICalled" and what["type"] in ("error", "assert"):
-            self.problems.append(
-                " ".join(str(part.get("value", part.get("description"))) for part in what["args"])
-            )
-        if method == "Log.entryAdded" and what["entry"]["level"] == "error":
-            self.problems.append(what["entry"]["text"])
+            details = what["exceptionDetails"]
+            words = f"{details.get('text')} {details.get('exception', {}).get('description', '')}"
+            self._heard(words, is_error=True)
+        if method == "Runtime.consoleAPICalled":
+            words = " ".join(str(part.get("value", part.get("description"))) for part in what["args"])
+            self._heard(words, is_error=what["type"] in ("error", "assert"))
+        if method == "Log.entryAdded":
+            self._heard(what["entry"]["text"], is_error=what["entry"]["level"] == "error")
+
+    def _heard(self, words: str, *, is_error: bool) -> None:
+        self.said.append(words)
+        if is_error:
+            self.problems.append(words)
 
     def _send(self, content: bytes) -> None:
         mask = os.urandom(4)
@@ -111,17 +119,25 @@ class Page:
         return content
 
 
-@contextmanager
-def opened(address: str, profile: Path, size: tuple[int, int] = (1400, 850)) -> Iterator[Page]:
-    """The page at an address in a browser; skips the test where there is none."""
-    program = next(filter(None, map(shutil.which, NAMES)), None)
-    if program is None:
+def browser() -> str:
+    """The program; skips the test where there is none."""
+    found = next(filter(None, map(shutil.which, NAMES)), None)
+    if found is None:
         pytest.skip(
             "no Chromium on this machine (Debian: apt-get install chromium): the page is not rendered"
         )
+    return found
+
+
+@contextmanager
+def opened(
+    address: str, profile: Path, size: tuple[int, int] = (1400, 850), options: tuple[str, ...] = GL
+) -> Iterator[Page]:
+    """The page at an address in a browser; skips the test where there is none."""
     words = [
-        program,
+        browser(),
         *OPTIONS,
+        *options,
         f"--window-size={size[0]},{size[1]}",
         f"--user-data-dir={profile}",
         "--remote-debugging-port=0",

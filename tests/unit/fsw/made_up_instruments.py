@@ -1,0 +1,125 @@
+"""Instruments of a made-up landing, which err as the flight computer believes.
+
+``draws`` are numbers drawn before and how many of them are used (see :func:`drawn_before`): numba takes 3 s
+to compile numpy's generator and what is done with arrays of three.
+"""
+
+import numpy as np
+from made_up_course import DT, RADIUS, moving
+
+from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
+from edl6dof.jit import kernel
+from edl6dof.spatial.quaternion import from_frame, multiply, normalise
+from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
+
+ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
+
+
+def drawn_before(rng, cycles):
+    """Standard normal numbers for so many cycles, and how many of them are used."""
+    return rng.standard_normal(100 + 28 * cycles), np.zeros(1, np.int64)
+
+
+@kernel
+def normal(draws):
+    """The next number."""
+    draws[1][0] += 1
+    return draws[0][draws[1][0] - 1]
+
+
+@kernel
+def normals(draws, size, rows, columns=1):
+    """The next numbers times ``size``, row after row."""
+    found = np.empty((rows, columns))
+    for i in range(rows):
+        for j in range(columns):
+            found[i, j] = size * normal(draws)
+    return found
+
+
+@kernel
+def true_range(u, up, height):
+    """Range along ``u`` to a sphere of the planet's radius."""
+    c = -(u[0] * up[0] + u[1] * up[1] + u[2] * up[2])
+    far = RADIUS + height
+    return far * c - np.sqrt(RADIUS**2 - far**2 * (1.0 - c * c))
+
+
+@kernel
+def draw_unit(unit, size, draws):
+    """Errors of the instruments of one flight: biases (B) and matrices of scale and misalignment of gyros and
+    accelerometers, bias of the star tracker, scales and biases of the radar.  ``size``: factor of all.
+    """
+    half = size * np.sqrt(0.5)  # six instruments on a cone: H'H = 2
+    return (
+        normals(draws, half * unit.gyro_bias, 3),
+        normals(draws, half * unit.accelerometer_bias, 3),
+        normals(draws, half * unit.gyro_scale, 3, 3),
+        normals(draws, half * unit.accelerometer_scale, 3, 3),
+        normals(draws, size * unit.star_bias, 3),
+        normals(draws, size * unit.range_scale, unit.n_beams),
+        normals(draws, size * unit.speed_scale, unit.n_beams),
+        normals(draws, size * unit.range_bias, unit.n_beams),
+    )
+
+
+@kernel
+def walk(bias, size, draws):
+    """A cycle of the random walk of a bias."""
+    for i in range(3):
+        bias[i, 0] += size * np.sqrt(DT) * normal(draws)
+
+
+@kernel
+def spoilt(i, increment, scales, noise, bias, believed, draws):
+    """Component ``i`` of an increment over a cycle, as it is counted and corrected by the believed bias."""
+    wrong = scales[i, 0] * increment[0] + scales[i, 1] * increment[1] + scales[i, 2] * increment[2]
+    return increment[i] + wrong + noise * np.sqrt(DT) * normal(draws) + DT * (bias[i, 0] - believed[i])
+
+
+@kernel
+def star_fix(unit, q, bias, size, draws):
+    """What the star tracker says of the attitude ``q``."""
+    noise = (normal(draws), normal(draws), normal(draws))
+    turned = from_frame(q, (bias[0, 0], bias[1, 0], bias[2, 0]))
+    e = scale(0.5, add(scale(size * unit.star_sigma, noise), turned))
+    return normalise(multiply((1.0, e[0], e[1], e[2]), q))
+
+
+@kernel
+def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, radar, draws):
+    """Fill ``radar``; ``looks``: state of each beam (0 sound, 1 lost, 2 locked on something 60 m away)."""
+    unit = onboard.instruments
+    arm = sub(ARM, CENTRE)
+    place = add(r, from_frame(q, arm))
+    _, _, up, altitude = level_axes(onboard.planet, place, t)
+    height = altitude - onboard.site.altitude - terrain
+    velocity = add(moving(place, v), from_frame(q, cross(rate, arm)))
+    radar.fresh = 5.0 < height < 7500.0
+    for b in range(unit.n_beams):
+        u = from_frame(q, take3(unit.beam_axis[b], 0))
+        slope = -dot(u, up)
+        reach, speed = true_range(u, up, height), dot(u, velocity)
+        ground = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
+        noise = size * (unit.range_sigma + unit.range_sigma_relative * reach) * normal(draws)
+        noise += size * ground / slope * normal(draws)
+        radar.range[b] = reach * (1.0 + drawn[5][b, 0]) + drawn[7][b, 0] + noise
+        noise = unit.speed_sigma + unit.speed_sigma_relative * abs(speed)
+        radar.speed[b] = speed * (1.0 + drawn[6][b, 0]) + size * noise * normal(draws)
+        radar.locked[b] = looks[b] != 1
+        if looks[b] == 2:
+            radar.range[b], radar.speed[b] = 60.0, 12.0
+
+
+@kernel
+def lay_ground(params, rs, vs, size, draws):
+    """Height of the ground below each cycle above what is believed of the site."""
+    ground = np.zeros(len(rs))
+    ground[0] = size * params.terrain_sigma * normal(draws)
+    for k in range(1, len(rs)):
+        r = take3(rs[k], 0)
+        moved = moving(r, take3(vs[k], 0))
+        along = np.sqrt(max(dot(moved, moved) - (dot(moved, r) / norm(r)) ** 2, 0.0))
+        change = params.terrain_change * np.sqrt(along * DT / 1000.0)
+        ground[k] = ground[k - 1] + size * change * normal(draws)
+    return ground
