@@ -53,8 +53,12 @@ def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -
     def in_px(trace: Trace) -> np.ndarray:
         return (np.stack([trace.x, trace.y], axis=1) - low) / (high - low) * size
 
-    curves = [_filled(in_px(trace)) for trace in panel.traces if trace.kind in ("line", "steps")]
-    points = np.concatenate([np.empty((0, 2)), *curves])
+    drawn = [
+        _filled(in_px(trace)) if trace.kind in ("line", "steps") else in_px(trace)
+        for trace in panel.traces
+        if trace.kind in ("line", "steps", "points")
+    ]
+    points = np.concatenate([np.empty((0, 2)), *drawn])
     taken: list[Box] = []
     found: dict[int, list[Side]] = {}
     for k, trace in enumerate(panel.traces):

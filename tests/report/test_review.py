@@ -12,6 +12,8 @@ import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.manifest import seal
+from edl6dof.report import beside
+from edl6dof.report.figure import Axis, Panel, Trace
 from edl6dof.report.flight import actuators, corridor, flows, phase_planes, site
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.plotly_figure import plotly_figure
@@ -223,3 +225,20 @@ def test_planned_ellipse_is_drawn_to_scale_where_the_scenario_has_one(run, figur
     without = site.landing_site(plain)
     assert [panel.title for panel in without.panels] == ["from the parachute on", "powered descent"]
     assert "allowed distance" in [trace.name for trace in without.panels[0].traces]
+
+
+def test_captions_of_phase_planes_speak_of_the_lines_that_are_drawn(run):
+    """Where firing begins is not what the controller steers for."""
+    captions = {figure.key: figure.caption for figure in phase_planes.figures(run)}
+    trim = captions["phase_plane_phase_plane"]
+    assert "; green: where it begins to fire. Axes" in trim and "aims for" not in trim
+    lift = captions["phase_plane_bank_to_steer"]
+    assert lift.startswith("Grey: zone borders of the controller; green: the rate that it aims for. Axes")
+
+
+def test_words_of_a_point_do_not_stand_on_other_points():
+    """A footprint of many flights: the name of a case is not written over its neighbours."""
+    named = Trace(np.array([5.0]), np.array([5.0]), "case", "points", labels=("case 1",))
+    above = Trace(np.linspace(4.5, 5.5, 11), np.full(11, 5.4), "others", "points")
+    panel = Panel(Axis("x"), Axis("y"), [named, above])
+    assert beside.sides(panel, ((0.0, 10.0), (0.0, 10.0)), 600.0, 300.0)[0] == ["below"]

@@ -40,6 +40,9 @@ TITLES = {
     "thrust_vector": "powered descent (thrust vector)",
 }
 
+AIMED_FOR, FIRING = "rate aimed for", "firing begins"
+#: What green lines of a name are.
+_GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fire"}
 #: Lines and marks of the zones in one panel.
 Border = tuple[list[Trace], list[Mark]]
 
@@ -80,12 +83,21 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
     if len(panels) == 1:
         panels.append(_damped(control, gains, rates, phases))
     caption = (
-        "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part "
-        "and the nearest borders, "
+        f"{_lines(panels)}Axes are cut to the flown part and the nearest borders, which are drawn for the "
+        "gains at bandwidth 1."
     )
-    caption += "which are drawn for the gains at bandwidth 1."
     title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
     return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
+
+
+def _lines(panels: Sequence[Panel]) -> str:
+    """What the colours of the lines mean that are drawn, as a sentence."""
+    grey = any(mark.colour != AXIS for panel in panels for mark in panel.marks)
+    names = {trace.name for panel in panels for trace in panel.traces}
+    said = ["grey: zone borders of the controller"] * grey
+    said += [f"green: {words}" for name, words in _GREEN.items() if name in names]
+    words = "; ".join(said)
+    return f"{words[0].upper()}{words[1:]}. " if words else ""
 
 
 def _damped(
@@ -183,7 +195,7 @@ def zones(gains: Mapping[str, Any]) -> Border:
         [np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]]
     )
     wanted = aimed_rate(gains, error)
-    line = Trace(_mirrored(error), _mirrored(wanted), "rate aimed for", colour=GREEN, width=2.0, border=True)
+    line = Trace(_mirrored(error), _mirrored(wanted), AIMED_FOR, colour=GREEN, width=2.0, border=True)
     marks = [mark for name in ("near_deg", "far_deg") for mark in _pair("x", gains[name])]
     return [line], [*marks, *_pair("y", 1.15 * gains["rate_deg_s"])]
 
@@ -205,8 +217,7 @@ def switching(gains: Mapping[str, Any]) -> Border:
     rate = np.linspace(-1.1 * gains["rate_limit_deg_s"], gains["rate_limit_deg_s"], 169)
     error = firing_error(gains, rate)
     lines = [
-        Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0, border=True)
-        for sign in (1.0, -1.0)
+        Trace(sign * error, sign * rate, FIRING, colour=GREEN, width=2.0, border=True) for sign in (1.0, -1.0)
     ]
     return lines, [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
 
