@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.base import stated
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
@@ -65,29 +64,22 @@ class TableInputs(NamedTuple):
     areoid: MapFile | None
 
 
-def table_inputs(scenario: Scenario, like: Built | None = None) -> TableInputs:
-    """What the tables follow from, with the content of the files as it is now; with those of another scenario
-    from the sections that both share, as they were when it was built.
+def table_inputs(scenario: Scenario) -> TableInputs:
+    """What the tables follow from, with the content of the files as it is now.
 
     Raises:
         ValueError: a file is not named or is no table.
         OSError: a file cannot be read.
     """
-    aero, planet = scenario.vehicle.aero, scenario.planet
-    ratio, sheds = planet.gas.shock_layer_heat_capacity_ratio, scenario.vehicle.showing("capsule") is not None
-    air, bare, body, ground, areoid = like.inputs if like is not None else (None,) * 5
-    before = scenario if like is None else like.loaded.truth
-    on_planet = like is not None and planet is before.planet
-    if not (on_planet and scenario.atmosphere is before.atmosphere and scenario.place == before.place):
-        air = air_inputs(scenario.atmosphere, planet, scenario.place)
-    if not (on_planet and aero is before.vehicle.aero and scenario.vehicle.parts == before.vehicle.parts):
-        bare = aero_inputs(aero.capsule, ratio) if aero.model == "capsule" else None
-        body = body_inputs(aero.body, ratio, sheds) if aero.model == "body" else None
-    if not (on_planet and scenario.terrain is before.terrain):
-        ground = ground_inputs(scenario.terrain, planet)
-    if not on_planet:
-        areoid = areoid_file(planet)
-    return TableInputs(stated(air), bare, body, stated(ground), areoid)
+    aero, ratio = scenario.vehicle.aero, scenario.planet.gas.shock_layer_heat_capacity_ratio
+    sheds = scenario.vehicle.showing("capsule") is not None
+    return TableInputs(
+        air_inputs(scenario.atmosphere, scenario.planet, scenario.place),
+        aero_inputs(aero.capsule, ratio) if aero.model == "capsule" else None,
+        body_inputs(aero.body, ratio, sheds) if aero.model == "body" else None,
+        ground_inputs(scenario.terrain, scenario.planet),
+        areoid_file(scenario.planet),
+    )
 
 
 def build_tables(scenario: Scenario) -> np.ndarray:
@@ -152,8 +144,7 @@ def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
     """
-    inputs = table_inputs(loaded.truth, like)
-    tables = like.records.tables if like is not None and inputs == like.inputs else _tables(inputs)
+    tables = build_tables(loaded.truth)
     if like is None or tables is not like.records.tables:
         return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
     case = build_case(loaded.truth, tables, (like.loaded.truth, like.records.case))
@@ -163,11 +154,10 @@ def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
 
 
 class Built(NamedTuple):
-    """A scenario, its records, for nobody to write to, and what its tables follow from."""
+    """A scenario and its records, for nobody to write to."""
 
     loaded: LoadedScenario
     records: Records
-    inputs: TableInputs
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from edl6dof.config.errors import Inconsistent
 from edl6dof.config.model_paths import Keys, overridden, walk
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.loading import LoadedScenario, check_document, truth_problem
-from edl6dof.scenario.records import Built, Records, build_records, table_inputs
+from edl6dof.scenario.records import Built, Records, build_records
 from edl6dof.scenario.schema import Scenario
 
 
@@ -46,7 +46,7 @@ class Variants:
 
     def __init__(self, loaded: LoadedScenario):
         self.base = loaded
-        self.nominal = Built(loaded, build_records(loaded), table_inputs(loaded.truth))
+        self.nominal = Built(loaded, build_records(loaded))
         self._keys: dict[str, Keys] = {}
 
     def build(self, case: Case) -> Variant:
