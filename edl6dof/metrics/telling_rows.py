@@ -54,7 +54,7 @@ TELLING = np.dtype(
         ("extremes", EXTREME, (MAX_EXTREMES,)),
         ("n_extremes", "i8"),
         ("n_events", whole(0, MAX_EVENTS)),
-        ("lift", "f8", (2,)),  # first phase, and the one after the last
+        ("banking", "f8", (2,)),  # first phase of lift control, and the one after the last
         ("late", EXTREME),  # of the end of the trim phase
     ],
     align=True,
@@ -86,7 +86,7 @@ def telling(kinds: tuple[str, ...], roles: tuple[str, ...]) -> np.ndarray | None
     for record, one in zip(needs["extremes"][0], found, strict=False):
         _fill(record, roles, *one)
     _fill(needs["late"][0], roles, _LATE, NOTHING, NOTHING)
-    needs["lift"] = span(roles, LIFT)
+    needs["banking"] = span(roles, LIFT)
     return needs
 
 
@@ -166,7 +166,7 @@ def _keep_changes(needs, rows, count, keep):
         before, now = (i - 1) * _WIDTH, i * _WIDTH
         phase = rows[now + _PHASE]
         turned = _sign(rows[now + _BANK]) != _sign(rows[before + _BANK])
-        if phase != rows[before + _PHASE] or (turned and needs.lift[0] <= phase < needs.lift[1]):
+        if phase != rows[before + _PHASE] or (turned and needs.banking[0] <= phase < needs.banking[1]):
             keep[i - 1] = keep[i] = 1
 
 

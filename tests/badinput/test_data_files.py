@@ -95,7 +95,7 @@ def test_broken_file(name, tmp_path):
         load(kind, path)
     (problem,) = caught.value.problems
     assert problem.path == KEYS[kind]
-    assert problem.file.startswith("--set ")
+    assert problem.file == "overrides"
     assert said in problem.message
 
 

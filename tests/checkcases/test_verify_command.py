@@ -61,4 +61,4 @@ def test_unknown_case_is_refused_with_a_hint(capsys):
 def test_plots(tmp_path):
     pytest.importorskip("matplotlib")
     assert run_verify(["kepler", "rotations"], True, tmp_path / "plots") == 0
-    assert [path.name for path in (tmp_path / "plots").iterdir()] == ["kepler.png"]
+    assert {path.name for path in (tmp_path / "plots").iterdir()} == {"kepler.png", "made.json"}

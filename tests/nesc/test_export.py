@@ -56,8 +56,10 @@ def test_standard_output_existing_file_and_wrong_folder(folder, capsys, monkeypa
     code, out, _ = run(capsys, monkeypatch, "export", str(folder), "--nesc", "-")
     assert code == 0 and out.startswith("time,eiPosition_ft_X,") and out.count("\n") == 302
     assert run(capsys, monkeypatch, "export", str(folder), "--nesc")[0] == 0
+    (made,) = folder.glob("*nesc*.csv")
+    made.write_text("the user's own")
     code, _, err = run(capsys, monkeypatch, "export", str(folder), "--nesc")
-    assert code == 2 and "exists" in err
+    assert code == 2 and "exists" in err and made.read_text() == "the user's own"
     code, _, err = run(capsys, monkeypatch, "export", "nowhere", "--nesc")
     assert code == 2 and "no such folder" in err and err.count("\n") == 1
     assert run(capsys, monkeypatch, "export", str(folder))[0] == 2

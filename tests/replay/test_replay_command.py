@@ -108,7 +108,7 @@ def test_a_campaign_says_which_flight_is_followed_and_why(run, tmp_path, monkeyp
     monkeypatch.setattr(ensemble, "is_campaign", lambda folder: folder == tmp_path)
     monkeypatch.setattr(ensemble, "campaign_plan", lambda _: plan)
     monkeypatch.setattr(ensemble, "trajectories", lambda _: [])
-    monkeypatch.setattr(command, "fly", lambda _: command.FlownRun(run))
+    monkeypatch.setattr("edl6dof.sim.flight.fly", lambda _: command.FlownRun(run))
     monkeypatch.setattr(recording, "write_replay", lambda *given: written.append(given))
     for runs in ((tmp_path,), (tmp_path, run)):
         with command._recording(options(*runs)):

@@ -28,7 +28,7 @@ def test_matrix_is_flown_and_exit_status_says_that_all_survived(flown):
     assert code == 0, err
     assert "6 flights within limits" in out and "required: at least 99.5 %" in out
     assert sorted(path.name for path in target.iterdir()) == [
-        "campaign.json", "campaign.yaml", "cases.parquet", "report.html", "summary.json",
+        "campaign.json", "campaign.yaml", "cases.parquet", "made.json", "report.html", "summary.json",
     ]  # fmt: skip
 
 
