@@ -129,7 +129,8 @@ def test_what_is_chosen_is_compiled_ahead_and_with_it_what_that_calls():
     assert {"outer", "inner", "unchosen"} <= names()
     compile_named(["inner", "outer"])
     assert [len(one.signatures) for one in (outer, inner, other)] == [1, 1, 0]
-    assert loop(1, 4.0) == 8.0 and sum(inner.stats.cache_misses.values()) == 1
+    made = inner.stats
+    assert loop(1, 4.0) == 8.0 and sum((made.cache_misses + made.cache_hits).values()) == 1
 
 
 def test_a_second_process_finds_caller_and_member_in_the_cache(tmp_path):
