@@ -51,6 +51,13 @@ class FnpegParams(Params):
         60.0, "bank magnitude at the end of the prediction", status="design", ge=0.0, le=180.0
     )
     tolerance_m: float = param(50.0, "predicted miss at which the correction stops", gt=0.0, le=10e3)
+    authority_m: float = param(
+        200.0,
+        "range by which the whole span of bank angles must still move the end for the bank to be corrected",
+        status="design",
+        ge=0.0,
+        le=100e3,
+    )
     start_drag_m_s2: float = param(
         0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
     )
@@ -130,7 +137,8 @@ def correct_range(params, onboard, nav, memory, out):
     nudge = NUDGE_BANK if memory.bank + NUDGE_BANK <= most else -NUDGE_BANK
     beside, _ = ends(params, onboard, nav, memory, out, memory.bank + nudge, memory.turn)
     slope = (beside - memory.miss) / nudge
-    if slope >= 0.0:  # more bank, less range; elsewhere a prediction has left the air
+    # more bank, less range: elsewhere a prediction has left the air, and late no bank moves the end much
+    if -slope * (most - entry.bank_min) < params.authority:
         return
     way = clamp(-memory.miss / slope, -STEP_BANK, STEP_BANK)
     for _ in range(params.halvings + 1):
