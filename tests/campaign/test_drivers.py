@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.drivers import CHANCE, drivers
+from edl6dof.campaign.drivers import CHANCE, _scores, drivers
 
 FLIGHTS = 100
 
@@ -23,6 +23,15 @@ def inputs(rng: np.random.Generator, flights: int = FLIGHTS) -> dict[str, np.nda
 
 def named(found):
     return {driver.name for driver in found.found}
+
+
+def test_normal_scores_are_those_of_the_ranks_that_scipy_gives():
+    """Equal values share the mean of their ranks."""
+    values = np.random.default_rng(0).integers(0, 30, (FLIGHTS, 3)).astype(float)
+    ranks = stats.rankdata(values, axis=0)
+    np.testing.assert_allclose(
+        _scores(values), stats.norm.ppf((ranks - 0.5) / FLIGHTS), rtol=1e-12, atol=1e-14
+    )
 
 
 def test_noise_is_called_noise():
