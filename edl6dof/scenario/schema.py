@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from math import radians
 from typing import Annotated, Any, Literal
 
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section, stated
+from edl6dof.config.folder_name import why_no_folder
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.place import Place
@@ -25,11 +25,6 @@ from edl6dof.vehicle.faults.component import Component, vehicle_components
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.motion.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
-
-_FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
-#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark
-#: of what is unfinished.
-_LONGEST_NAME = 150
 
 
 class SimulationParams(Params):
@@ -120,7 +115,12 @@ class LimitParams(Params):
 class Scenario(Params):
     """Everything one flight needs."""
 
-    name: str = param(REQUIRED, "name of the scenario; the run folder takes it", record=False, min_length=1)
+    name: str = param(
+        REQUIRED,
+        "name of the scenario and of its run folder; where it extends another, by default that of its file",
+        record=False,
+        min_length=1,
+    )
     description: str = param("", "what it shows", record=False)
     plugins: list[str] = param(
         None,
@@ -179,13 +179,8 @@ class Scenario(Params):
     @field_validator("name")
     @classmethod
     def _names_a_folder(cls, value: str) -> str:
-        if not _FOLDER_NAME.fullmatch(value):
-            raise ValueError(
-                "must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the "
-                f"ends (got {value!r})"
-            )
-        if (length := len(value.encode())) > _LONGEST_NAME:
-            raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
+        if problem := why_no_folder(value):
+            raise ValueError(problem)
         return value
 
     @property

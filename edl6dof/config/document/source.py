@@ -19,6 +19,7 @@ from edl6dof.config.document.locate import find_include, find_shipped, near_name
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.yamltree import Mark, dotted, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.folder_name import why_no_folder
 from edl6dof.config.plugin_scan import LARGEST
 from edl6dof.config.wording import got
 
@@ -33,6 +34,8 @@ __all__ = [
     "resolve_scenario",
 ]
 
+#: Key of a scenario's name.
+NAME = "name"
 #: Scenarios that may extend one another.
 LONGEST_CHAIN = 20
 
@@ -113,7 +116,17 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
     if base is None:
         return document
     lay_over(base, document)
+    _name_after(path, base, document)
     return base
+
+
+def _name_after(path: Path, scenario: Document, top: Document) -> None:
+    """A scenario that extends another and gives no name goes by that of its file: what it flies is never
+    taken for the other's.
+    """
+    if NAME in scenario.data and NAME not in top.data and why_no_folder(path.stem) is None:
+        scenario.forget((NAME,))
+        scenario.data[NAME] = path.stem
 
 
 def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ...]) -> Document:

@@ -144,3 +144,21 @@ def test_a_long_chain_of_scenarios_is_refused_at_the_line_that_goes_too_far(tmp_
     assert (problem.path, problem.line) == ("extends", 2)
     assert problem.file.endswith(f"s{1500 - LONGEST_CHAIN}.yaml")
     assert f"at most {LONGEST_CHAIN} are allowed" in problem.message
+
+
+@pytest.mark.parametrize(
+    ("file", "given", "name"),
+    [
+        ("heavy.yaml", "", "heavy"),
+        ("heavy.yaml", "name: other\n", "other"),
+        ("heavy (2).yaml", "", "light"),  # no folder is called that
+    ],
+)
+def test_a_scenario_that_extends_another_goes_by_its_own_name_or_that_of_its_file(
+    tmp_path, package, file, given, name
+):
+    write(tmp_path, "light.yaml", "name: light\nlow: 1.0\n")
+    write(tmp_path, "heavy.yaml", "extends: light.yaml\nlow: 2.0\n")
+    document = read_document(write(tmp_path, file, f"extends: light.yaml\n{given}low: 3.0\n"))
+    assert document.data == {"name": name, "low": 3.0}
+    assert document.mark(("name",)).file.endswith("light.yaml" if name == "light" else file)
