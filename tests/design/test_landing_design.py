@@ -21,6 +21,12 @@ from edl6dof.design.landing.conic import best_time, solve
 FOUND_BY_OTHERS = [(0.0, 75.0, 391.7), (4.0, 78.0, 399.6), (4.0, 81.0, 400.7)]
 
 
+#: One of them in the suite, where it takes several solutions.
+ONE_OF_THEM = [
+    pytest.param(*case, marks=[] if case[:2] == (4.0, 78.0) else pytest.mark.long) for case in FOUND_BY_OTHERS
+]
+
+
 def bounded_where_they_begin(time, count):
     """Held controls whose bounds are those of the mass where each begins, not in its middle: of first order
     in the step.
@@ -36,7 +42,7 @@ def test_classic_case_takes_the_fuel_that_others_find_with_thirty_controls(slope
     assert found.fuel == pytest.approx(fuel, rel=1e-3)
 
 
-@pytest.mark.parametrize(("slope_deg", "time", "fuel"), FOUND_BY_OTHERS)
+@pytest.mark.parametrize(("slope_deg", "time", "fuel"), ONE_OF_THEM)
 def test_and_less_with_more_of_them(slope_deg, time, fuel):
     """What thirty controls take too much is the error of their discretisation: it halves with the step, and
     what is left without a step is what bounds of second order find.
@@ -51,7 +57,7 @@ def test_and_less_with_more_of_them(slope_deg, time, fuel):
     assert limit == pytest.approx(solve(landing, interpolated_controls(time, 60)).fuel, abs=0.15)
 
 
-@pytest.mark.parametrize(("slope_deg", "time"), [(4.0, 78.0), (0.0, 75.0)])
+@pytest.mark.parametrize(("slope_deg", "time"), [(4.0, 78.0), pytest.param(0.0, 75.0, marks=pytest.mark.long)])
 def test_best_time_of_the_classic_case_is_the_one_that_others_find(slope_deg, time):
     found = best_time(classic_mars(slope_deg), lambda t: interpolated_controls(t, 50), 70.0, 85.0)
     assert found.time == pytest.approx(time, abs=0.8)

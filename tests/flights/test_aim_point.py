@@ -94,10 +94,10 @@ def flown_and_expected(overrides, scenario="tianwen1"):
     "overrides",
     [
         (),
-        CALM,
-        DOUBLE,
+        pytest.param(CALM, marks=pytest.mark.long),
+        pytest.param(DOUBLE, marks=pytest.mark.long),
         constant(25.0, -15.0),
-        arriving(25.066, 91.0),
+        pytest.param(arriving(25.066, 91.0), marks=pytest.mark.long),
         (*arriving(5.0, 1.0), *CALM),
         (*arriving(-20.0, 230.0), *constant(-10.0, 30.0)),
     ],

@@ -125,7 +125,7 @@ def test_the_branch_counts_as_lift(nominal):
     assert t[lift][-1] == pytest.approx(flight.metrics["parachute_s"], abs=0.1)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))])
 def test_parachute_opens_below_seven_degrees_although_the_trim_wing_does_not(seed):
     flight = with_wing_fault(STUCK, f"seed={seed}", *PERTURBED)
     assert branched_s(flight) == pytest.approx(2.0, abs=0.03)
@@ -141,7 +141,9 @@ def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle():
     assert flight.metrics["parachute_total_alpha_deg"] > 8.0
 
 
-@pytest.mark.parametrize("time_s", [274, 276, 277, 278, 278.5, 279, 279.5])
+@pytest.mark.parametrize(
+    "time_s", [274, 278, 279.5, *(pytest.param(t, marks=pytest.mark.long) for t in (276, 277, 278.5, 279))]
+)
 def test_a_wing_lost_in_the_last_seconds_delays_the_mortar_until_the_angle_of_attack_is_good(nominal, time_s):
     """The mortar would fire at 279.7 s; from the trim angle of 10 deg the thrusters need 4 s."""
     flight = with_wing_fault(f"{{kind: wing_lost, at: {{time_s: {time_s}}}}}")
@@ -151,8 +153,14 @@ def test_a_wing_lost_in_the_last_seconds_delays_the_mortar_until_the_angle_of_at
     assert flight.success, flight.outcome
 
 
-@pytest.mark.parametrize("thruster", ["A1", "A2", "A3", "A4"])
-@pytest.mark.parametrize("time_s", [128, 260, 277, 279])
+@pytest.mark.parametrize(
+    ("thruster", "time_s"),
+    [
+        pytest.param(thruster, time_s, marks=[] if number == place else pytest.mark.long)
+        for number, thruster in enumerate(("A1", "A2", "A3", "A4"))
+        for place, time_s in enumerate((128, 260, 277, 279))
+    ],
+)
 def test_the_mortar_fires_at_a_good_angle_of_attack_against_a_thruster_that_is_stuck_on(thruster, time_s):
     """Undiagnosed it holds the capsule at 8 to 10 deg; no loop of one axis closes there."""
     flight = edl6dof.fly(
@@ -227,7 +235,7 @@ def test_thrusters_rest_for_thirteen_seconds_under_the_parachute(nominal):
     assert np.all(fired[(t > 0.3) & (t < rest_s)] == 0.0)
 
 
-FLIGHTS = 12
+FLIGHTS = 6
 
 
 def smallest_roll_deg_s():
@@ -271,12 +279,13 @@ def test_roll_under_the_parachute_goes_at_the_commanded_rate():
     """
     slopes = []
     for k in range(FLIGHTS):
-        flight = edl6dof.fly("tianwen1", [f"initial.speed_m_s={4800.24 + k * 1e-6}"])
+        speed = f"initial.speed_m_s={4800.24 + k * 1e-6}"
+        flight = edl6dof.fly("tianwen1", [speed, "simulation.time_limit_s=385"])
         t, table = under_the_parachute(flight)
         steady = (t > 40.0) & (t < 100.0)
         swung = turned_by_swinging_deg(table, steady)
         heading = table["control.error_roll_deg"][steady]
-        assert np.all(heading < 0.0)  # it turns to the left
+        assert t[-1] > 100.0 and np.all(heading < 0.0)  # it turns to the left
         slopes.append(np.polyfit(t[steady], heading + swung, 1)[0])
     rate, pulse = flight.scenario.flight_software.control.rate_damping.roll.rate_deg_s, smallest_roll_deg_s()
     assert slopes == pytest.approx([rate] * FLIGHTS, abs=pulse / 2.0)
@@ -290,7 +299,8 @@ def test_free_swing_of_the_angle_of_attack_dies_out_faster_with_the_larger_gain_
     peak = {}
     for gain in (0.0, 2.0):
         table = edl6dof.fly(
-            "tianwen1", [f"flight_software.control.bank_to_steer.damping_after_wing={gain}"]
+            "tianwen1",
+            [f"flight_software.control.bank_to_steer.damping_after_wing={gain}", "mission.goal=deployment"],
         ).telemetry
         wing = table["t_s"][np.argmax(table["truth.trim_wing"] > 0.0)]
         late = (table["t_s"] > wing + 6.0) & (table["t_s"] < wing + 15.0)

@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 
 pytest.importorskip("clarabel")
-import edl6dof
 from edl6dof.design.landing.landing_figures import figures_of
 from edl6dof.design.landing.powered_start import landing_of, powered_rows, states_of
 from edl6dof.design.landing.rigid_body import tilt_of
 from edl6dof.design.landing.successive import land
 
 
-@pytest.fixture(scope="module")
-def flight():
-    return edl6dof.fly("tianwen1")
+@pytest.fixture
+def flight(nominal):
+    return nominal
 
 
 def test_states_are_those_of_the_flight(flight):
@@ -38,7 +37,7 @@ def test_thrusters_give_torque_about_every_axis_without_force(flight):
 def test_design_takes_less_than_the_law_of_the_scenario(flight):
     rows = powered_rows(flight)
     landing = landing_of(flight, rows)
-    found = land(landing)
+    found = land(landing, 20)
     assert found.landed
     own = figures_of(landing, flight.telemetry["t_s"][rows], states_of(flight, rows))
     assert 0.85 * own.fuel_kg < found.fuel < own.fuel_kg

@@ -13,7 +13,7 @@ from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import fly_rows
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
-FLIGHTS = 5
+FLIGHTS = 3
 #: Real instruments, without flow meters.
 WITHOUT_METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",)
 
@@ -90,7 +90,7 @@ def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_non
     """Where diagnosis without meters breaks it falls silent: tools/diagnosis_limits.py."""
     unit = "sensors.inertial_unit.vibration"
     strong = (*WITHOUT_METERS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
-    plan = load_plan("tianwen1_mc", strong, cases=4)
+    plan = load_plan("tianwen1_mc", strong, cases=FLIGHTS)
     dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
     assert sum(row["name_right"] for row in dead) <= 1
     assert all(row["false_alarms"] == 0.0 for row in dead)

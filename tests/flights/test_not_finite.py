@@ -4,6 +4,8 @@ index (``contract/test_bounds_check.py`` reads the tables with such numbers).
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -46,14 +48,28 @@ def onboard(loaded):
     return records.build_records(loaded).onboard
 
 
-@pytest.fixture(scope="module", params=range(len(MOMENTS)), ids=lambda number: f"{MOMENTS[number]:g} s")
-def moment(request, loaded):
+@pytest.fixture(scope="module")
+def saved_at(loaded):
+    """The state saved at a time (s); for reading only."""
+    return cache(lambda time_s: fly(loaded, save_at_s=time_s).saved)
+
+
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(number, marks=[] if number % 2 else pytest.mark.long) for number in range(len(MOMENTS))
+    ],
+    ids=[f"{t:g} s" for t in MOMENTS],
+)
+def moment(request, saved_at):
     """Number of a moment, and the state saved there."""
-    return request.param, fly(loaded, save_at_s=MOMENTS[request.param]).saved
+    return request.param, saved_at(MOMENTS[request.param])
 
 
 def wrong(*numbers):
-    """The wrong numbers in turn: every quantity is tried at every moment, with each of them at two of six."""
+    """The wrong numbers in turn: every quantity is tried at every moment, with each of them at two of six,
+    one of them in the suite.
+    """
     return WRONG[sum(numbers) % len(WRONG)]
 
 
@@ -109,9 +125,8 @@ def test_sensed_quantity_is_named(onboard, moment, path):
         (490.0, "guidance.terminal.target_L"),
     ],
 )
-def test_memory_of_the_flight_computer_is_named(loaded, t, path):
-    state = fly(loaded, save_at_s=t).saved
-    flight = fly(loaded, start=planted(state, "fsw", path, ..., np.nan))
+def test_memory_of_the_flight_computer_is_named(saved_at, loaded, t, path):
+    flight = fly(loaded, start=planted(saved_at(t), "fsw", path, ..., np.nan))
     assert flight.outcome.startswith(f"not finite: fsw.{path}")
     assert flight.time_s == pytest.approx(t, abs=0.25)
 

@@ -1,5 +1,5 @@
-"""Verifies: ten flights with seeded density perturbations and gusts all end in a named outcome, at least nine
-within limits.
+"""Verifies: flights with seeded density perturbations and gusts all end in a named outcome, all but one of
+five or ten within limits.
 """
 
 from __future__ import annotations
@@ -11,11 +11,13 @@ import edl6dof
 PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
 
 
-@pytest.mark.parametrize("first", [1, pytest.param(11, marks=pytest.mark.long)])
-def test_ten_seeds_with_perturbations_on(first):
-    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(first, first + 10)]
+@pytest.mark.parametrize(
+    ("first", "count"), [(1, 5), *(pytest.param(first, 10, marks=pytest.mark.long) for first in (1, 11))]
+)
+def test_seeds_with_perturbations_on(first, count):
+    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(first, first + count)]
     assert all(flight.outcome and flight.outcome != "flying" for flight in flights)
-    assert sum(flight.success for flight in flights) >= 9
+    assert sum(flight.success for flight in flights) >= count - 1
     # they really differ: landing points spread over more than a kilometre
     east = [flight.metrics["landing_east_m"] for flight in flights if flight.landed]
     assert max(east) - min(east) > 1000.0
