@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, DiagnosisParams, diagnose
 from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
@@ -27,11 +27,9 @@ DT = 0.04
 
 @pytest.fixture(scope="module")
 def effectiveness(shared_onboard):
-    vehicle, table = shared_onboard[0]["vehicle"], np.zeros((32, 6))
-    effectiveness_matrix(
-        vehicle["thrusters"], len(NAMES), tuple(vehicle["configuration"][LANDER]["centre"]), table
-    )
-    return table
+    record = np.zeros(1, EFFECTIVENESS)
+    update_effectiveness(shared_onboard[0]["vehicle"], LANDER, record[0])
+    return record["matrix"][0]
 
 
 @kernel
