@@ -81,23 +81,25 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
     """
     from scipy.integrate import solve_ivp
 
-    from edl6dof.vehicle.motion.body import derivatives
+    from edl6dof.vehicle.motion.runge_kutta import evaluate_at
     from edl6dof.vehicle.plant import POSITION
     from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 
-    case, tables, plant, outputs = (s.arrays[name][0] for name in ("case", "tables", "plant", "outputs"))
-    full, out, start = plant["y"].copy(), np.zeros(STATES), float(plant["t"])
+    case, tables, plant, outputs, work = (
+        s.arrays[name][0] for name in ("case", "tables", "plant", "outputs", "work")
+    )
+    full, slopes, start = plant["y"], work["k"][0], float(plant["t"])
     count = STATES if plant["canopy"] in (1, 2) else STATES_VEHICLE
-    given = [case, tables, plant, outputs, case["planet"]]
+    given = [case, tables, plant, outputs, work, case["planet"]]
     *seen, planet = map(Record, given) if SETTINGS.DISABLE_JIT else given
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
-        full[:count] = y
+        full[:count], plant["t"] = y, t
         rotation = planet_rotation(planet, t)
         # held over a step by the simulator's own method, and not part of the right-hand side
         plant["inputs"]["noncentral_I"] = noncentral_I(planet, rotation, tuple(full[POSITION : POSITION + 3]))
-        derivatives(*seen[:3], t, rotation, full, seen[3], out)
-        return out[:count].copy()
+        evaluate_at(*seen[:3], rotation, *seen[3:])  # as flights call it: compiled for them already
+        return slopes[:count].copy()
 
     begin = full[:count].copy()
     scale = tolerance * np.maximum(np.abs(begin), 1.0)

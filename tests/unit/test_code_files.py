@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
+import forked
 import pytest
 
 from edl6dof.code_files import CodeFiles, say_once
 
-ROOT = Path(__file__).parents[2]
 KERNEL = "from edl6dof.jit import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
 CALL = (
     "import sys, mine; print(*(mine.twice(eval(word)) for word in sys.argv[1:]), "
@@ -30,19 +28,14 @@ def with_kernel(folder: Path) -> Path:
     return folder
 
 
-def start(place: Path, *values: str, **environment: str) -> subprocess.Popen[str]:
-    env = {key: text for key, text in os.environ.items() if not key.startswith(("NUMBA_", "XDG_"))}
-    env |= {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "HOME": "/dev/null"} | environment
-    words = [sys.executable, "-c", CALL, *(values or ["1.5"])]
-    return subprocess.Popen(
-        words, cwd=place, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+def start(place: Path, *values: str, **environment: str) -> forked.Running:
+    return forked.start(CALL, *(values or ["1.5"]), cwd=place, **{"HOME": "/dev/null"} | environment)
 
 
-def ended(process: subprocess.Popen[str]) -> tuple[str, int, list[str]]:
+def ended(process: forked.Running) -> tuple[str, int, list[str]]:
     """What a process printed, its cache hits, and the lines on its standard error."""
-    out, err = process.communicate(timeout=120)
-    assert process.returncode == 0, err
+    status, out, err = process.ended()
+    assert status == 0, err
     said, hits = out.rsplit(None, 1)
     return said, int(hits), err.splitlines()
 

@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import forked
 import numba
 import pytest
 
@@ -49,12 +50,8 @@ def call(root, **environment):
 
 
 def run(program, **environment):
-    """What a program prints that runs in a process of its own, with numba's settings from here alone."""
-    env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
-    # Python takes sources that are edited within a second, to the same length, for those of its bytecode
-    env |= {"PYTHONDONTWRITEBYTECODE": "1"} | environment
-    words = [sys.executable, "-c", program]
-    ran = subprocess.run(words, capture_output=True, text=True, env=env, timeout=60)
+    """What a program prints that runs in a process of its own."""
+    ran = forked.run(program, cwd=Path.cwd(), **environment)
     assert ran.returncode == 0, ran.stderr
     return ran.stdout
 
@@ -206,7 +203,7 @@ def test_a_package_that_cannot_be_written_caches_for_the_user(package, tmp_path)
     write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
     for folder in ("probe", "probe/deep"):
         (package / folder / "__pycache__").write_text("")  # a file in its place stops even root
-    home = {"XDG_CACHE_HOME": str(tmp_path / "user"), "PYTHONDONTWRITEBYTECODE": "1"}
+    home = {"XDG_CACHE_HOME": str(tmp_path / "user")}
     result, hits, folder = call(package, **home)
     assert (result, hits) == (6.0, 0) and folder.is_relative_to(tmp_path / "user")
     assert call(package, **home)[:2] == (6.0, 1)
@@ -216,8 +213,12 @@ def test_a_package_that_cannot_be_written_caches_for_the_user(package, tmp_path)
 
 def test_a_chosen_cache_folder_is_used(package, tmp_path):
     write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
-    result, _, folder = call(package, NUMBA_CACHE_DIR=str(tmp_path / "chosen"))
-    assert result == 6.0 and folder.is_relative_to(tmp_path / "chosen")
+    words = [sys.executable, "-c", CALL.format(root=str(package))]
+    env = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "chosen")}  # which numba reads when it is loaded
+    result, _, folder = subprocess.run(
+        words, capture_output=True, text=True, env=env, timeout=60
+    ).stdout.split()
+    assert result == "6.0" and Path(folder).is_relative_to(tmp_path / "chosen")
 
 
 def test_the_decorator_leaves_other_users_of_numba_alone():

@@ -1,9 +1,6 @@
 """Kernels that are compiled when they are first called: which are, with what, and what goes wrong."""
 
-import os
-import subprocess
-import sys
-
+import forked
 import numpy as np
 import pytest
 from numba.core.errors import NumbaError
@@ -144,12 +141,7 @@ def test_a_second_process_finds_caller_and_member_in_the_cache(tmp_path):
         "from laws import fly, one, two; print(fly(1, 7.0), "
         "*(sum(k.stats.cache_hits.values()) for k in (fly, two)), len(one.signatures))"
     )
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-    env.pop("NUMBA_CACHE_DIR", None)
-    runs = [
-        subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, timeout=60)
-        for _ in range(2)
-    ]
+    runs = [forked.run(code, cwd=tmp_path) for _ in range(2)]
     assert [run.stdout.split() for run in runs] == [["14.0", "0", "0", "0"], ["14.0", "1", "1", "0"]], runs[
         1
     ].stderr

@@ -5,11 +5,9 @@ number.  That a kernel with a dispatch inside can be cached on disk is shown wit
 own count of cache hits.
 """
 
-import os
-import subprocess
-import sys
 from typing import ClassVar
 
+import forked
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -142,12 +140,7 @@ def test_a_second_process_loads_the_dispatching_kernel_from_the_cache(tmp_path):
         "@kernel\ndef fly(index, x):\n    return pick(index, x)\n"
     )
     code = "from laws import fly; print(fly(0, 7.0), fly(1, 7.0), sum(fly.stats.cache_hits.values()))"
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-    env.pop("NUMBA_CACHE_DIR", None)
-    runs = [
-        subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, timeout=60)
-        for _ in range(2)
-    ]
+    runs = [forked.run(code, cwd=tmp_path) for _ in range(2)]
     assert [run.stdout.split() for run in runs] == [["7.0", "14.0", "0"], ["7.0", "14.0", "1"]], runs[
         1
     ].stderr

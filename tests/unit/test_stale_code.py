@@ -1,14 +1,11 @@
 """Machine code of plugins goes when their files have gone, and no other."""
 
 import os
-import subprocess
-import sys
 import time
-from pathlib import Path
+
+import forked
 
 from edl6dof.stale_code import OLDEST_S, note_sources, remove_stale
-
-ROOT = Path(__file__).parents[2]
 
 
 def folder(parent, name, files=None):
@@ -49,9 +46,8 @@ def test_a_kernel_that_is_cached_notes_its_plugins_and_clears_those_of_others(tm
     cache.mkdir()
     gone = folder(cache, "plugins-000000000000", [tmp_path / "gone.py"])
     program = f"import edl6dof.jit as jit; jit.called_from = lambda path: [{str(plugin)!r}]"
-    env = {key: text for key, text in os.environ.items() if not key.startswith("NUMBA_")}
-    words = [sys.executable, "-c", f"{program}; import mine; mine.twice(1.5)"]
-    subprocess.run(words, cwd=tmp_path, env=env | {"PYTHONPATH": str(ROOT)}, check=True, timeout=120)
+    ran = forked.run(f"{program}; import mine; mine.twice(1.5)", cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
     (mine,) = cache.glob("plugins-*")
     assert mine != gone and (mine / "sources.txt").read_text() == str(plugin)
     assert list(mine.glob("*.nbc"))

@@ -69,8 +69,8 @@ def check_hill(terrain, grid, tolerance):
 
 @pytest.mark.parametrize(
     "step, corner",
-    [(5.0, True), (5.0, False), (1.7, True), (1.7, False), (0.8, True)]
-    + [pytest.param(0.8, False, marks=pytest.mark.long)],
+    [(5.0, True), (5.0, False), (1.7, True), (1.7, False)]
+    + [pytest.param(0.8, corner, marks=pytest.mark.long) for corner in (True, False)],
 )
 def test_ground_is_that_of_the_grid_shifted_to_the_site(tmp_path, corner, step):
     file = write_ascii(tmp_path / "hill.asc", step, 450.0 if step < 5.0 else 600.0, corner)

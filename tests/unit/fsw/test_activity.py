@@ -4,9 +4,9 @@ the measured wrench.
 
 import numpy as np
 import pytest
+from thruster_bench import expect, modulate, remember
 
-from edl6dof.fsw.estimation.activity import ACTIVITY, expect, remember
-from edl6dof.fsw.modulation import MODULATION, modulate
+from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
 from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.sensors.imu import READINGS, ImuParams, measure
@@ -19,12 +19,12 @@ CYCLE = 0.04
 @pytest.mark.parametrize(("delay", "lag"), [(0.0, 0.0), (0.02, 0.0), (0.02, 0.006), (0.04, 0.02)])
 def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
     rng = np.random.default_rng(1)
-    memory, effect = np.zeros(1, ACTIVITY)[0], rng.normal(size=(32, 6)) * 200.0
-    history = []
+    fsw, effect, history = np.zeros(1, FSW), rng.normal(size=(32, 6)) * 200.0, []
+    memory, fsw["effectiveness"]["matrix"] = fsw["estimation"]["activity"][0], effect
     for k in range(30):
         t = k * CYCLE
         if k > 0:
-            expect(effect, 5, t - delay - CYCLE, t - delay, lag, memory)
+            expect(5, t - delay - CYCLE, t - delay, lag, fsw)
             inside = t - delay - CYCLE + CYCLE * (np.arange(4000) + 0.5) / 4000
             begun, ended = np.moveaxis(history, -1, 0)[..., None] + lag
             sampled = np.mean(np.any((begun <= inside) & (inside < ended), axis=0), axis=-1)
@@ -33,7 +33,8 @@ def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
         opens = t + rng.uniform(0.0, 0.02, 5)
         closes = np.minimum(opens + rng.choice([0.0, 0.01, 0.02], 5), t + CYCLE)
         history.append(list(zip(opens, closes, strict=True)))
-        remember(opens, closes, 5, memory)
+        fsw["command"]["opens"][0, :5], fsw["command"]["closes"][0, :5] = opens, closes
+        remember(5, fsw)
 
 
 @pytest.mark.parametrize("slot", [0, 16])
@@ -41,17 +42,19 @@ def test_share_is_what_the_valve_gives_of_pulses_that_go_on_over_several_cycles(
     """Thrust rises and decays in 12 ms, for which half of it stands as lag: 1.5 ms where a cycle ends in a
     ramp, nothing in the sum.
     """
-    rng, onboard, ramp, delay = np.random.default_rng(5), shared_onboard[0], 0.012, 0.02
-    memory, modulator = np.zeros(1, ACTIVITY)[0], np.zeros(1, MODULATION)[0]
-    duty, opens, closes, effect = np.zeros(32), np.zeros(32), np.zeros(32), np.ones((32, 6))
+    rng, onboard, ramp, delay = np.random.default_rng(5), shared_onboard, 0.012, 0.02
+    fsw, params, vehicle = np.zeros(1, FSW), onboard["modulation"], onboard[0]["vehicle"]
+    memory, duty = fsw["estimation"]["activity"][0], fsw["allocation"]["duty"][0]
+    opens, closes = (fsw["command"][name][0] for name in ("opens", "closes"))
+    fsw["effectiveness"]["matrix"] = 1.0
     level, halves, shares = 0.0, [0.0], []
     for k in range(3000):
         t = k * CYCLE
-        expect(effect, 22, t - delay - CYCLE, t - delay, 0.5 * ramp, memory)
+        expect(22, t - delay - CYCLE, t - delay, 0.5 * ramp, fsw)
         shares.append(memory["share"][slot])
         duty[slot] = rng.uniform(0.0, 1.0) if k % 10 == 0 else duty[slot]
-        modulate(onboard["modulation"], onboard["vehicle"], duty, t, CYCLE, modulator, opens, closes)
-        remember(opens, closes, 22, memory)
+        modulate(params, vehicle, t, CYCLE, fsw)
+        remember(22, fsw)
         for half in (t, t + delay):
             mean, _, level = linear_level(level, ramp, ramp, half, delay, opens[slot], closes[slot])
             halves.append(mean)

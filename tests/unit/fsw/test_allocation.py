@@ -4,20 +4,22 @@ from itertools import product
 
 import numpy as np
 import pytest
+from allocation_bench import share_out
 from scipy.optimize import lsq_linear
 from thruster_wrenches import ENTRY, LANDER, wrenches
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.demand import DEMAND
-from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, effectiveness_matrix
-from edl6dof.fsw.allocation.least_squares import LeastSquaresParams, share_out
-from edl6dof.fsw.allocation.registry import AllocationParams
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
+from edl6dof.fsw.allocation.least_squares import LeastSquaresParams
+from edl6dof.fsw.allocation.registry import ALLOCATORS, AllocationParams
 from edl6dof.fsw.allocation.update import ALLOCATION
-from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.thrusters import FINE, THRUSTER_GROUPS
 
 ALL = 0b1111
-HEALTHY = np.ones(32, "i8")
+HEALTHY = np.zeros(1, FSW["health"])[0]
+HEALTHY["thruster"] = 1
 
 
 def params(**changes):
@@ -48,11 +50,12 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     vehicle["thrusters"], vehicle["n_thrusters"] = thrusters, count
     asked["wrench"], asked["groups"], asked["translating"] = demand, allowed, translating
     effectiveness = np.zeros(1, EFFECTIVENESS)[0]
-    effectiveness_matrix(thrusters, count, tuple(centre), effectiveness["matrix"])
-    effectiveness["changed"] = 1
-    own = memory["method"]["least_squares"], memory["duty"], memory["unallocated"]
+    vehicle["configuration"][LANDER]["centre"] = centre
+    update_effectiveness(vehicle, LANDER, effectiveness)
+    assert p["method"] == ALLOCATORS.names.index("least_squares")
     for _ in range(rounds):
-        share_out(p["least_squares"], p, vehicle, HEALTHY, effectiveness, asked, *own)
+        effectiveness["changed"] = 1
+        share_out(p, vehicle, HEALTHY, effectiveness, asked, memory)
     return memory
 
 

@@ -4,11 +4,13 @@
 
 import numpy as np
 import pytest
+from allocation_bench import share_out
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
+from edl6dof.fsw.allocation.registry import ALLOCATORS
 from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
@@ -29,12 +31,13 @@ def solve():
     update_effectiveness(vehicle, LANDER, effectiveness)
 
     def run(method, wrench, allowed=USUAL, translating=False, boosting=False, dead=()):
-        found, demand, healthy = np.zeros(1, ALLOCATION)[0], np.zeros(1, DEMAND)[0], np.ones(32, "i8")
-        healthy[list(dead)] = 0
+        found, demand, health = (np.zeros(1, kind)[0] for kind in (ALLOCATION, DEMAND, FSW["health"]))
+        health["thruster"] = 1
+        health["thruster"][list(dead)] = 0
         demand["wrench"], demand["groups"] = wrench, allowed
         demand["translating"], demand["boosting"] = translating, boosting
-        given = params, params, vehicle, healthy, effectiveness, demand
-        share_out(method, *given, found["method"], found["duty"], found["unallocated"])
+        params["method"] = method
+        share_out(params, vehicle, health, effectiveness, demand, found)
         return found, vehicle["thrusters"]["group"][:count], count, effectiveness["matrix"][:count]
 
     return run

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, DiagnosisParams, diagnose
 from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
@@ -27,11 +27,9 @@ DT = 0.04
 
 @pytest.fixture(scope="module")
 def effectiveness(shared_onboard):
-    vehicle, table = shared_onboard[0]["vehicle"], np.zeros((32, 6))
-    effectiveness_matrix(
-        vehicle["thrusters"], len(NAMES), tuple(vehicle["configuration"][LANDER]["centre"]), table
-    )
-    return table
+    record = np.zeros(1, EFFECTIVENESS)
+    update_effectiveness(shared_onboard[0]["vehicle"], LANDER, record[0])
+    return record["matrix"][0]
 
 
 @kernel
@@ -126,11 +124,22 @@ def watch_of(shared_onboard, effectiveness):
 FAULTS = [("stuck off", 1.0), ("stuck on", 0.0), ("degraded", 0.5), ("degraded", 0.2)]
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize(("kind", "loss"), FAULTS)
+def long_unless(short, *values):
+    """A case that the suite makes if it is ``short``."""
+    return pytest.param(*values, marks=[] if short else pytest.mark.long)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "loss"),
+    [
+        long_unless(number // 2 % len(FAULTS) == k, name, *fault)
+        for number, name in enumerate(NAMES)
+        for k, fault in enumerate(FAULTS)
+    ],
+)
 def test_every_thruster_is_named_with_its_fault(watch_of, name, kind, loss):
-    """22 thrusters times four faults, first flown sound for 4 s; in turn in free fall, and in air that shakes
-    the vehicle with 0.1 % of its load from one cycle to the next.  Nothing else is ever named.
+    """22 thrusters times four faults, one for each in the suite, first flown sound for 4 s; in free fall, or
+    in air that shakes the vehicle with 0.1 % of its load from one cycle to the next.  Nothing else is named.
     """
     watch, number = watch_of(NAMES.index(name)), NAMES.index(name)
     load = 35e3 * ((number + FAULTS.index((kind, loss))) % 2)
@@ -149,8 +158,14 @@ def test_every_thruster_is_named_with_its_fault(watch_of, name, kind, loss):
     assert np.flatnonzero(watch.shut).tolist() == ([watch.branch[number]] if kind == "stuck on" else [])
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if not name.startswith("F")])
-@pytest.mark.parametrize(("kind", "loss"), [("stuck off", 1.0), ("degraded", 0.5)])
+@pytest.mark.parametrize(
+    ("name", "kind", "loss"),
+    [
+        long_unless(number % 2 == k, name, *fault)
+        for number, name in enumerate(name for name in NAMES if not name.startswith("F"))
+        for k, fault in enumerate([("stuck off", 1.0), ("degraded", 0.5)])
+    ],
+)
 def test_without_meters_force_and_torque_name_the_250_n_thrusters(watch_of, name, kind, loss):
     watch, number = watch_of(NAMES.index(name), metered=False), NAMES.index(name)
     who = np.array([not other.startswith("F") for other in NAMES])
@@ -169,7 +184,7 @@ def test_a_cold_catalyst_is_named_by_force_and_torque_though_the_flow_is_sound(w
     assert watch.found == [(name, "degraded")]
 
 
-@pytest.mark.parametrize("branch", range(11))
+@pytest.mark.parametrize("branch", [long_unless(branch % 3 == 0, branch) for branch in range(11)])
 def test_a_dead_meter_costs_no_thruster_where_force_and_torque_speak(watch_of, branch):
     watch = watch_of(branch)
     for k in range(800):
@@ -198,10 +213,16 @@ def test_a_loss_of_all_thrusters_is_the_propellants_and_nobodys_fault(watch_of, 
     assert watch.memory["flow"]["common"][0] == pytest.approx(loss, abs=0.04)
 
 
-@pytest.mark.parametrize("load", [0.0, 35e3])
-def test_a_leak_is_shut_off_within_four_cycles_and_its_thruster_named_within_five_seconds(watch_of, load):
+@pytest.mark.parametrize(
+    ("load", "some"),
+    [(0.0, slice(0, None, 2)), (35e3, slice(1, None, 2))]
+    + [pytest.param(load, slice(None), marks=pytest.mark.long) for load in (0.0, 35e3)],
+)
+def test_a_leak_is_shut_off_within_four_cycles_and_its_thruster_named_within_five_seconds(
+    watch_of, load, some
+):
     """Nothing is fired: the flow alone, and what the latch valve does to force and torque."""
-    for i, name in enumerate(NAMES):
+    for i, name in list(enumerate(NAMES))[some]:
         watch, slow, began, shut, named = watch_of(i), np.zeros(6), None, None, None
         for k in range(200):
             slow += -slow * DT + np.sqrt(2.0 * DT) * watch.rng.normal(0.0, 0.003 * load, 6) * [
@@ -258,7 +279,7 @@ def test_dead_thruster_is_named_after_a_few_cycles_of_use(watch_of):
         assert watch.asked[i] - before < 4.0
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [long_unless(seed < 2, seed) for seed in range(6)])
 def test_a_coloured_disturbance_as_large_as_the_thrusters_isolates_nothing(watch_of, seed):
     """Lateral force and torque wander by 250 N and N m within a second, as those of air and riser may under
     their load.
@@ -270,9 +291,10 @@ def test_a_coloured_disturbance_as_large_as_the_thrusters_isolates_nothing(watch
     assert watch.found == []
 
 
-def test_sound_vehicle_is_left_alone_for_twenty_minutes(watch_of):
+@pytest.mark.parametrize("minutes", [4, pytest.param(20, marks=pytest.mark.long)])
+def test_sound_vehicle_is_left_alone(watch_of, minutes):
     watch = watch_of(5)
-    for _ in range(30_000):
+    for _ in range(round(60 * minutes / DT)):
         watch.cycle()
     assert watch.found == [] and np.all(watch.healthy == 1)
 

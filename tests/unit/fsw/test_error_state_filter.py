@@ -8,6 +8,7 @@ import made_up_instruments as instruments
 import made_up_landing as landing
 import numpy as np
 import pytest
+from as_flown import as_flown
 from scipy.linalg import expm
 from textbook_filter import TextbookFilter, matrix, skew
 
@@ -24,6 +25,7 @@ ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
 #: Every reading counts fully, as in the textbook.
 ALL_COUNT = belief.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
 UNSURE = belief.params_record(unknown_rate_deg_s=60.0)
+FILL_TRANSITION = "mu, r_I, memory.interval, memory.transition"
 CENTRE, ARM = np.array(instruments.CENTRE), np.array(instruments.ARM)
 
 
@@ -110,7 +112,8 @@ def test_covariance_is_symmetric_and_positive_all_the_way(descent):
 def test_transition_is_the_exponential_of_constant_motion():
     T, f, w = 0.5, np.array([2.0, -7.0, 3.0]), np.array([0.0, 0.0, 0.02])
     r, C = np.array([2.1e6, 1.9e6, 1.8e6]), matrix(np.array([0.5, 0.5, 0.5, 0.5]))
-    interval = landing.records()[4][0]["interval"]
+    memory = landing.records()[4][0]
+    interval = memory["interval"]
     interval["dt"], interval["gain"], interval["path"] = T, f * T, 0.5 * f * T**2
     interval["frame"] = C * T
     for k in range(3):
@@ -122,8 +125,8 @@ def test_transition_is_the_exponential_of_constant_motion():
     F[3:6, 6:9], F[3:6, 12:15], F[6:9, 9:12] = -skew(f), -C, -C
     for k in range(3):
         F[6:9, 16 + 3 * k : 19 + 3 * k], F[3:6, 25 + 3 * k : 28 + 3 * k] = -C * w[k], -C * (C.T @ f)[k]
-    made = np.zeros((MOVING, 34))
-    fill_transition(course.MU, tuple(r), interval, made)
+    as_flown(fill_transition, "mu, r_I, memory", FILL_TRANSITION)(course.MU, tuple(r), memory)
+    made = memory["transition"][:MOVING, :34]
     assert made == pytest.approx(expm(F * T)[:MOVING, :34], rel=1e-6, abs=1e-6)
 
 

@@ -4,13 +4,14 @@ and a suspect goes first.
 
 import numpy as np
 import pytest
+from thruster_bench import modulate, open_for_test, opposite, pair_to_test
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
-from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS
-from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams, opposite, pair_to_test
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
+from edl6dof.fsw.diagnosis.exercise import ExerciseParams
 from edl6dof.fsw.diagnosis.hypotheses import NONE, STUCK_OFF
-from edl6dof.fsw.modulation import MODULATION, ModulationParams, modulate, open_for_test
+from edl6dof.fsw.modulation import ModulationParams
+from edl6dof.fsw.onboard import FSW
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 LANDER = 0b111
@@ -25,73 +26,52 @@ def vehicle(shared_onboard):
 
 @pytest.fixture(scope="module")
 def effectiveness(vehicle):
-    table = np.zeros((32, 6))
-    effectiveness_matrix(
-        vehicle["thrusters"],
-        int(vehicle["n_thrusters"]),
-        tuple(vehicle["configuration"][LANDER]["centre"]),
-        table,
-    )
-    return table
+    record = np.zeros(1, EFFECTIVENESS)
+    update_effectiveness(vehicle, LANDER, record[0])
+    return record["matrix"][0]
 
 
 class Bench:
     """The exercise and the modulator in a loop over control cycles of a phase that began at t = 0."""
 
     def __init__(self, vehicle, effectiveness, sideways=True, **settings):
-        self.vehicle, self.effectiveness, self.count = vehicle, effectiveness, int(vehicle["n_thrusters"])
-        self.params, self.memory = np.zeros(1, dtype_of(ExerciseParams)), np.zeros(1, EXERCISE)
+        self.vehicle, self.fsw = vehicle, np.zeros(1, FSW)
+        self.params, self.diagnosis = np.zeros(1, dtype_of(ExerciseParams)), self.fsw["diagnosis"]
         fill(self.params[0], ExerciseParams(**settings))
         self.modulation = np.zeros(1, dtype_of(ModulationParams))
         fill(self.modulation[0], ModulationParams())
-        self.diagnosis, self.modulator, self.healthy = (
-            np.zeros(1, DIAGNOSIS),
-            np.zeros(1, MODULATION),
-            np.ones(32, "i8"),
-        )
+        self.memory, self.healthy = self.diagnosis["exercise"], self.fsw["health"]["thruster"][0]
+        self.healthy[:], self.fsw["effectiveness"]["matrix"] = 1, effectiveness
         self.t, self.sideways, self.axial = 100.0, sideways, 1e4
-        self.opens, self.closes = np.zeros(32), np.zeros(32)
+        self.opens, self.closes = (self.fsw["command"][name][0] for name in ("opens", "closes"))
         self.memory["used"] = self.memory["tested"] = 99.0
         self.on_time, self.last = np.zeros(32), (NONE, NONE)
 
     def cycle(self, firing=()):
         """One control cycle with ``firing`` commanded; returns the thrusters that are tested from now on."""
-        opens, closes, duty = self.opens, self.closes, np.zeros(32)
+        duty = self.fsw["allocation"]["duty"][0]
+        duty[:] = 0.0
         duty[list(firing)] = 1.0
-        modulate(self.modulation[0], self.vehicle, duty, self.t, DT, self.modulator[0], opens, closes)
-        pair = pair_to_test(
-            self.params[0],
-            self.vehicle,
-            self.effectiveness,
-            self.healthy,
-            self.diagnosis[0],
-            self.modulator[0]["busy_until"],
-            opens,
-            closes,
-            self.sideways,
-            self.axial,
-            0.0,
-            self.t,
-            DT,
-            self.memory[0],
-        )
+        modulate(self.modulation, self.vehicle, self.t, DT, self.fsw)
+        pair = pair_to_test(self.params, self.vehicle, self.sideways, self.axial, 0.0, self.t, DT, self.fsw)
         tested = {i for i in pair if i != NONE}
         for i in tested:
-            open_for_test(i, self.vehicle, self.t, DT, self.modulator[0], opens, closes)
+            open_for_test(i, self.vehicle, self.t, DT, self.fsw)
         self.t += DT
-        self.on_time += closes - opens
+        self.on_time += self.closes - self.opens
         return tested
 
 
 def test_opposite_has_the_opposite_torque_and_lateral_force(vehicle, effectiveness):
     """For the axial thrusters the forces along the axis add up, which turns nothing."""
-    count = int(vehicle["n_thrusters"])
+    count, fsw = int(vehicle["n_thrusters"]), np.zeros(1, FSW)
+    fsw["effectiveness"]["matrix"] = effectiveness
     for i in range(count):
-        j = opposite(effectiveness, count, i)
+        j = opposite(count, i, fsw)
         turns = effectiveness[:count, 1:]
         left = np.linalg.norm(turns + turns[i], axis=1) / np.linalg.norm(turns[i])
         assert left[j] < 0.1 and np.sum(left < 0.1) == 1
-    assert [opposite(effectiveness, count, i) for i in range(8)] == [5, 4, 7, 6, 1, 0, 3, 2]
+    assert [opposite(count, i, fsw) for i in range(8)] == [5, 4, 7, 6, 1, 0, 3, 2]
 
 
 def test_every_test_cancels_and_all_eight_are_reached_within_four_tenths_of_a_second(vehicle, effectiveness):

@@ -176,7 +176,7 @@ def fly(*sets):
     return edl6dof.fly("zheng2015", [*OWN, *sets])
 
 
-@pytest.mark.parametrize("density", [0.85, 1.0, 1.4])
+@pytest.mark.parametrize("density", [0.85, pytest.param(1.0, marks=pytest.mark.long), 1.4])
 def test_point_mass_ends_at_the_aim_point_in_any_air(density):
     flight = fly(f"truth={{atmosphere.density_factor: {density}}}")
     assert flight.success
@@ -191,7 +191,7 @@ def test_load_keeps_its_limit_at_the_price_of_altitude():
     assert held.metrics["parachute_miss_m"] < 1000.0
 
 
-@pytest.mark.parametrize("rate, most_km", [(20.0, 0.5), (10.0, 1.0)])
+@pytest.mark.parametrize("rate, most_km", [pytest.param(20.0, 0.5, marks=pytest.mark.long), (10.0, 1.0)])
 def test_slow_roll_is_foreseen(rate, most_km):
     """One reversal, begun early enough and made up for by the bank before and after it."""
     flight = fly(f"{ENTRY}.bank_rate_deg_s={rate}", f"{ENTRY}.fnpeg.reversals=1")

@@ -83,7 +83,7 @@ def flown(record, start, rows):
     bank, roll = 0.0, float(record["guidance"]["entry"]["bank_rate"])
     for here, after in zip(rows, rows[1:], strict=False):
         span, goal = (here["t"], after["t"]), here["bank"]
-        s = solve_ivp(rates, span, s, args=(span[0], bank, goal), rtol=1e-8, atol=1e-3).y[:, -1]
+        s = solve_ivp(rates, span, s, args=(span[0], bank, goal), rtol=1e-6, atol=1e-2).y[:, -1]
         most = roll * (span[1] - span[0])
         bank += np.clip(goal - bank, -most, most)
     turned = -spin * rows["t"][-1]

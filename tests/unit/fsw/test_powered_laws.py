@@ -168,7 +168,7 @@ def test_planned_arrival_stays_where_it_is_if_nothing_disturbs_the_law(onboard, 
     assert np.ptp(arrivals) < 0.02
 
 
-@pytest.mark.parametrize("reserve", [0.0, 0.1, 0.2])
+@pytest.mark.parametrize("reserve", [0.0, pytest.param(0.1, marks=pytest.mark.long), 0.2])
 @pytest.mark.parametrize("law", PLANNING)
 def test_plan_ends_on_the_throttle_band_less_the_reserve(onboard, law, reserve):
     """Straight down on an ideal engine, whose mass is that of the rocket equation with what it has truly
@@ -190,9 +190,15 @@ def test_plan_ends_on_the_throttle_band_less_the_reserve(onboard, law, reserve):
 
 @pytest.mark.parametrize("law", WITH_A_POINT)
 @pytest.mark.parametrize(
-    "height, velocity", [(1200.0, (5.0, 3.0, 62.0)), (1230.0, (-12.0, 8.0, 70.0)), (1190.0, (0.0, 1.0, 55.0))]
+    "height, velocity, divert",
+    [
+        pytest.param(*start, divert, marks=[] if i == k else pytest.mark.long)
+        for i, start in enumerate(
+            [(1200.0, (5.0, 3.0, 62.0)), (1230.0, (-12.0, 8.0, 70.0)), (1190.0, (0.0, 1.0, 55.0))]
+        )
+        for k, divert in enumerate([0.0, 170.0, 400.0])
+    ],
 )
-@pytest.mark.parametrize("divert", [0.0, 170.0, 400.0])
 def test_law_brings_the_lander_to_rest_at_the_target_on_the_engine_it_has(
     onboard, law, height, velocity, divert
 ):
@@ -212,8 +218,14 @@ def test_law_brings_the_lander_to_rest_at_the_target_on_the_engine_it_has(
     assert spent > MASS * (1.0 - exp(-upwards / (G0 * engine["specific_impulse"])))
 
 
-@pytest.mark.parametrize("law", POWERED_LAWS.names)
-@pytest.mark.parametrize("wrong", ["mass", "engine", "velocity"])
+@pytest.mark.parametrize(
+    ("law", "wrong"),
+    [
+        pytest.param(law, wrong, marks=pytest.mark.long if (law, wrong) == ("convex", "engine") else [])
+        for law in POWERED_LAWS.names
+        for wrong in ("mass", "engine", "velocity")
+    ],
+)
 def test_a_call_ends_even_where_what_it_is_given_is_not_finite_or_not_there(onboard, law, wrong):
     """What comes out is looked at in every cycle of a flight; a call that never returned would not be."""
     body = PointMass(1200.0, (5.0, 3.0, 62.0))

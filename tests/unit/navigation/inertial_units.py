@@ -3,11 +3,13 @@
 from math import pi, radians
 
 import numpy as np
+from as_flown import as_flown
 
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.redundancy import REDUNDANT, prepare
 
 G0 = 9.80665
+_prepare = as_flown(prepare, "unit, number, in_use, memory", "unit.gyro_axis, number, in_use, memory")
 DT = 0.02
 
 
@@ -43,6 +45,7 @@ def believed_unit(number: int = 6) -> np.ndarray:
 
 def redundant(axes: np.ndarray, in_use: int) -> np.ndarray:
     """``REDUNDANT`` record, shape (1,), with the matrices of a set."""
-    memory = np.zeros(1, REDUNDANT)
-    prepare(axes, len(axes), in_use, memory[0])
+    memory, unit = np.zeros(1, REDUNDANT), np.zeros(1, INSTRUMENTS)[0]
+    unit["gyro_axis"][: len(axes)] = axes
+    _prepare(unit, len(axes), in_use, memory[0])
     return memory

@@ -18,7 +18,7 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.scenario.records import build_records
 
-FLIGHTS, CYCLES, STARS_UNTIL = 200, 15_000, 1_500
+FLIGHTS, CYCLES, STARS_UNTIL = 100, 15_000, 1_500
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +172,7 @@ def test_without_errors_navigation_is_the_truth(onboard, flown):
 
 
 def test_covariance_equals_flights_with_drawn_errors(onboard, flown):
-    """NEES of position, velocity and attitude inside 95 % bounds over 200 flights, in each part of the
+    """NEES of position, velocity and attitude inside 95 % bounds over 100 flights, in each part of the
     flight; no sound instrument is excluded.
     """
     rng, marks = np.random.default_rng(7), [STARS_UNTIL + 100, 5_500, 9_000, CYCLES]

@@ -39,14 +39,11 @@ def test_ideal_meters_count_what_flows():
 def test_errors_of_the_copies_have_the_given_spread_and_differ_from_case_to_case():
     """Slopes of the count with and without flow."""
     scales, biases = [], []
+    full, span = meters().case["branches"]["full_flow"][:N], 5 * H
     for case in range(60):
-        bench = meters(case, scale_pct=1.0, bias_pct=0.2)
-        full = bench.case["branches"]["full_flow"][:N]
-        open_, shut = (
-            counts(meters(case, scale_pct=1.0, bias_pct=0.2), 51, flow)[-1] for flow in (full, 0.0)
-        )
-        biases.append(shut / full)  # in one second
-        scales.append((open_ - shut) / full - 1.0)
+        open_, shut = (counts(meters(case, scale_pct=1.0, bias_pct=0.2), 6, flow)[-1] for flow in (full, 0.0))
+        biases.append(shut / (full * span))
+        scales.append((open_ - shut) / (full * span) - 1.0)
     for values, sigma in ((np.array(scales), 0.01), (np.array(biases), 0.002)):
         assert values.std() == pytest.approx(sigma, rel=5.0 / np.sqrt(2.0 * values.size))
         assert abs(values.mean()) < 5.0 * sigma / np.sqrt(values.size)

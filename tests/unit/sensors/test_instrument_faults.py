@@ -56,18 +56,18 @@ def steps(rows, kind, axis):
     ],
 )
 def test_bias_and_drift_are_counted_from_their_time_on(name, kind, unit_, fault, first, last):
-    found = steps(faulty(unit(), f"{name}: y, kind: {fault}"), kind, 1) / unit_
+    rows = faulty(unit(), f"{name}: y, kind: {fault}")
+    found = steps(rows, kind, 1) / unit_
     assert np.all(found[:50] == 0.0)
     assert found[50] == pytest.approx(first, abs=1e-9) and found[-1] == pytest.approx(last, abs=1e-9)
-    rows = faulty(unit(), f"{name}: y, kind: {fault}")
     assert not rows["inertial"][kind][:, [0, 2]].any()
 
 
 def test_noise_has_its_standard_deviation():
     fault = "gyro: x, kind: reading_noise, reading_noise: {rate_deg_s: 2.0}"
-    found = steps(faulty(unit(), fault, cycles=2050), "angle", 0) / DEG
+    found = steps(faulty(unit(), fault, cycles=650), "angle", 0) / DEG
     assert np.all(found[:50] == 0.0)
-    assert found[50:].std() == pytest.approx(2.0, rel=5.0 / np.sqrt(4000.0))
+    assert found[50:].std() == pytest.approx(2.0, rel=5.0 / np.sqrt(1200.0))
 
 
 def test_stuck_goes_on_as_before_and_an_outage_counts_nothing():
@@ -135,8 +135,8 @@ def test_beam_sticks_scatters_and_locks_on_nothing_real():
     bench = radar(1000.0, range_noise_m=1.0)
     held = faulty(bench, "beam: b1, kind: reading_stuck")["radar"]["range"]
     assert np.ptp(held[:51, 0]) > 0.0 and np.ptp(held[50:, 0]) == 0.0 and np.ptp(held[51:, 1]) > 0.0
-    noisy = faulty(radar(1000.0), "beam: b1, kind: reading_noise, reading_noise: {range_m: 9.0}", cycles=1050)
-    assert noisy["radar"]["range"][51:, 0].std() == pytest.approx(9.0, rel=0.12)
+    noisy = faulty(radar(1000.0), "beam: b1, kind: reading_noise, reading_noise: {range_m: 9.0}", cycles=450)
+    assert noisy["radar"]["range"][51:, 0].std() == pytest.approx(9.0, rel=5.0 / np.sqrt(800.0))
     false = "beam: b1, kind: false_lock, false_lock: {range_m: 77.0, speed_m_s: 3.0}"
     locked = faulty(radar(9000.0), false)["radar"]
     assert not locked["locked"][:51].any() and not locked["locked"][:, 1:].any()
@@ -164,9 +164,9 @@ def test_flow_meter_is_off_by_its_fault(fault, first, last):
 
 def test_flow_meter_sticks_and_scatters():
     noise = "flow_meter: D16, kind: reading_noise, reading_noise: {flow_kg_s: 0.02}"
-    flow = np.diff(faulty(meters(), noise, cycles=2050, flow=0.1)["branch_used"][:, :2], axis=0) / H
-    assert flow[50:, 0].std() == pytest.approx(0.02, rel=5.0 / np.sqrt(4000.0))
-    assert flow[50:, 0].mean() == pytest.approx(0.1, abs=5.0 * 0.02 / np.sqrt(2000.0))
+    flow = np.diff(faulty(meters(), noise, cycles=650, flow=0.1)["branch_used"][:, :2], axis=0) / H
+    assert flow[50:, 0].std() == pytest.approx(0.02, rel=5.0 / np.sqrt(1200.0))
+    assert flow[50:, 0].mean() == pytest.approx(0.1, abs=5.0 * 0.02 / np.sqrt(600.0))
     np.testing.assert_allclose(flow[:, 1], 0.1)
     stuck = "flow_meter: D16, kind: reading_stuck"
     held = np.diff(faulty(meters(noise_pct=1.0), stuck, flow=0.1)["branch_used"][:, :2], axis=0) / H

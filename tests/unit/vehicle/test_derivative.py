@@ -32,7 +32,8 @@ def points():
         loaded = edl6dof.load(name, ["wind.gust.enabled=true"])
         case, tables, _ = records.build_records(loaded)
         for t in times:
-            plant = fly(loaded, save_at_s=t).saved.plant
+            until = edl6dof.load(name, ["wind.gust.enabled=true", f"simulation.time_limit_s={t + 0.5}"])
+            plant = fly(until, save_at_s=t).saved.plant
             for apart in (0.0, 1e-3, 1.0, 1e4):
                 y = plant["y"][0].copy()
                 y[:3] += apart * rng.normal(size=3)

@@ -10,6 +10,8 @@ and 670 Pa, SR03 67.4 klbf at Mach 1.85 and 932 Pa (abstract of O'Farrell et al.
 of vehicles, the diameter of Phoenix's canopy, and the states of deployment but those of SR02 and SR03.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -23,6 +25,7 @@ SOUND, LBF = 225.0, 4.448222
 FACTOR, SPEED, DECAY = 1.344, 27.2, 0.25
 
 
+@cache
 def opening(diameter, mass, packed, mach, pressure, vehicle_area, stiffness):
     """Peak tension (N), and peak deceleration of the vehicle (m/s2)."""
     chute = np.zeros(1, PARACHUTE_PARAMS).view(np.recarray)[0]
@@ -80,7 +83,8 @@ def test_behind_a_slender_body_the_coefficients_of_a_capsule_say_too_little(case
 
 def peak_over_drag(*changes):
     """Peak tension of the nominal flight over the drag of the open canopy at full inflation."""
-    flight = edl6dof.fly("tianwen1", [f"vehicle.parachutes.main.{change}" for change in changes])
+    limit = "simulation.time_limit_s=300"  # all open by then
+    flight = edl6dof.fly("tianwen1", [limit, *(f"vehicle.parachutes.main.{change}" for change in changes)])
     chute, rows = flight.scenario.vehicle.main_parachute, flight.telemetry
     taut = next(one["t_s"] for one in flight.events if one["key"] == "line_stretch")
     full = taut + chute.diameter_m / SPEED
@@ -97,9 +101,9 @@ def test_the_peak_tension_is_drag_times_the_opening_load_factor_once_nothing_is_
     """
     stated = edl6dof.load("tianwen1").scenario.vehicle.main_parachute.disk_gap_band.dynamic_load_factor
     once = "disk_gap_band.dynamic_load_factor=1"
-    phases = [f"area_oscillation_frequency_hz={f}" for f in (2.6, 2.8, 3.0, 3.2, 3.4)]
+    phases = [f"area_oscillation_frequency_hz={f}" for f in (2.6, 3.0, 3.4)]
     moved = [peak_over_drag("area_oscillates=always", once, phase) for phase in phases]
     assert 1.05 * FACTOR < max(moved) < 1.25 * FACTOR and 0.85 * FACTOR < min(moved) < FACTOR
-    for phase in phases[::2]:
-        assert peak_over_drag("area_oscillates=open", once, phase) == pytest.approx(stated * FACTOR, rel=0.01)
+    one = peak_over_drag("area_oscillates=open", once, phases[0])
+    assert one == pytest.approx(stated * FACTOR, rel=0.01)
     assert peak_over_drag("area_oscillates=open") == pytest.approx(FACTOR, rel=0.01)

@@ -95,14 +95,14 @@ TWO_TANKS = f"vehicle.tanks=[{{name: a, mass_kg: 3, {_PLACE}}}, {{name: b, mass_
 def test_tanks_drawn_on_together_run_empty_together():
     flown = Flown(*WEIGHTLESS, TWO_TANKS)
     left = flown.plant["y"][0, PROPELLANT : PROPELLANT + 2]
-    flown.to(20.0)
+    flown.to(20.0, 0.05)
     assert left == pytest.approx(LOADS_KG * (1.0 - 20.0 * FLOW / LOADS_KG.sum()), rel=1e-12)
     flown = Flown(*WEIGHTLESS, TWO_TANKS).to(60.0, 1.0)
     assert flown.plant["exhausted_time"][0, :2] == pytest.approx(LOADS_KG.sum() / FLOW, abs=3e-9)
     assert flown.plant["y"][0, PROPELLANT : PROPELLANT + 2].tolist() == [0.0, 0.0]
 
 
-@pytest.mark.parametrize("step", [0.01, 1.0])
+@pytest.mark.parametrize("step", [0.1, 1.0])
 def test_an_empty_tank_starves_what_it_alone_feeds_and_the_others_give_all(step):
     """A draws on both tanks, B on the small one: that is empty first, B goes out, and A pushes alone on what
     is left in the other.
@@ -149,9 +149,14 @@ def test_line_stretch_is_that_of_a_straight_line():
     assert flown.plant["line_stretch_time"][0, 0] == pytest.approx(time, abs=5e-9)
 
 
+@pytest.fixture(scope="module")
+def fall():
+    """When the vehicle touches down."""
+    return Flown(*FLAT).to(20.0, 0.01).plant["touchdown_time"][0]
+
+
 @pytest.mark.parametrize("apart", [-6e-3, -1e-6, -2e-9, 0.0, 2e-9, 1e-6, 5e-3])
-def test_two_events_in_one_step_both_come_each_in_its_time(apart):
-    fall = Flown(*FLAT).to(20.0, 0.01).plant["touchdown_time"][0]
+def test_two_events_in_one_step_both_come_each_in_its_time(fall, apart):
     flown = Flown(*FLAT)
     flown.plant["y"][0, PROPELLANT] = (fall + apart) * FLOW
     evaluate(*flown)

@@ -2,26 +2,36 @@
 
 import numpy as np
 import pytest
+from as_flown import as_flown
 from charts import new
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.dispatch import NUMBER
+from edl6dof.fsw.hazard import drift as kernels
 from edl6dof.fsw.hazard.coarse import COARSE, CoarseParams, choose_part
-from edl6dof.fsw.hazard.drift import (
-    DRIFT,
-    DRIFTER,
-    LASTING,
-    distance_from_drifts,
-    follow_wind,
-    predict_drift,
-    predict_drifts,
-)
+from edl6dof.fsw.hazard.drift import DRIFT, DRIFTER
 from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.fsw.onboard import NODES, ONBOARD
+from edl6dof.fsw.onboard import FSW, NODES, ONBOARD
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.sensed import CAMERA
 from edl6dof.spatial.quaternion import from_axes
 
+#: Kernels given the memory of hazard detection, of which they get their part.
+predict_drifts = as_flown(
+    kernels.predict_drifts,
+    "air, drifter, nav, memory",
+    "air, drifter, memory.carried_N, nav, memory.coarse.drift",
+)
+predict_drift = as_flown(
+    kernels.predict_drift,
+    "air, drifter, lasting, nav, memory",
+    "air, drifter, memory.carried_N, lasting, nav, memory.coarse.drift[0]",
+)
+follow_wind = as_flown(kernels.follow_wind, "seconds, nav, dt, memory", "seconds, nav, dt, memory.carried_N")
+distance_from_drifts = as_flown(
+    kernels.distance_from_drifts, "memory, east, north", "memory.coarse.drift, east, north", NUMBER
+)
 MIDDLES = (2.0 * np.arange(CAMERA_CELLS) + 1.0) / CAMERA_CELLS - 1.0
 #: Of the cells, along z (rows) and y (columns) of B; as the lander hangs below, y points south and z east.
 Z, Y = np.meshgrid(MIDDLES, MIDDLES, indexing="ij")
@@ -101,20 +111,22 @@ def test_part_below_the_drift_is_not_taken():
 
 
 def test_distance_from_the_drift_is_that_of_the_nearest_path():
-    drifts = np.zeros(len(LASTING), DRIFT)
-    assert distance_from_drifts(drifts, 50.0, 30.0) == 1e9
+    memory = new(FSW["hazard"])
+    drifts = memory["coarse"]["drift"]
+    assert distance_from_drifts(memory, 50.0, 30.0) == 1e9
     drifts[0]["count"] = drifts[2]["count"] = 3
     drifts[0]["place_L"][:3] = [(0.0, 0.0, 900.0), (100.0, 0.0, 300.0), (200.0, 0.0, 0.0)]
     drifts[2]["place_L"][:3] = [(0.0, 0.0, 900.0), (0.0, 50.0, 300.0), (0.0, 300.0, 0.0)]
-    assert distance_from_drifts(drifts, 50.0, 30.0) == pytest.approx(30.0)
-    assert distance_from_drifts(drifts, 20.0, 200.0) == pytest.approx(20.0)
-    assert distance_from_drifts(drifts, 230.0, -40.0) == pytest.approx(50.0)
+    assert distance_from_drifts(memory, 50.0, 30.0) == pytest.approx(30.0)
+    assert distance_from_drifts(memory, 20.0, 200.0) == pytest.approx(20.0)
+    assert distance_from_drifts(memory, 230.0, -40.0) == pytest.approx(50.0)
 
 
 def test_lasting_gust_is_one_path_and_one_that_dies_another():
-    nav, drifter, drifts = navigated((9.0, 3.0, 62.0)), new(DRIFTER), np.zeros(len(LASTING), DRIFT)
-    drifter["mass"], drifter["drag_area"] = 168.0, 139.0
-    predict_drifts(air(), drifter, np.array([9.0, 3.0]), nav, drifts)
+    nav, drifter, memory = navigated((9.0, 3.0, 62.0)), new(DRIFTER), new(FSW["hazard"])
+    drifter["mass"], drifter["drag_area"], memory["carried_N"] = 168.0, 139.0, (9.0, 3.0)
+    predict_drifts(air(), drifter, nav, memory)
+    drifts = memory["coarse"]["drift"]
     ends = np.array([path["place_L"][path["count"] - 1, :2] for path in drifts])
     # of the expected wind alone, 2.4 and -4.8 m/s there, and with what the vehicle was carried by beside it
     seconds = drifts[0]["count"] - 1
@@ -133,9 +145,10 @@ def air():
 
 
 def test_drift_is_that_of_an_integrated_fall():
-    nav, drifter, out = navigated((9.0, 3.0, 62.0)), new(DRIFTER), new(DRIFT)
-    drifter["mass"], drifter["drag_area"] = 168.0, 139.0
-    predict_drift(air(), drifter, np.array([7.0, 2.0]), 1.0, nav, out)
+    nav, drifter, memory = navigated((9.0, 3.0, 62.0)), new(DRIFTER), new(FSW["hazard"])
+    drifter["mass"], drifter["drag_area"], memory["carried_N"] = 168.0, 139.0, (7.0, 2.0)
+    predict_drift(air(), drifter, 1.0, nav, memory)
+    out = memory["coarse"]["drift"][0]
 
     def slope(_, y):
         height = y[2]
@@ -159,9 +172,9 @@ def test_drift_is_that_of_an_integrated_fall():
 
 
 def test_wind_is_what_is_left_of_the_velocity_without_the_swings():
-    carried, nav = np.zeros(2), navigated()
+    memory, nav = new(FSW["hazard"]), navigated()
     for k in range(3000):
         swing = 6.0 * np.sin(2.0 * np.pi * k * 0.02 / 4.0)
         nav["v_N"] = (5.0 + swing, -3.0 - swing, 60.0)
-        follow_wind(10.0, nav, 0.02, carried)
-    assert carried == pytest.approx((5.0, -3.0), abs=0.5)
+        follow_wind(10.0, nav, 0.02, memory)
+    assert memory["carried_N"] == pytest.approx((5.0, -3.0), abs=0.5)

@@ -1,0 +1,1 @@
+"""Tests below find ``as_flown`` and ``forked`` in this folder."""
