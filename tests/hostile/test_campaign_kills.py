@@ -26,7 +26,7 @@ STORIES = {
 }
 
 #: Of these the suite tries some operations, spread over all: one of so many.
-EVERY = {"new:before": 5, "resume:EIO": 4, "force_unfinished:after": 2}
+EVERY = {"new:before": 8, "resume:EIO": 6, "force_unfinished:after": 3}
 
 
 @pytest.fixture(scope="module")
