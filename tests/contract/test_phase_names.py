@@ -8,7 +8,7 @@ import ast
 import re
 
 import pytest
-from source_rules import modules
+from source_rules import modules, parsed
 
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
@@ -62,7 +62,7 @@ def phase_names_in(source, names):
     named = re.compile(rf"\bphase[.:] ?({'|'.join(map(re.escape, names))})\b")
     texts = [
         node.value
-        for node in ast.walk(ast.parse(source))
+        for node in ast.walk(parsed(source))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     ]
     return {text for text in texts if text in names} | {

@@ -1,14 +1,14 @@
 """Fly a small campaign in child processes, each of which dies, or meets an error, at one of its durable
 operations.
 
-    python campaign_faults.py FOLDER STORY:FAULT ...
+    python campaign_faults.py FOLDER STORY:FAULT:EVERY ...
 
 STORY is what the campaign does: ``new``, ``resume`` (its first part is there), ``force`` (another is complete
 there) or ``force_unfinished``; of these two, what goes before the operations of ``new``.  FAULT is ``before``
-or ``after`` (the process ends there at once) or the name of an error, such as ENOSPC.  Every operation is
-tried once; for each, a line of JSON tells how the program ended, what readers then say, and which table the
-next attempt gives.  Readers and the next attempt see nothing but the folder: one that was left before, byte
-for byte, is not asked again.
+or ``after`` (the process ends there at once) or the name of an error, such as ENOSPC.  Every EVERY-th
+operation is tried once; for each, a line of JSON tells how the program ended, what readers then say, and
+which table the next attempt gives.  Readers and the next attempt see nothing but the folder: one that was
+left before, byte for byte, is not asked again.
 """
 
 from __future__ import annotations
@@ -266,8 +266,9 @@ def main(folder: str, *stories: str) -> None:
     """Try every operation of each story."""
     harness = Harness(Path(folder))
     for case in stories:
-        story, fault = case.split(":")
-        for number, operation in enumerate(harness.own_operations(story), start=1):
+        story, fault, every = case.split(":")
+        operations = list(enumerate(harness.own_operations(story), start=1))
+        for number, operation in operations[:: int(every)]:
             tried = {"case": case, "operation": operation, **harness.tried(story, number, fault)}
             print(json.dumps(tried), flush=True)
 

@@ -52,9 +52,10 @@ def flown(tmp_path_factory):
     """A folder with a campaign complete, its twin, and the same campaign unfinished."""
     folder = tmp_path_factory.mktemp("flown")
     plan = load_plan(write_drop(folder), cases=CASES)
-    for name in ("complete/drops", "complete/twin"):
-        run.begin(plan, Store(folder / name), None)
-        run.fly(plan, Store(folder / name), Threads())
+    complete = Store(folder / "complete/drops")
+    run.begin(plan, complete, None)
+    run.fly(plan, complete, Threads())
+    shutil.copytree(complete.folder, folder / "complete/twin")
     store = Store(folder / "unfinished/drops")
     run.begin(plan, store, None)
     with pytest.raises(KeyboardInterrupt):
@@ -96,10 +97,11 @@ def flip(path: Path, random: Random) -> str:
     return f"{path.name}: byte {place}, bit {bit}"
 
 
-def test_every_flipped_bit_of_a_complete_campaign_is_told(lay_out):
+@pytest.mark.parametrize("numbers", [range(0, 30, 4), pytest.param(range(30), marks=pytest.mark.long)])
+def test_every_flipped_bit_of_a_complete_campaign_is_told(lay_out, numbers):
     """Nothing of a complete campaign can be flown again, so every reader says which file is damaged."""
     random, readers = Random(1), ("resume", "compare", "refly")
-    for number in range(30):
+    for number in numbers:
         folder = lay_out("complete")
         name = ("cases.parquet", "cases.parquet", "summary.json", "campaign.json", "campaign.yaml")[
             number % 5
@@ -109,10 +111,11 @@ def test_every_flipped_bit_of_a_complete_campaign_is_told(lay_out):
         assert (status, out) == (2, "") and name in err and "is damaged" in err, what
 
 
-def test_every_flipped_bit_of_an_unfinished_campaign_is_flown_again_or_told(lay_out, flown):
+@pytest.mark.parametrize("numbers", [range(0, 20, 3), pytest.param(range(20), marks=pytest.mark.long)])
+def test_every_flipped_bit_of_an_unfinished_campaign_is_flown_again_or_told(lay_out, flown, numbers):
     """The parts come back; what says which campaign it is does not."""
     random, undisturbed = Random(2), (flown / "complete/drops/cases.parquet").read_bytes()
-    for number in range(20):
+    for number in numbers:
         folder = lay_out("unfinished")
         name = (
             "parts/000000.parquet",
@@ -169,12 +172,15 @@ KINDS = (
 )
 
 
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["campaign.json", "campaign.yaml", "summary.json", "cases.parquet"])
-def test_file_of_a_complete_campaign_that_is_not_what_it_was(lay_out, name):
-    """A message with the folder or the file, by every command that reads it."""
+def test_file_of_a_complete_campaign_that_is_not_what_it_was(lay_out, name, every):
+    """A message with the folder or the file, by every command that reads it: each kind of damage meets every
+    third of them, the next kind others.
+    """
     needed_by = READERS if name.startswith("campaign") else ("resume", "compare", "report", "refly")
-    for how in KINDS:
-        for reader in needed_by:
+    for number, how in enumerate(KINDS):
+        for reader in list(needed_by)[number % every :: every]:
             if (how, name, reader) == ("gone", "summary.json", "resume"):
                 continue  # it is unfinished then, and flies anew
             damaged(lay_out("complete") / name, how)
@@ -194,7 +200,7 @@ PARTS = ("parts/000000.parquet", "parts/000001.sha256")
 @pytest.mark.parametrize(
     ("name", "how"),
     [
-        pytest.param(name, how, marks=[] if (place + number) % 2 else pytest.mark.long)
+        pytest.param(name, how, marks=[] if (place + number) % 3 == 1 else pytest.mark.long)
         for place, name in enumerate(PARTS)
         for number, how in enumerate(KINDS)
     ],

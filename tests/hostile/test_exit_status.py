@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from command import PROGRAM, ROOT, SHORT, finished
+from command import PROGRAM, ROOT, SHORT
 from in_process import called
 
 from edl6dof.app import exit_status
@@ -41,7 +41,7 @@ def test_status_1_is_a_flight_outside_its_limits(tmp_path):
 
 
 def test_reader_that_stops_reading_is_no_failure(tmp_path):
-    done = finished("params", "--json", cwd=tmp_path)
+    done = called("params", "--json")
     assert done.returncode == 0 and len(done.stdout) > 100_000
     line = " ".join(f"'{word}'" for word in [*PROGRAM, "params", "--json"])
     script = f"{line} | head -1 >/dev/null; exit ${{PIPESTATUS[0]}}"

@@ -10,12 +10,13 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
 from live_page import opened, wait_until_it_plays
 
+from edl6dof.app.replay import _ended_by_signals
 from edl6dof.replay.page import page
 from edl6dof.replay.server import PageServer
 
@@ -113,33 +114,50 @@ def command(recording: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
             process.kill()
 
 
-@pytest.fixture(scope="module")
-def two(recording):
-    """Two programs that serve a replay, with their ports."""
-    with command(recording) as first, command(recording) as second:
-        yield first, second
+#: What ends the programs that serve at once; the suite has time for one of them.
+ENDS = ((signal.SIGINT,), pytest.param((signal.SIGTERM, signal.SIGINT), marks=pytest.mark.long))
 
 
-def test_two_at_once_serve_the_replay(two):
-    assert two[0][1] != two[1][1]
-    for _, port in two:
+@pytest.fixture(scope="module", params=ENDS, ids=["one", "two"])
+def serving(request, recording):
+    """Programs that serve a replay, with their ports and what shall end them."""
+    with ExitStack() as stack:
+        yield [(*stack.enter_context(command(recording)), end) for end in request.param]
+
+
+def test_all_at_once_serve_the_replay(serving, server):
+    ports = [port for _, port, _ in serving]
+    assert len({port_of(server), *ports}) == 1 + len(ports)
+    for port in ports:
         status, content, _ = ask(port)
         assert status == 200 and b"wasm_bindgen" in content and b"edl6dof replay: replay.rrd" in content
         assert ask(port, hosts=["evil.example"])[0] == 403
 
 
-def test_the_served_page_plays(two, recording, tmp_path):
+def test_the_served_page_plays(serving, recording, tmp_path):
     """That it draws is seen in test_rendered.py: it is the page that is there written to a file."""
-    port = two[0][1]
+    port = serving[0][1]
     assert ask(port)[1] == page(recording, "edl6dof replay: replay.rrd")
     with opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (320, 240)) as browser:
         wait_until_it_plays(browser)
         assert browser.problems == []
 
 
-def test_they_end_when_told_to(two):
-    for (process, port), number in zip(two, (signal.SIGTERM, signal.SIGINT), strict=True):
+def test_they_end_when_told_to(serving):
+    for process, port, number in serving:
         process.send_signal(number)
         assert process.wait(timeout=10.0) == 0
         with socket.socket() as probe:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_other_ends_are_as_ctrl_c(name):
+    number = getattr(signal, name)
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        with pytest.raises(KeyboardInterrupt), _ended_by_signals():
+            signal.raise_signal(number)
+        assert signal.getsignal(number) is signal.SIG_DFL
+    finally:
+        signal.signal(number, before)

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageChops
 
+from edl6dof.api import reports
 from edl6dof.app.compare import MOST
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
@@ -62,10 +63,16 @@ def test_report_says_where_it_is(run, tmp_path, capsys, monkeypatch):
     assert out.stat().st_size > 4_000_000
 
 
-def test_figures_for_papers_are_painted(run, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize("painted", [("landing", "site"), pytest.param((), marks=pytest.mark.long)])
+def test_figures_for_papers_are_painted(run, tmp_path, capsys, monkeypatch, painted):
+    """Those of some sections, or all."""
+    report = flight_report(run)
+    if painted:
+        report = replace(report, sections=[part for part in report.sections if part.key in painted])
+        monkeypatch.setattr(reports, "report_of", lambda folder: report)
     assert command(capsys, monkeypatch, "report", run.folder, "--out", tmp_path / "r.html", "--png")[0] == 0
     written = {path.stem for path in (tmp_path / "r").glob("*.png")}
-    assert written == {figure.key for figure in flight_report(run).figures()}
+    assert written == {figure.key for figure in report.figures()} and len(written) > 2
     for path in (tmp_path / "r").glob("*.png"):
         with Image.open(path) as image:
             assert image.width == 1400, "7 in at 200 dpi"

@@ -97,7 +97,7 @@ def test_estimates_stay_in_the_set_under_a_disturbance_far_too_large(design):
 
 def remainder(setting, errors, u):
     """What D'' of an integrated flight has beyond eq. 12, and w of its errors, in the middle of 7 rows."""
-    design, y, rows = setting.design, np.array([32e3, 4500.0, -0.15]), []
+    design, y, rows = setting.design, (32e3, 4500.0, -0.15), []
     for _ in range(7):
         drag, rate = free_lift._measured(setting, errors, y)
         rows.append((*y, drag, rate, errors.excess(y[0], y[1])))

@@ -9,13 +9,23 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.studies import yan2016
-from edl6dof.studies.yan2016.experiments import OTHERS, PRINTED, UNDISTURBED, WITHIN
+from edl6dof.studies.yan2016 import experiments
+from edl6dof.studies.yan2016.experiments import CORNERS, EXPERIMENTS, OTHERS, PRINTED, UNDISTURBED, WITHIN
 from edl6dof.studies.yan2016.flights import last_outside
 from edl6dof.studies.yan2016.settling import settled_s
 
 
+@pytest.fixture(scope="module", params=["two", pytest.param("all", marks=pytest.mark.long)])
+def corners(request):
+    """Of the corners of the initial state two that are opposite, or all."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "two":
+            patch.setattr(experiments, "CORNERS", (CORNERS[0], CORNERS[-1]))
+        yield len(experiments.CORNERS)
+
+
 @pytest.fixture(scope="module")
-def yan():
+def yan(corners):
     return yan2016.run(yan2016.RUNS, lambda done, total: None)
 
 
@@ -23,10 +33,11 @@ def of(report, experiment, label):
     return next(f.computed for f in report.findings if (f.experiment, f.label) == (experiment.name, label))
 
 
-def test_what_is_said_of_yan2016_holds(yan):
+def test_what_is_said_of_yan2016_holds(yan, corners):
     assert [found.label for found in yan.findings if not found.ok] == []
     assert of(yan, PRINTED, "disturbance estimate, largest error") < 4.0
-    assert yan.runs == yan.table.num_rows == yan2016.RUNS
+    assert yan.runs == yan.table.num_rows == len(EXPERIMENTS) * len(yan2016.LAWS) * corners
+    assert yan2016.RUNS == 96
 
 
 def test_yan2016_says_that_the_printed_disturbance_is_beyond_the_lift(yan):

@@ -10,7 +10,7 @@ from edl6dof.studies.cases import values
 from edl6dof.studies.zheng2015 import experiments, findings
 from edl6dof.studies.zheng2015.tracking import error_over_bound, input_shortage
 
-RUNS = 12
+RUNS = 6
 
 
 @pytest.fixture(scope="module")

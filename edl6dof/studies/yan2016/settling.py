@@ -7,6 +7,7 @@ proportional-derivative law, which only decays.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import copysign
 
 import numpy as np
@@ -25,6 +26,7 @@ def settled_s(start: float, gains: tuple[float, float], exponent: float, share: 
     return last_outside(t, _errors(start, gains, exponent, len(t)), share * start)
 
 
+@lru_cache(maxsize=4)  # asked for several shares in turn
 def _errors(start: float, gains: tuple[float, float], exponent: float, steps: int) -> np.ndarray:
     """Errors at all steps, by the midpoint rule."""
     powers = exponent, 2.0 * exponent / (1.0 + exponent)
