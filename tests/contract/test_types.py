@@ -36,11 +36,25 @@ def test_the_sources_are_clean(words):
     assert answer.returncode == 0, answer.stdout + answer.stderr
 
 
+#: Mistakes, and what each of them is called.
+WRONG_TYPES = {
+    "y: int = 'one'": "assignment",
+    "offset('x', 3)": "arg-type",
+    "np.zeross(3)": "attr-defined",
+    "_: float = a.shape": "assignment",
+}
+
+
 def test_a_wrong_type_is_found(tmp_path):
+    """In the use of our own functions and of numpy's arrays too, some of whose types are not read."""
     planted = tmp_path / "planted.py"
-    planted.write_text("def f(x):\n    y: int = 'one'\n    return y\n")
+    imports = "import numpy as np\nfrom edl6dof.records import offset\n"
+    planted.write_text(f"{imports}def f(a: np.ndarray) -> None:\n    " + "\n    ".join(WRONG_TYPES))
     answer = asked("mypy", str(planted))
-    assert answer.returncode == 1 and "[assignment]" in answer.stdout, answer.stdout + answer.stderr
+    assert answer.returncode == 1
+    for line, code in enumerate(WRONG_TYPES.values(), start=4):
+        found = [said for said in answer.stdout.splitlines() if f"planted.py:{line}: error" in said]
+        assert found and all(f"[{code}]" in said for said in found), answer.stdout + answer.stderr
 
 
 def test_a_misspelt_word_and_a_missing_docstring_are_found(tmp_path):
