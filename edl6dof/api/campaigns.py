@@ -25,7 +25,7 @@ from edl6dof.campaign.quantiles import SHARES, Quantile, quantile
 from edl6dof.campaign.storage.documents import Summary
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import refusal
-from edl6dof.config.wording import nearest
+from edl6dof.config.named import UnknownName
 
 if TYPE_CHECKING:
     import pandas
@@ -84,11 +84,10 @@ class CampaignResult:
         """A column, shape (cases,); of numbers NaN where a case has none.
 
         Raises:
-            KeyError: there is no such column.
+            KeyError: there is no such column; the text says which was probably meant.
         """
         if column not in self.table.column_names:
-            near = nearest(column, self.table.column_names)
-            raise KeyError(f"no column {column!r}" + (f"; did you mean {near!r}?" if near else ""))
+            raise UnknownName("column", column, self.table.column_names)
         if column not in self._columns:
             self._columns[column] = _array(self.table[column])
         return self._columns[column]

@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof.api.overrides import Overrides, texts
 from edl6dof.api.results import FlightResults
+from edl6dof.config.named import Named
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.runs.run import Run
@@ -119,10 +120,10 @@ class RecordedFlight(FlightResults):
         """The timeline: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the state then."""
         return self._run.events
 
-    @property
+    @cached_property
     def metrics(self) -> Mapping[str, float | None]:
         """Figures by name with unit suffix; ``None`` for what could not be formed."""
-        return self._run.summary["figures"]
+        return Named("figure", self._run.summary["figures"])
 
     @cached_property
     def checks(self) -> list[Check]:

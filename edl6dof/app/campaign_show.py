@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from math import floor, log10
 from typing import Any
 
-from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from edl6dof.app.campaign import CampaignOptions
-from edl6dof.campaign.compare import Comparison
+from edl6dof.campaign.compare import Comparison, Difference
 from edl6dof.campaign.quantiles import SHARES, flights_needed, quantile
 from edl6dof.campaign.storage.store import Store
-from edl6dof.metrics.figures import LIMITS
+from edl6dof.metrics.figures import LIMITS, figure_of_merit
 from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.numbers import significant
@@ -105,21 +105,18 @@ def show_comparison(result: Comparison) -> None:
     console.print(
         f"both succeed {both}, {a} alone {only_a}, {b} alone {only_b}, neither {neither}", markup=False
     )
-    console.print(f"a split as uneven by chance alone: p = {result.p_value:.3g} (McNemar, exact)")
-    table = Table(
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        title="Paired differences that are clear at 95 %, all figures together",
-        title_justify="left",
-    )
-    for column in ("figure", a, b, "B - A", "95 %"):
-        table.add_column(column, justify="left" if column == "figure" else "right")
-    for figure in result.figures:
-        if figure.clear:
-            numbers = (figure.mean_a, figure.mean_b, figure.difference, figure.half_width)
-            table.add_row(
-                figure.figure,
-                *(significant(number, 5) for number in numbers[:3]),
-                f"+-{significant(numbers[3], 2)}",
-            )
+    console.print(f"probability of a split as uneven by chance: {result.p_value:.3g} (McNemar, exact)")
+    title = f"Paired differences, {b} less {a}, that are clear at 95 %, all figures together"
+    table = open_table(title, "figure", "unit", *(f"{head}>" for head in (a, b, "difference", "95 %")))
+    for one in result.figures:
+        if one.clear:
+            figure = figure_of_merit(one.figure)
+            table.add_row(figure.meaning, figure.unit.label, *_numbers(one))
     console.print(table if table.row_count else "no figure differs clearly")
+
+
+def _numbers(one: Difference) -> list[str]:
+    """Means, their difference and half its interval, with the decimals that the difference is known to."""
+    places = max(1 - floor(log10(one.half_width)), 0) if one.half_width else 3
+    means = (f"{value:,.{places}f}" for value in (one.mean_a, one.mean_b))
+    return [*means, f"{one.difference:+,.{places}f}", f"+-{one.half_width:,.{places}f}"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 from rich import box
@@ -22,6 +23,12 @@ from edl6dof.report.numbers import significant
 
 #: Figures beside each other in the budget on a terminal.
 _COLUMNS = 4
+#: Letters of a line of their headings.
+_HEADING = 12
+#: Letters of a line of a figure's name.
+_LABEL = 32
+#: No table has more letters in a line.
+_WIDEST = 400
 _AXES = ("long half axis", "short half axis")
 #: Standard errors from which on a source is told from chance.
 _CLEAR = 3.0
@@ -34,7 +41,7 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
     console = Console(highlight=False, soft_wrap=True)
     flights = 2 * len(found.pairs.odd)
     console.print(f"{name}, {event}: {counted(flights, 'flight')} in {took_s:.1f} s", style="bold")
-    console.print(_spreads(found, sampled))
+    _print_whole(_spreads(found, sampled))
     if sampled is not None:
         console.print(
             f"campaign: {counted(len(sampled), 'flight')}, {len(sampled) / flights:.1f} times as many"
@@ -43,7 +50,7 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
         along, towards = (figure_of_merit(name).meaning for name in found.event.position)
         degrees = np.degrees(np.arctan2(found.axes[1, 0], found.axes[0, 0])) % 180.0
         console.print(f"long axis {degrees:.0f} deg from '{along}' to '{towards}'", markup=False)
-    console.print(_budget(found))
+    _print_whole(_budget(found))
     if found.together:
         names = ", ".join(source.name for source in found.together)
         console.print(f"not told from the rest: {names}", markup=False)
@@ -70,7 +77,7 @@ def _spreads(found: Covariance, sampled: np.ndarray | None) -> Table:
                 significant(float(beside.core[0])),
                 f"{100.0 * (spread.deviation[0] / beside.deviation[0] - 1.0):+.1f} %",
             ]
-        table.add_row(label, unit, *cells)
+        table.add_row("\n".join(wrap(label, _LABEL)), unit, *cells)
     return table
 
 
@@ -117,17 +124,22 @@ def show_alone(found: Alone, event: EventFigures) -> None:
     for target, slopes, bends in zip(targets, found.slopes, found.bends, strict=True):
         cells = map(_slope_and_bend, slopes[: len(names)], bends[: len(names)])
         table.add_row(target.path, *cells)
-    console = Console(highlight=False)
-    console.print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
-    console.print(table)
+    print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
+    _print_whole(table)
+
+
+def _print_whole(table: Table) -> None:
+    """Print a table as wide as it is: numbers are never cut."""
+    Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
 def _table(first: str, names: Sequence[str]) -> Table:
-    """An empty table with a column for each figure, headed by its meaning and unit."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="")
-    table.add_column(first, no_wrap=True)
+    """An empty table with a column for each figure, headed by its meaning and unit, word below word."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="", padding=(0, 1, 0, 0))
+    table.add_column(first, no_wrap=True, vertical="bottom")
     for figure in map(figure_of_merit, names):
-        table.add_column(f"{figure.meaning} ({figure.unit.label or '1'})", justify="right", min_width=14)
+        heading = wrap(f"{figure.meaning} ({figure.unit.label or '1'})", _HEADING, break_long_words=False)
+        table.add_column("\n".join(heading), justify="right", no_wrap=True, vertical="bottom")
     return table
 
 

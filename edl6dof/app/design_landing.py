@@ -14,7 +14,7 @@ from rich.table import Table
 from edl6dof.app.exit_status import NOT_WITHIN_LIMITS, UNAVAILABLE
 from edl6dof.app.landing_files import landing_figure, write_states
 from edl6dof.config.errors import refusal
-from edl6dof.design.landing.landing_figures import LandingFigures, figures_of
+from edl6dof.design.landing.landing_figures import TOLERANCE, Excess, LandingFigures, excesses, figures_of
 from edl6dof.design.landing.powered_start import landing_of, powered_rows, states_of
 from edl6dof.design.landing.rigid_body import RigidLanding
 from edl6dof.design.landing.successive import Converged, land
@@ -71,6 +71,9 @@ def run_design_landing(options: LandingOptions) -> int:
         return NOT_WITHIN_LIMITS
     console.print(_table(flight.name, law, landing, designed, figures_of(landing, own_t, own_x)))
     console.print(_solution(found), markup=False)
+    exceeded = excesses(landing, designed)
+    for excess in exceeded:
+        console.print(_exceeded(excess), markup=False)
     if options.out is not None:
         with atomic_file(options.out, options.force) as partial:
             write_states(partial, t, x, u)
@@ -81,7 +84,7 @@ def run_design_landing(options: LandingOptions) -> int:
         with atomic_file(options.figure, options.force) as partial:
             write_figure(landing_figure(flight.name, landing, (t, x, u), law, (own_t, own_x)), partial)
         print(options.figure)
-    return 0
+    return 0 if all(excess.tolerated for excess in exceeded) else NOT_WITHIN_LIMITS
 
 
 def _refuse_files(options: LandingOptions) -> None:
@@ -131,6 +134,13 @@ def _table(
     row("speed at the end", "m/s", "speed_m_s", places=4)
     row("tilt at the end", "deg", "end_tilt_deg", places=3)
     return table
+
+
+def _exceeded(excess: Excess) -> str:
+    """By how much a limit is exceeded, and whether that is to be expected."""
+    by = f"{excess.what}: exceeds its limit by {excess.by:.2g} {excess.unit}"
+    most = f"the {100.0 * TOLERANCE:g} % allowed between the points where the design asks for it"
+    return f"{by}, within {most}" if excess.tolerated else f"not kept: {by}, more than {most}"
 
 
 def _solution(found: Converged) -> str:

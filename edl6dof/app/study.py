@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -10,7 +11,8 @@ from pathlib import Path
 from statistics import median
 from textwrap import wrap
 
-from rich.console import Console
+from rich.console import Console, Group
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -27,8 +29,13 @@ from edl6dof.studies.write import to_json, write_study
 
 #: More flights than any study needs to settle a mean.
 MOST_RUNS = 1_000_000
-#: Letters of a line of a table's title.
+#: Letters of a line of a table.
 _WIDE = 80
+#: A number and the space to its unit, or to a percent sign.
+_UNIT, _PERCENT = (
+    re.compile(r"(?<!\S)([+-]?\d[\d.,]*) (?=[%a-zA-Z])"),
+    re.compile(r"(?<!\S)([+-]?\d[\d.,]*) (?=%)"),
+)
 
 
 #: A smaller spread, as a share of the value, is rounding: flights that do not differ in it.
@@ -108,18 +115,23 @@ def _show(study: Study, report: Report, target: Path) -> None:
 
 
 def _table(experiment: str, findings: Iterable[Finding]) -> Table:
-    """The findings of one experiment, under its name."""
-    table = open_table(experiment, "figure", "unit", "computed>", "published>", "difference>", "", "note")
-    for finding in findings:
-        table.add_row(
-            finding.label,
-            finding.unit,
-            *_numbers(finding),
-            _difference(finding),
-            _mark(finding),
-            finding.note,
-        )
+    """The findings of one experiment, under its name; a column that none of them fills is left out."""
+    rows = [(finding, (finding.unit, *_numbers(finding), *_compared(finding))) for finding in findings]
+    heads = ("unit", "computed>", "published>", "difference>", ">")
+    filled = [k for k in range(len(heads)) if any(cells[k] for _, cells in rows)]
+    table = open_table(experiment, "figure", *(heads[k] for k in filled))
+    figure = table.columns[0]
+    figure.min_width = max(len(word) for finding, _ in rows for word in finding.label.split())
+    figure.max_width = _WIDE
+    for finding, cells in rows:
+        table.add_row(_figure(finding), *(cells[k] for k in filled))
     return table
+
+
+def _figure(finding: Finding) -> Group:
+    """What a figure is, and below it what a reader must know to compare it."""
+    note = [Padding(Text(finding.note, style="dim"), (0, 0, 0, 2))] if finding.note else []
+    return Group(Text(finding.label), *note)
 
 
 def _causes(report: Report) -> list[str]:
@@ -148,7 +160,7 @@ def _grid(grid: Grid) -> Table:
     never cut.
     """
     table = Table(
-        title="\n".join(wrap(grid.title, _WIDE)),
+        title=_below_each_other(_bound(grid.title, _PERCENT), _WIDE),
         title_justify="left",
         title_style="bold",
         box=None,
@@ -157,11 +169,10 @@ def _grid(grid: Grid) -> Table:
     )
     names, *columns = zip(*grid.rows, strict=True)
     cells = [names, *(_decimals(column, like) for column, like in zip(columns, _alike(grid), strict=True))]
-    for index, (head, column) in enumerate(zip(grid.heads, cells, strict=True)):
-        width = max(map(len, (*column, *head.split())))
-        heading = "\n".join(wrap(head, width))
+    heads, widths = _headings(grid.heads, [max(map(len, column)) for column in cells])
+    for index, (head, width) in enumerate(zip(heads, widths, strict=True)):
         table.add_column(
-            heading,
+            _below_each_other(head, width),
             justify="right" if index else "left",
             header_style="dim",
             vertical="bottom",
@@ -173,6 +184,28 @@ def _grid(grid: Grid) -> Table:
     return table
 
 
+def _headings(heads: Sequence[str], least: Sequence[int]) -> tuple[list[str], list[int]]:
+    """Headings, and the widths of their columns: numbers stay with their units where the table is not too
+    wide for it.
+    """
+    for together in (_UNIT, _PERCENT):
+        bound = [_bound(head, together) for head in heads]
+        widths = [max(most, *map(len, head.split(" "))) for head, most in zip(bound, least, strict=True)]
+        if sum(widths) + len(widths) - 1 <= _WIDE:
+            break
+    return bound, widths
+
+
+def _bound(text: str, together: re.Pattern[str]) -> str:
+    """A text with no-break spaces between numbers and their units."""
+    return together.sub("\\1\u00a0", text)
+
+
+def _below_each_other(text: str, width: int) -> str:
+    """A text broken into lines at its spaces, not at its no-break spaces, which become plain."""
+    return "\n".join(wrap(text, width)).replace("\u00a0", " ")
+
+
 def _alike(grid: Grid) -> Iterator[list[float]]:
     """For each column of numbers those that have its decimals: its own, and those of its bounds."""
     of = [head.removesuffix(" from").removesuffix(" to") for head in grid.heads]
@@ -182,10 +215,11 @@ def _alike(grid: Grid) -> Iterator[list[float]]:
 
 def _decimals(column: Sequence[float], like: Sequence[float]) -> list[str]:
     """Numbers of a column with as many decimals as give the middle one of those ``like`` it three digits, two
-    at most; an infinite one is that of a flight that failed.
+    at most, none where all are whole; an infinite one is that of a flight that failed.
     """
     sizes = [abs(value) for value in like if isfinite(value) and value]
-    digits = min(max(2 - floor(log10(median(sizes))), 0), 2) if sizes else 0
+    whole = all(size.is_integer() for size in sizes)
+    digits = 0 if whole else min(max(2 - floor(log10(median(sizes))), 0), 2)
     return [
         f"{value:.{digits}f}" if isfinite(value) else "fails" if isinf(value) else "-" for value in column
     ]
@@ -202,14 +236,13 @@ def _numbers(finding: Finding) -> tuple[str, str]:
     return f"{computed} +- {significant(spread, 2)}", published
 
 
-def _difference(finding: Finding) -> str:
-    """Computed less published, where that is a flown value."""
-    if finding.bound or finding.published is None:
-        return ""
-    difference = finding.computed - finding.published
-    return f"{'' if difference < 0.0 else '+'}{significant(difference, 2)}"
-
-
-def _mark(finding: Finding) -> Text:
+def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
+    """Whether a requirement is kept; of a flown value computed less published, and whether that is
+    reproduced.
+    """
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
-    return Text(finding.result, style=style)
+    result = Text(finding.result, style=style)
+    if finding.bound or finding.published is None:
+        return result, ""
+    difference = finding.computed - finding.published
+    return f"{'' if difference < 0.0 else '+'}{significant(difference, 2)}", result

@@ -91,8 +91,8 @@ def design_landing(
     to rest at its powered target, by successive convexification; shown beside what the scenario's own law
     flies. Needs clarabel: pip install 'edl6dof[design]'.
 
-    Exit status: 0 designed, 1 no landing within the limits, 2 bad input, 69 clarabel is missing, 130
-    interrupted.
+    Exit status: 0 designed, 1 no landing within the limits or one that breaks them on its way, 2 bad input,
+    69 clarabel is missing, 130 interrupted.
     """
     load_plugins(scenario, trust=trust)
     from edl6dof.app.design_landing import LandingOptions, run_design_landing

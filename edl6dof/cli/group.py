@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from typing import Annotated, Any
 
@@ -21,16 +22,32 @@ class Command(TyperCommand):
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments and options, each with what it means."""
         arguments = [(_called(one), getattr(one, "help", "") or "") for one in self._arguments()]
-        options = [
+        records = [
             one.get_help_record(ctx) for one in self.get_params(ctx) if one.param_type_name == "option"
         ]
-        for title, rows in (("Arguments", arguments), ("Options", [row for row in options if row])):
+        options = [(names, _in_words(meaning)) for names, meaning in filter(None, records)]
+        for title, rows in (("Arguments", arguments), ("Options", options)):
             if rows:
                 with formatter.section(title):
                     formatter.write_dl(rows)
 
     def _arguments(self) -> list[Any]:
         return [one for one in self.params if one.param_type_name == "argument"]
+
+
+_RANGE = re.compile(r"(?:(?P<low>[\d.]+)<=)?x(?:(?P<sign>[<>])=(?P<bound>[\d.]+))(?=[];])")
+
+
+def _in_words(meaning: str) -> str:
+    """The meaning of an option with its bounds as words: ``1 to 1024`` for ``1<=x<=1024``."""
+
+    def words(found: re.Match[str]) -> str:
+        bound = f"{float(found['bound']):g}"
+        if found["low"]:
+            return f"{float(found['low']):g} to {bound}"
+        return f"at {'least' if found['sign'] == '>' else 'most'} {bound}"
+
+    return _RANGE.sub(words, meaning)
 
 
 def _called(argument: Any) -> str:

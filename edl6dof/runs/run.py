@@ -13,10 +13,10 @@ import numpy as np
 
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import refusal
+from edl6dof.config.named import UnknownName
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
 from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
-from edl6dof.telemetry.columns import UnknownChannel
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
 
@@ -103,7 +103,7 @@ class Run(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
             if name not in self:
-                raise UnknownChannel(name, self)
+                raise UnknownName("channel", name, self)
             # to_numpy of arrow would import pandas, a tenth of a second
             parts = [np.from_dlpack(part) for part in self._file.read([name]).column(0).chunks]
             self._columns[name] = np.concatenate(parts)
@@ -147,7 +147,7 @@ class Run(Mapping[str, np.ndarray]):
 
     def _described(self, name: str, key: bytes) -> str:
         if name not in self:
-            raise UnknownChannel(name, self)
+            raise UnknownName("channel", name, self)
         return (self._schema.field(name).metadata or {}).get(key, b"").decode()
 
     @cached_property

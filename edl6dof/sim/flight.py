@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.config.named import Named
 from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks
@@ -133,9 +134,9 @@ class Flight:
         return exclusions(self.fsw[0], self.scenario.components)
 
     @cached_property
-    def metrics(self) -> dict[str, float]:
+    def metrics(self) -> Named[float]:
         """Figures of the flight by name with unit suffix."""
-        return figures_of(self)
+        return Named("figure", figures_of(self))
 
     @cached_property
     def landing_map(self) -> LandingMap | None:

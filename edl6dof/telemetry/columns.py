@@ -7,23 +7,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from edl6dof.config.wording import nearest as nearest_name
+from edl6dof.config.named import UnknownName
 from edl6dof.records import offset
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest, rows_of_words
 from edl6dof.vehicle.plant import THRUSTER_KINDS
-
-
-class UnknownChannel(KeyError):
-    """A column that a flight does not have, with the one that was probably meant."""
-
-    def __init__(self, name: str, known: Iterable[str]):
-        super().__init__(name)
-        self._name, self._known = name, known
-
-    def __str__(self) -> str:
-        near = nearest_name(self._name, self._known)
-        return f"no channel {self._name!r}" + (f"; did you mean {near!r}?" if near else "")
 
 
 class Telemetry(Mapping[str, np.ndarray]):
@@ -53,7 +41,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         place = self._places.get(name)
         if place is None:
             if name not in self._named:
-                raise UnknownChannel(name, self)
+                raise UnknownName("channel", name, self)
             field, index = self._named[name]
             return self._log[field][:, index]
         group, field, from_si = place
@@ -147,7 +135,7 @@ def describe(name: str) -> tuple[str, str]:
     """Unit and meaning of a telemetry column.
 
     Raises:
-        UnknownChannel: there is none of this name.
+        UnknownName: there is none of this name.
     """
     if name == "t_s":
         return "s", "time since the initial state"
@@ -169,7 +157,7 @@ def describe(name: str) -> tuple[str, str]:
     if name.startswith("expected."):
         return "kg/s", f"flow through branch {name[9:-5]} that commands call for, mean of a control cycle"
     if name not in _BY_NAME:
-        raise UnknownChannel(name, _BY_NAME)
+        raise UnknownName("channel", name, _BY_NAME)
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 

@@ -85,6 +85,8 @@ def test_bad_input_names_the_argument(call, words):
         (lambda one: one["truth.mac"], KeyError, "did you mean 'truth.mach'"),
         (lambda one: one.unit("truth.mac"), KeyError, "did you mean 'truth.mach'"),
         (lambda one: one.meaning("truth.mac"), KeyError, "did you mean 'truth.mach'"),
+        (lambda one: one.metrics["peak_load_g"], KeyError, "^no figure 'peak_load_g'; .*'peak_load_g0'"),
+        (lambda one: one.metrics["zzz"], KeyError, "^no figure 'zzz'$"),
         (lambda one: one.plot("truth.mac"), edl6dof.ConfigError, "did you mean 'truth.mach'"),
         (lambda one: one.plot(["truth.mach"]), TypeError, "channels are names"),
         (lambda one: one.attitude(99.0), ValueError, "must lie in 0 .. 5 s"),

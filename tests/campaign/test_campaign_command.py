@@ -188,7 +188,7 @@ def test_comparison_on_common_random_numbers(edl6dof, tmp_path):
     assert peak["difference"] > 10 * peak["half_width"] > 0.0, "denser air further down"
     a, b = (pq.read_table(f"{name}/cases.parquet")["peak_dynamic_pressure_pa"].to_numpy() for name in "ab")
     assert peak["difference"] == pytest.approx((b - a).mean())
-    assert "peak_dynamic_pressure_pa" in edl6dof("compare", "a", "b")[1]
+    assert "peak dynamic pressure" in edl6dof("compare", "a", "b")[1]
     edl6dof("campaign", file, "-n", "40", "-q", "--out", "c", "--seed", "9")
     status, _, err = edl6dof("compare", "a", "c")
     assert status == 2 and "fly both with the same campaign section and seed" in err

@@ -33,11 +33,15 @@ def test_covariance_is_that_of_the_campaign_beside_it(edl6dof, tmp_path):
     assert heavy[0] < 0.0 < thick[0]  # of two bodies the heavier one is braked less
 
 
-def test_pictures_and_parameters_alone(edl6dof, tmp_path):
+def test_pictures_and_parameters_alone(edl6dof, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     status, out, _ = edl6dof(
         "covariance", write_drop(tmp_path), "--at", "entry", "--pairs", "8", "--each", "--out", "e.png"
     )
     assert status == 0 and "each alone" in out and "vehicle.mass.entry_kg" in out
+    table = out.partition("each alone")[2].rpartition("─ \n")[2]
+    rows = [row for row in table.splitlines() if row.startswith(" ") and row.strip()]
+    assert {len(row.split()) for row in rows} == {1 + 2 * len(FIGURES)}, "a source is a line"
     assert (tmp_path / "e.png").read_bytes().startswith(b"\x89PNG")
 
 

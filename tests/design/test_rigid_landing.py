@@ -12,7 +12,7 @@ from math import degrees, pi, radians
 import numpy as np
 import pytest
 
-from edl6dof.design.landing.landing_figures import figures_of
+from edl6dof.design.landing.landing_figures import LandingFigures, excesses, figures_of
 from edl6dof.design.landing.problem import Landing, held_controls
 from edl6dof.design.landing.rigid_body import RigidLanding
 from edl6dof.design.landing.transcription import Nodes, linearise, propagate
@@ -161,6 +161,19 @@ def test_controls_flown_end_at_rest_and_keep_the_limits(name):
     assert np.all((throttled[:, 0] > 1500.0 - 1e-3) & (throttled[:, 0] < 5000.0 + 1e-3))
     assert np.all(np.abs(u[:, 1:]) < landing.torque + 1e-3)
     assert t[-1] == pytest.approx(found.nodes.durations.sum())
+
+
+def test_limits_exceeded_are_told_and_only_a_little_is_tolerated():
+    def exceeded(tilt_deg, rate_deg_s):
+        flown = LandingFigures(60.0, 36.0, tilt_deg, rate_deg_s, 0.0, 0.01, 1e-3, 1e-3)
+        return [
+            (one.what, pytest.approx(one.by), one.tolerated)
+            for one in excesses(problem(STARTS["near"]), flown)
+        ]
+
+    assert exceeded(24.0, 15.004) == []
+    assert exceeded(25.1, 15.7) == [("tilt", 0.1, True), ("body rate", 0.7, True)]
+    assert exceeded(26.3, 15.8) == [("tilt", 1.3, False), ("body rate", 0.8, False)]
 
 
 @pytest.mark.parametrize("name", ["near", pytest.param("low", marks=pytest.mark.long)])

@@ -228,3 +228,47 @@ def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path,
     assert run_study(options("small", out=tmp_path / "t", only=("a",))) == 2
     assert "--only a: must be left out: this study is one whole" in capsys.readouterr().err
     assert not (tmp_path / "t").exists()
+
+
+def shown_by(report, monkeypatch, tmp_path, capsys):
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", lambda runs, progress: report))
+    monkeypatch.setenv("COLUMNS", "80")
+    run_study(options("small", out=tmp_path / "s"))
+    return capsys.readouterr().out.splitlines()
+
+
+def test_headings_keep_numbers_with_their_units_and_whole_numbers_are_whole(monkeypatch, tmp_path, capsys):
+    heads = ("law", "n", "L/D -20 %", "density +40 %", "stuck 5 s", "load g")
+    rows = (("npc", 20.0, 0.5, 3.25, 7.5, 6.0), ("fnpeg", 4.0, 0.25, 3.5, 2.5, 6.25))
+    lines = shown_by(
+        Report((), (), pa.table({"x_m": [1.0]}), 1, grids=(Grid("of all at 95 %", heads, rows),)),
+        monkeypatch, tmp_path, capsys,
+    )  # fmt: skip
+    assert [line.split() for line in lines[1:5]] == [
+        ["L/D", "density", "stuck", "load"],
+        ["law", "n", "-20", "%", "+40", "%", "5", "s", "g"],
+        ["npc", "20", "0.50", "3.25", "7.50", "6.00"],
+        ["fnpeg", "4", "0.25", "3.50", "2.50", "6.25"],
+    ]
+
+
+def test_a_wide_table_parts_numbers_from_units_and_not_from_percent_signs(monkeypatch, tmp_path, capsys):
+    heads = ("law", *(f"bank {k} m/s" for k in range(1, 12)), "L/D -20 %")
+    grid = Grid("wide", heads, (("constant_thrust", *([0.5] * 12)),))
+    lines = shown_by(
+        Report((), (), pa.table({"x_m": [1.0]}), 1, grids=(grid,)), monkeypatch, tmp_path, capsys
+    )
+    assert lines[3].split() == ["law", *["m/s"] * 11, "-20", "%"] and max(map(len, lines[:5])) <= 80
+
+
+def test_no_word_of_a_finding_is_broken_at_eighty_columns(monkeypatch, tmp_path, capsys):
+    findings = (
+        Finding("tianwen1_range_trigger: 99 % of misses, best law", "km", float("nan"), note="n = 20"),
+        Finding("polynomial: dispersed landings", "%", 100.0, 99.0, ">="),
+    )
+    lines = shown_by(Report(findings, (), pa.table({"x_m": [1.0]}), 1), monkeypatch, tmp_path, capsys)
+    table = lines[: next(k for k, line in enumerate(lines) if "/s: " in line)]
+    assert max(map(len, table)) <= 80
+    words = " ".join(table).split()
+    assert {"tianwen1_range_trigger:", "polynomial:", "dispersed", "landings", "kept"} <= set(words)
+    assert any(line.strip() == "n = 20" for line in table), "what is to be known stands below its figure"

@@ -49,3 +49,39 @@ def figures_of(landing: RigidLanding, t: np.ndarray, x: np.ndarray) -> LandingFi
         speed_m_s=float(np.linalg.norm(x[-1, VELOCITY])),
         end_tilt_deg=degrees(tilt_of(x[-1])),
     )
+
+
+#: A design asks for its limits at some points of each interval (``transcription.CHECKED``); between them they
+#: may be exceeded by this share [S].  Seen: 3.3 % of the body rate.
+TOLERANCE = 0.05
+#: What an excess must be to be shown, in deg and deg/s: half of the last place of a figure.
+SHOWN = 0.005
+
+
+@dataclass(frozen=True)
+class Excess:
+    """A limit that a landing exceeds.
+
+    Attributes:
+        what: the figure, in words.
+        by: how far it is exceeded, in ``unit``.
+        tolerated: whether that is no more than between the points where a design asks for it.
+    """
+
+    what: str
+    by: float
+    unit: str
+    tolerated: bool
+
+
+def excesses(landing: RigidLanding, figures: LandingFigures) -> list[Excess]:
+    """The limits of tilt and body rate that a landing exceeds."""
+    limits = (
+        ("tilt", figures.tilt_deg, degrees(landing.tilt), "deg"),
+        ("body rate", figures.rate_deg_s, degrees(landing.rate), "deg/s"),
+    )
+    return [
+        Excess(what, value - limit, unit, value <= (1.0 + TOLERANCE) * limit)
+        for what, value, limit, unit in limits
+        if value > limit + SHOWN
+    ]

@@ -28,7 +28,7 @@ def _late(seconds: float) -> dict[str, Any]:
 
 #: Faults of the engine in flights that are not dispersed: when after backshell release (s), and which.
 ENGINE_FAULTS: dict[str, tuple[float, dict[str, Any]]] = {
-    **{f"{left:.0%} thrust": (0.0, _weak(left)) for left in (0.8, 0.7, 0.6)},
+    **{f"{100.0 * left:g} % thrust": (0.0, _weak(left)) for left in (0.8, 0.7, 0.6)},
     **{f"{late:g} s late": (0.0, _late(late)) for late in (2.0, 4.0)},
     **{f"stuck {after:g} s": (after, {"kind": "throttle_stuck"}) for after in (5.0, 20.0, 35.0)},
     "dead 20 s": (20.0, {"kind": "engine_dead"}),

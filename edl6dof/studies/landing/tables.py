@@ -8,6 +8,7 @@ from math import inf, isfinite, nan, sqrt
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.config.wording import counted
 from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert
 from edl6dof.studies.quantiles import quantile_grid
 from edl6dof.studies.study import Finding, Grid
@@ -72,7 +73,10 @@ def grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
 
 
 def _fuel(rows: Sequence[Row]) -> Grid:
-    heads = ("law", "to hover kg", "less ref. kg", "95 % +-", "to ground kg", "less ref., kg", "95 %, +-")
+    heads = (
+        *("law", "hover: kg", "hover: less kg", "hover: 95 % +-"),
+        *("ground: kg", "ground: less kg", "ground: 95 % +-"),
+    )
     lines: list[Line] = [
         (
             *(law, mean(of(rows, law), "hover_fuel_kg"), *difference(rows, law, "hover_fuel_kg")),
@@ -80,7 +84,8 @@ def _fuel(rows: Sequence[Row]) -> Grid:
         )
         for law in laws(rows)
     ]
-    return Grid(f"{_flights(rows)} dispersed landings: propellant, and less {REFERENCE}", heads, tuple(lines))
+    title = f"{_flights(rows)} dispersed landings: propellant to hover and to the ground, less {REFERENCE}"
+    return Grid(title, heads, tuple(lines))
 
 
 def _misses(rows: Sequence[Row]) -> Iterator[Grid]:
@@ -120,9 +125,8 @@ def _diverts(rows: Sequence[Row]) -> Grid:
         for law in laws(rows)
     ]
     flights = len(of(rows, laws(rows)[0], divert(DIVERTS[0])))
-    title = (
-        f"diverts, {flights} flights each: propellant to hover, largest miss as navigated, share not reached"
-    )
+    each = counted(flights, "flight")
+    title = f"diverts, {each} each: propellant to hover, largest miss as navigated, share not reached"
     return Grid(title, tuple(heads), tuple(lines))
 
 

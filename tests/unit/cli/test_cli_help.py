@@ -109,7 +109,22 @@ def test_help_of_a_command_is_in_words_of_its_reader(words, capsys, monkeypatch)
     assert not re.search(r"(?m)[{}]|<(str|int|float|path|list|tuple)|list\[|TEXT|[a-z,]\.\.\.$", out)
     described = out.partition("Options:")[0].partition("Arguments:")[2] + out.partition("Options:")[2]
     assert not re.search(r"(?m)^  (-\S+|[A-Z]\S*)( \S+)?$\n(?! {4})", described), "each has its meaning"
+    assert not re.search(r"[<>]=?x|x[<>]", out), "bounds of a number are words"
     assert words == ["design"] or f"Examples:\n    edl6dof {' '.join(words)}" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["campaign"], ("[at least 1]", "[1 to 1024]")),
+        (["replay"], ("[at least 0.1]", "[default: 24.0; 1 to 120]")),
+    ],
+    ids=["campaign", "replay"],
+)
+def test_help_says_the_bounds_of_a_number_in_words(words, said, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = run(capsys, monkeypatch, *words, "--help")
+    assert all(text in " ".join(out.split()) for text in said)
 
 
 def test_no_command_shows_the_help(capsys, monkeypatch):
