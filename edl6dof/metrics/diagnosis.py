@@ -78,8 +78,9 @@ def diagnosis_figures(
     branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
-    """Number of wrong isolations, of a sound thruster or of a wrong kind of fault, and time from the first
-    thruster fault to the right isolation if there was one; ``branches``: thrusters of each propellant branch.
+    """Number of wrong isolations, of a sound thruster or of a wrong kind of fault; where thrusters failed,
+    the number of those that were not isolated, used or not; and time from the first thruster fault to the
+    right isolation if there was one.  ``branches``: thrusters of each propellant branch.
     """
     since: dict[tuple[str, str], float] = {}
     for fault, begun in zip(faults, plant["fault_since"], strict=False):
@@ -89,6 +90,9 @@ def diagnosis_figures(
                 since[what] = min(float(begun), since.get(what, np.inf))
     right = [one for one in isolated if one.t_s >= since.get((one.thruster, one.kind), np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}
+    if since:
+        found = {(one.thruster, one.kind) for one in right}
+        figures["missed_isolations"] = float(len(since.keys() - found))
     if right:
         figures["time_to_detect_s"] = right[0].t_s - since[right[0].thruster, right[0].kind]
     return figures

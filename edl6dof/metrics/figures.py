@@ -164,6 +164,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("touchdown_nav_height_m", "error of the estimated height at touchdown", "events"),
     FigureOfMerit("touchdown_nav_velocity_m_s", "error of the estimated velocity at touchdown", "events"),
     FigureOfMerit("touchdown_nav_vertical_deg", "error of the estimated vertical at touchdown", "events"),
+    FigureOfMerit("missed_isolations", "failed thrusters that were not isolated", "diagnosis"),
     FigureOfMerit("false_alarms", "isolations of sound thrusters or of a wrong kind of fault", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
     FigureOfMerit("instrument_false_alarms", "sound instruments excluded", "exclusions"),

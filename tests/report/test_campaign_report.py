@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from edl6dof.report.campaign import drivers, landing, margins
+from edl6dof.report.campaign import drivers, isolation, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Figure
@@ -173,3 +173,22 @@ def test_a_report_loads_neither_the_simulator_nor_what_takes_longer_than_the_rep
     words = f"import sys, edl6dof.report.campaign.build, edl6dof.report.page; {loaded}"
     said = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True)
     assert said.stdout == "set()\n"
+
+
+def test_faults_that_every_flight_carries_are_told_with_how_many_flights_isolated_them():
+    faults = [
+        {"kind": "stuck_off", "thruster": "D7", "at": {"phase": "hazard_avoidance", "plus_s": 2.0}},
+        {"kind": "weak_thrusters", "at": {"time_s": 129.5}},
+    ]
+    missed = np.array([0.0] * 38 + [1.0, np.nan])  # the last one crashed before any of them began
+    known = results(40, missed_isolations=missed, time_to_detect_s=np.linspace(0.1, 0.5, 40))
+    known.has_faults, known.document = False, {"faults": faults}
+    assert isolation.injected(known) == [
+        "D7 stuck off at hazard avoidance + 2 s",
+        "weak thrusters at 129.5 s",
+    ]
+    shares, times = isolation.blocks(known)
+    assert shares.rows == [["every failed thruster isolated", "38 of 39", "97.44 % (86.82 .. 99.55 %)"]]
+    assert times.rows[0][1:] == ["s", "0.30 (0.23 .. 0.37)"]
+    known.document = {}
+    assert not isolation.injected(known) and not list(isolation.blocks(known))

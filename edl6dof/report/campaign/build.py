@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from edl6dof.campaign.quantiles import percent, quantile
-from edl6dof.report.campaign import drivers, grid, landing, margins
+from edl6dof.report.campaign import drivers, grid, isolation, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section
 from edl6dof.report.numbers import in_percent
@@ -19,6 +19,7 @@ def campaign_report(folder: Path) -> Report:
         Section("faults", "Faults", list(_faults(results))),
         Section("success", "Success and causes", [margins.causes(results), *margins.convergence(results)]),
         Section("sweep", "Sweep", list(grid.figures(results))),
+        Section("isolation", "Fault isolation", list(isolation.blocks(results))),
         Section("limits", "Limits", list(margins.limits(results))),
         Section("figures", "Other figures", list(margins.other_figures(results))),
         Section("footprint", "Footprint and deployment", list(landing.blocks(results))),
@@ -32,10 +33,11 @@ def campaign_report(folder: Path) -> Report:
         ),
     ]
     identity = results.store.info.identity
+    about = [str(results.document.get("description") or ""), *isolation.injected(results)]
     words, mood = _headline(results)
     return Report(
         title=results.name,
-        subtitle=str(results.document.get("description") or ""),
+        subtitle="; ".join(filter(None, about)),
         headline=words,
         mood=mood,
         facts=_facts(results),

@@ -102,6 +102,7 @@ def test_isolations_are_right_of_thrusters_that_a_fault_makes_fail_with_its_kind
             right = thruster in failed and said == kind
             assert figures["false_alarms"] == (0.0 if right else 1.0)
             assert figures.get("time_to_detect_s") == (2.0 if right else None)
+            assert figures.get("missed_isolations") == (len(failed) - right if failed else None)
 
 
 def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(rough):
