@@ -57,7 +57,9 @@ def test_and_less_with_more_of_them(slope_deg, time, fuel):
     assert limit == pytest.approx(solve(landing, interpolated_controls(time, 60)).fuel, abs=0.15)
 
 
-@pytest.mark.parametrize(("slope_deg", "time"), [(4.0, 78.0), pytest.param(0.0, 75.0, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    ("slope_deg", "time"), [(4.0, 78.0), pytest.param(0.0, 75.0, marks=pytest.mark.long)]
+)
 def test_best_time_of_the_classic_case_is_the_one_that_others_find(slope_deg, time):
     found = best_time(classic_mars(slope_deg), lambda t: interpolated_controls(t, 50), 70.0, 85.0)
     assert found.time == pytest.approx(time, abs=0.8)
