@@ -44,14 +44,14 @@ def write_drop(folder: Path, **changes: str) -> str:
     return str(path)
 
 
-def program(*words: str, cwd: Path, prefix: tuple[str, ...] = (), **more: str) -> subprocess.Popen[str]:
+def program(*words: str, cwd: Path, **more: str) -> subprocess.Popen[str]:
     """Start the program."""
     environment = {
         key: value for key, value in os.environ.items() if key not in ("COLUMNS", "FORCE_COLOR", "TERM")
     }
     environment.update(PYTHONPATH=str(ROOT), **more)
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen([*prefix, *PROGRAM, *words], cwd=cwd, env=environment, **pipes)
+    return subprocess.Popen([*PROGRAM, *words], cwd=cwd, env=environment, **pipes)
 
 
 def finished(*words: str, cwd: Path, **more) -> tuple[int, str, str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import resource
 import shutil
 import sys
 import tempfile
@@ -61,11 +62,17 @@ class Forked:
         return out, err
 
 
-def finished(*words: str, cwd: Path) -> tuple[int, str, str]:
+def finished(*words: str, cwd: Path, main: Callable[[], None] = cli.main) -> tuple[int, str, str]:
     """Run the program to its end: status, stdout, stderr."""
-    process = Forked(*words, cwd=cwd)
+    process = Forked(*words, cwd=cwd, main=main)
     out, err = process.communicate(timeout=300)
     return process.returncode or 0, out, err
+
+
+def program_with_small_files() -> None:
+    """The program, which may write no file beyond 64 KiB."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
+    cli.main()
 
 
 def _server() -> ForkServerContext:

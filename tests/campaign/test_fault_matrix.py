@@ -145,7 +145,7 @@ fault_matrix:
 
 
 def test_killed_matrix_goes_on_to_the_same_table(here):
-    words = ("faults", write_drop(here), *WORDS, "-n", "20")
+    words = ("faults", write_drop(here), *WORDS, "-n", "14")
     running = Forked(*words, "--out", "m", cwd=here)
     deadline = time.monotonic() + 120.0
     while not list(here.glob("m/parts/*.parquet")) and time.monotonic() < deadline:
@@ -155,12 +155,12 @@ def test_killed_matrix_goes_on_to_the_same_table(here):
     assert list(here.glob("m/parts/*.parquet")) and not (here / "m" / "cases.parquet").exists()
     assert "go on with --resume" in command(*words, "--out", "m")[2]
     status, out, err = command(*words, "--out", "m", "--resume")
-    assert status == 0 and "480 flights within limits" in out, err
+    assert status == 0 and "336 flights within limits" in out, err
     assert command(*words, "--out", "undisturbed")[0] == 0
     tables = [(here / name / "cases.parquet").read_bytes() for name in ("m", "undisturbed")]
     assert tables[0] == tables[1]
     status, out, _ = command("faults", "m", "--resume", "--json")
-    assert status == 0 and json.loads(out)["all"]["flights"] == len(json.loads(out)["rows"]) == 480
+    assert status == 0 and json.loads(out)["all"]["flights"] == len(json.loads(out)["rows"]) == 336
 
 
 def test_what_flies_another_matrix_does_not_join_a_folder(here):

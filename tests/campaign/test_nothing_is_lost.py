@@ -12,10 +12,9 @@ import sys
 import time
 from pathlib import Path
 
-import campaign_run
 import pytest
 from campaign_run import write_drop
-from forked import Forked, finished
+from forked import Forked, finished, program_with_small_files
 
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
@@ -85,8 +84,7 @@ def test_damaged_part_is_flown_again(tmp_path, undisturbed):
 def test_file_size_limit_stops_it_with_a_plain_word(tmp_path, undisturbed):
     """The parts fit, the table that they are put together to does not."""
     path = write_drop(tmp_path)
-    limit = ("bash", "-c", 'ulimit -f 64; exec "$@"', "-")
-    status, _, err = campaign_run.finished("campaign", path, "-q", cwd=tmp_path, prefix=limit)
+    status, _, err = finished("campaign", path, "-q", cwd=tmp_path, main=program_with_small_files)
     assert status == 2 and "Traceback" not in err
     assert "File too large" in err and "go on with: edl6dof campaign runs/drops --resume" in err
     assert not [name for name in os.listdir(tmp_path / FOLDER) if name.endswith(".part")]
@@ -135,8 +133,8 @@ def test_another_process_is_kept_out(tmp_path):
 
 
 def test_memory_does_not_grow_with_the_number_of_cases():
-    """12,500 cases with a plant that does nothing: the peak is that of 2,500; rows that were kept would
-    add 20 MB and more.
+    """8,000 cases with a plant that does nothing: the peak is that of 2,000; rows that were kept would
+    add 12 MB and more.
     """
     code = """
 import resource, tempfile
@@ -157,7 +155,7 @@ class NullPlant:
         outcome = {"success": True, "cause": "", "outcome": "nothing", "end_s": 0.0}
         return {"case": case.index, **inputs, **outcome, **figures}
 
-for cases in (2_500, 12_500):
+for cases in (2_000, 8_000):
     with tempfile.TemporaryDirectory() as folder:
         file = write_drop(Path(folder), **{"vehicle.rcs.thrusters.*.thrust_n": ""})
         plan, store = load_plan(file, cases=cases), Store(Path(folder) / "out")

@@ -27,7 +27,9 @@ def said(flight):
     return [event["name"] for event in flight.events if event["key"] in ("guard", "vertical_found")]
 
 
-@pytest.mark.parametrize("later", [0.0, 0.9, 1.3, 1.6, 2.5])
+@pytest.mark.parametrize(
+    "later", [0.0, 1.3, 2.5, *(pytest.param(later, marks=pytest.mark.long) for later in (0.9, 1.6))]
+)
 def test_vertical_after_all_gyros_were_saturated_for_a_second_at_the_parachute_opening(later):
     """Before the snatch of the lines, over it, and while the canopy fills; the wind is not known on board and
     the radar sees nothing yet.

@@ -21,7 +21,6 @@ from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
 from edl6dof.vehicle.plant import STATE
 
-CORRUPTIONS = 100
 MOMENTS = (150.0, 300.0, 500.0)
 RECORDS = ("plant", "peaks", "sensors", "fsw")
 
@@ -74,20 +73,22 @@ def refused(path):
     return str(caught.value)
 
 
-def test_corrupted_states_are_refused_or_flown(saved, tmp_path):
+@pytest.mark.parametrize(("first", "last"), [(32, 80), pytest.param(0, 240, marks=pytest.mark.long)])
+def test_corrupted_states_are_refused_or_flown(saved, tmp_path, first, last):
+    """Seeds of which a few give states that can be flown."""
     files = []
     for t, one in saved.items():
         files.append(str(tmp_path / f"at_{t:.0f}.npz"))
         one.save(Path(files[-1]))
-    command = [sys.executable, str(Path(__file__).with_name("corrupted.py")), "0", str(CORRUPTIONS), *files]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    command = [sys.executable, str(Path(__file__).with_name("corrupted.py")), str(first), str(last)]
+    done = subprocess.run([*command, *files], capture_output=True, text=True, timeout=300)
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode == 0, (lines[-1], done.stderr[-2000:])
     ends = {number: (kind, words) for number, _, kind, words in lines}
-    assert len(ends) == CORRUPTIONS
+    assert len(ends) == last - first
     kinds = [kind for kind, _ in ends.values()]
     # both happen often enough for the test to mean something
-    assert kinds.count("refused") > 30 and kinds.count("flown") > 2
+    assert kinds.count("refused") > 15 and kinds.count("flown") > 2
     assert all(words and "flying" not in words for _, words in ends.values())
 
 

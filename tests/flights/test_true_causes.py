@@ -96,7 +96,14 @@ def test_time_limit_ends_a_flight_on_the_ground_too(nominal):
     assert flight.outcome == "time limit in phase landed"
 
 
-@pytest.mark.parametrize("sets", [[SMALL_TANK], [CUT_HIGH], ["vehicle.landing_gear.damping_n_s_m=1e12"]])
+@pytest.mark.parametrize(
+    "sets",
+    [
+        [SMALL_TANK],
+        pytest.param([CUT_HIGH], marks=pytest.mark.long),
+        ["vehicle.landing_gear.damping_n_s_m=1e12"],
+    ],
+)
 def test_brief_telemetry_tells_the_same(sets):
     """A campaign's row, and its case flown again."""
     loaded = edl6dof.load("tianwen1", sets)
