@@ -49,6 +49,10 @@ def test_shipped_files_are_valid(validators, kind, version):
     "kind, bad",
     [
         ("scenario", {"simulation": {"step_s": 1.0}}),
+        ("scenario", {"simulatoin": {}}),
+        ("scenario", {"seed": -1}),
+        ("scenario", {"seed": "1"}),
+        ("scenario", {"wind": {"model": "gale"}}),
         ("scenario", {"campaign": {"cases": 0}}),
         ("scenario", {"mission": {"phases": [{"name": "a", "control": True}]}}),
         ("vehicle", {"mass": "heavy"}),
@@ -59,6 +63,16 @@ def test_what_the_program_refuses_is_invalid(validators, kind, bad):
     data = READERS["1.2"](FILES[kind][0].read_text(encoding="utf-8"))
     assert validators[kind].is_valid(data)
     assert not validators[kind].is_valid({**data, **bad})
+
+
+def test_a_scenario_needs_its_start_and_may_hold_its_vehicle(validators):
+    scenario, vehicle = (
+        READERS["1.2"](FILES[kind][0].read_text(encoding="utf-8")) for kind in ("scenario", "vehicle")
+    )
+    assert validators["scenario"].is_valid({**scenario, "vehicle": vehicle})
+    assert not validators["scenario"].is_valid({**scenario, "vehicle": {**vehicle, "mass": "heavy"}})
+    del scenario["initial"]
+    assert not validators["scenario"].is_valid(scenario)
 
 
 def test_members_of_plugins_are_in_the_schema_of_their_scenario():
