@@ -12,7 +12,7 @@ import pytest
 from edl6dof.verify.cases import gravity_field
 
 PLANTED = [
-    pytest.param(["planet.gravity.degree=3"], "degree 4", id="degree"),
+    pytest.param(["planet.gravity.degree=3"], "degree 4", id="degree", marks=pytest.mark.long),
     pytest.param(["planet.gravity.j2=1.956617e-03"], "J2", id="j2"),
 ]
 

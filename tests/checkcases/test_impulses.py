@@ -13,7 +13,9 @@ from edl6dof.verify.cases import impulses
 
 PLANTED = [
     pytest.param(["vehicle.rcs.thrusters.0.rise_s=0.01212"], "propellant", id="rise"),
-    pytest.param(["vehicle.rcs.thrusters.0.specific_impulse_s=270.0027"], "speed", id="isp"),
+    pytest.param(
+        ["vehicle.rcs.thrusters.0.specific_impulse_s=270.0027"], "speed", id="isp", marks=pytest.mark.long
+    ),
 ]
 
 

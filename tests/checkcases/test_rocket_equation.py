@@ -13,8 +13,12 @@ import pytest
 from edl6dof.verify.cases import rocket_equation
 
 PLANTED = [
-    pytest.param(["vehicle.engines.main.full_specific_impulse_s=300.001"], "speed", id="isp"),
-    pytest.param(["vehicle.engines.main.misalignment_y_deg=0.001"], "speed", id="tilt"),
+    pytest.param(
+        ["vehicle.engines.main.full_specific_impulse_s=300.001"], "speed", id="isp", marks=pytest.mark.long
+    ),
+    pytest.param(
+        ["vehicle.engines.main.misalignment_y_deg=0.001"], "speed", id="tilt", marks=pytest.mark.long
+    ),
     pytest.param(["vehicle.engines.main.specific_impulse_factor=1.0001"], "mass", id="factor"),
 ]
 

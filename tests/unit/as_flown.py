@@ -17,11 +17,12 @@ def as_flown(kernel: Any, given: str, call: str, returns: types.Type = NOTHING) 
     """Function of ``given`` (names) that calls a kernel with ``call``: expressions of these, of types that
     a flight has, and so with the machine code of flights.
     """
-    scope = {"kernel": _apart(kernel, returns)}
+    scope = {"kernel": apart(kernel, returns)}
     exec(f"def function({given}):\n    return kernel({call})", scope)
     return njit(scope["function"])
 
 
 @cache
-def _apart(kernel: Any, returns: types.Type) -> Callable[..., Any]:
+def apart(kernel: Any, returns: types.Type = NOTHING) -> Callable[..., Any]:
+    """A kernel of which kernels of tests that call it hold no copy, which they would have to compile."""
     return on_its_own(returns)(kernel)

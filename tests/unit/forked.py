@@ -38,6 +38,7 @@ if request:
     program, arguments, environment, folder = json.loads(request)
     os.environ.clear()
     os.environ.update(environment)
+    numba.config.reload_config()
     os.chdir(folder)
     sys.argv = ["-c", *arguments]
     sys.dont_write_bytecode = True
@@ -46,6 +47,8 @@ if request:
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
             exec(program, {"__name__": "__main__"})
+        except SystemExit as end:
+            status = end.code or 0
         except BaseException:
             status = 1
             traceback.print_exc()

@@ -6,9 +6,6 @@ was used and whether it was stale.
 """
 
 import gc
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import forked
@@ -213,12 +210,8 @@ def test_a_package_that_cannot_be_written_caches_for_the_user(package, tmp_path)
 
 def test_a_chosen_cache_folder_is_used(package, tmp_path):
     write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
-    words = [sys.executable, "-c", CALL.format(root=str(package))]
-    env = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "chosen")}  # which numba reads when it is loaded
-    result, _, folder = subprocess.run(
-        words, capture_output=True, text=True, env=env, timeout=60
-    ).stdout.split()
-    assert result == "6.0" and Path(folder).is_relative_to(tmp_path / "chosen")
+    result, _, folder = call(package, NUMBA_CACHE_DIR=str(tmp_path / "chosen"))
+    assert result == 6.0 and folder.is_relative_to(tmp_path / "chosen")
 
 
 def test_the_decorator_leaves_other_users_of_numba_alone():

@@ -211,13 +211,6 @@ def test_full_disk_keeps_the_former_run(here, capsys, monkeypatch):
     assert not hidden(here / "runs")
 
 
-def test_piped_output_of_the_real_program(here):
-    done = spawn(["fly", "drop.yaml", "--no-replay", "--out", "r"], here)
-    out, err = done.communicate(timeout=60)
-    assert (done.returncode, err) == (1, "") and "Timeline" in out
-    assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", out)
-
-
 def test_closed_pipe_is_no_traceback(here):
     done = spawn(["params"], here)
     done.stdout.readline()

@@ -1,10 +1,9 @@
 """All files that are shipped are what the exported JSON schemas say, in editors of YAML 1.1 and of 1.2."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
+import forked
 import pytest
 import yaml
 
@@ -50,6 +49,10 @@ def test_shipped_files_are_valid(validators, kind, version):
     "kind, bad",
     [
         ("scenario", {"simulation": {"step_s": 1.0}}),
+        ("scenario", {"simulatoin": {}}),
+        ("scenario", {"seed": -1}),
+        ("scenario", {"seed": "1"}),
+        ("scenario", {"wind": {"model": "gale"}}),
         ("scenario", {"campaign": {"cases": 0}}),
         ("scenario", {"mission": {"phases": [{"name": "a", "control": True}]}}),
         ("vehicle", {"mass": "heavy"}),
@@ -62,10 +65,20 @@ def test_what_the_program_refuses_is_invalid(validators, kind, bad):
     assert not validators[kind].is_valid({**data, **bad})
 
 
+def test_a_scenario_needs_its_start_and_may_hold_its_vehicle(validators):
+    scenario, vehicle = (
+        READERS["1.2"](FILES[kind][0].read_text(encoding="utf-8")) for kind in ("scenario", "vehicle")
+    )
+    assert validators["scenario"].is_valid({**scenario, "vehicle": vehicle})
+    assert not validators["scenario"].is_valid({**scenario, "vehicle": {**vehicle, "mass": "heavy"}})
+    del scenario["initial"]
+    assert not validators["scenario"].is_valid(scenario)
+
+
 def test_members_of_plugins_are_in_the_schema_of_their_scenario():
     file = ROOT / "scenarios/plugin/energy_law.yaml"
-    command = [sys.executable, "-m", "edl6dof", "schema", str(file)]
-    found = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    words = ["edl6dof", "schema", str(file)]
+    found = forked.run(f"import sys; sys.argv = {words!r}; from edl6dof.cli import main; main()", cwd=ROOT)
     schema = json.loads(found.stdout)
     assert jsonschema.Draft7Validator(schema).is_valid(yaml.safe_load(file.read_text(encoding="utf-8")))
 

@@ -71,13 +71,14 @@ def _falling_speed(h):
 
 
 @kernel
-def fly_truth(onboard, start, steps, entry):
-    """True states and increments of the cycles: r, v, q, angle, gain, height above the site."""
-    rs, vs, qs = np.zeros((steps, 3)), np.zeros((steps, 3)), np.zeros((steps, 4))
-    angles, gains, heights = np.zeros((steps, 3)), np.zeros((steps, 3)), np.zeros(steps)
+def fly_truth(onboard, start, entry, flown):
+    """True states and increments of the cycles, written into the arrays ``flown``: r, v, q, angle, gain,
+    height above the site.
+    """
+    rs, vs, qs, angles, gains, heights = flown
     q, (r, v) = (1.0, 0.0, 0.0, 0.0), start
     r_before, v_before = r, v
-    for k in range(steps):
+    for k in range(len(rs)):
         t = k * DT
         _, east, up, altitude = level_axes(onboard.planet, r, t)
         v_rel, h, g = moving(r, v), altitude - onboard.site.altitude, pull_of(r)
@@ -105,7 +106,6 @@ def fly_truth(onboard, start, steps, entry):
         later = add(v, scale(DT, add(f, g)))
         r = add(r, scale(0.5 * DT, add(v, later)))
         v = later
-    return rs, vs, qs, angles, gains, heights
 
 
 @kernel
@@ -126,7 +126,8 @@ def truth(onboard, entry):
     v_rel = fall * up + across * east if entry else -120.0 * up + 60.0 * east
     v = v_rel + np.array([-SPIN * r[1], SPIN * r[0], 0.0])
     steps = int(300.0 / DT) if entry else int(250.0 / DT)
-    flown = fly_truth(onboard[0], (tuple(r), tuple(v)), steps, entry)
+    flown = (*(np.zeros((steps, size)) for size in (3, 3, 4, 3, 3)), np.zeros(steps))
+    fly_truth(onboard[0], (tuple(r), tuple(v)), entry, flown)
     if entry:
         return flown
     down = int(np.argmax(flown[5] < 0.5))

@@ -1,16 +1,16 @@
 """Instruments of a made-up landing, which err as the flight computer believes.
 
 ``draws`` are numbers drawn before and how many of them are used (see :func:`drawn_before`): numba takes 3 s
-to compile numpy's generator and what is done with arrays of three.
+to compile numpy's generator, and what is done with arrays of three; and long to compile what makes arrays.
 """
 
 import numpy as np
-from made_up_course import DT, RADIUS, moving
+from made_up_course import DT, RADIUS, SPIN, moving
 
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
-from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, scale, sub, take3
 
 ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
 
@@ -27,14 +27,11 @@ def normal(draws):
     return draws[0][draws[1][0] - 1]
 
 
-@kernel
 def normals(draws, size, rows, columns=1):
     """The next numbers times ``size``, row after row."""
-    found = np.empty((rows, columns))
-    for i in range(rows):
-        for j in range(columns):
-            found[i, j] = size * normal(draws)
-    return found
+    numbers, used = draws
+    used[0] += rows * columns
+    return size * numbers[used[0] - rows * columns : used[0]].reshape(rows, columns)
 
 
 @kernel
@@ -45,21 +42,20 @@ def true_range(u, up, height):
     return far * c - np.sqrt(RADIUS**2 - far**2 * (1.0 - c * c))
 
 
-@kernel
 def draw_unit(unit, size, draws):
     """Errors of the instruments of one flight: biases (B) and matrices of scale and misalignment of gyros and
     accelerometers, bias of the star tracker, scales and biases of the radar.  ``size``: factor of all.
     """
     half = size * np.sqrt(0.5)  # six instruments on a cone: H'H = 2
     return (
-        normals(draws, half * unit.gyro_bias, 3),
-        normals(draws, half * unit.accelerometer_bias, 3),
-        normals(draws, half * unit.gyro_scale, 3, 3),
-        normals(draws, half * unit.accelerometer_scale, 3, 3),
-        normals(draws, size * unit.star_bias, 3),
-        normals(draws, size * unit.range_scale, unit.n_beams),
-        normals(draws, size * unit.speed_scale, unit.n_beams),
-        normals(draws, size * unit.range_bias, unit.n_beams),
+        normals(draws, half * unit["gyro_bias"], 3),
+        normals(draws, half * unit["accelerometer_bias"], 3),
+        normals(draws, half * unit["gyro_scale"], 3, 3),
+        normals(draws, half * unit["accelerometer_scale"], 3, 3),
+        normals(draws, size * unit["star_bias"], 3),
+        normals(draws, size * unit["range_scale"], unit["n_beams"]),
+        normals(draws, size * unit["speed_scale"], unit["n_beams"]),
+        normals(draws, size * unit["range_bias"], unit["n_beams"]),
     )
 
 
@@ -111,15 +107,11 @@ def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, r
             radar.range[b], radar.speed[b] = 60.0, 12.0
 
 
-@kernel
 def lay_ground(params, rs, vs, size, draws):
     """Height of the ground below each cycle above what is believed of the site."""
-    ground = np.zeros(len(rs))
-    ground[0] = size * params.terrain_sigma * normal(draws)
-    for k in range(1, len(rs)):
-        r = take3(rs[k], 0)
-        moved = moving(r, take3(vs[k], 0))
-        along = np.sqrt(max(dot(moved, moved) - (dot(moved, r) / norm(r)) ** 2, 0.0))
-        change = params.terrain_change * np.sqrt(along * DT / 1000.0)
-        ground[k] = ground[k - 1] + size * change * normal(draws)
-    return ground
+    moved = vs + SPIN * np.column_stack([rs[:, 1], -rs[:, 0], 0.0 * rs[:, 0]])
+    up = rs / np.linalg.norm(rs, axis=1)[:, None]
+    along = np.linalg.norm(moved - np.sum(moved * up, axis=1)[:, None] * up, axis=1)
+    change = params["terrain_change"] * np.sqrt(along * DT / 1000.0)
+    change[0] = params["terrain_sigma"]
+    return np.cumsum(change * normals(draws, size, len(rs))[:, 0])

@@ -128,38 +128,36 @@ def claim(solution, claims):
 
 
 @kernel
-def fly_filter(onboard, params, records, flown, draws, size, stars_until, looks, reports):
+def fly_filter(
+    onboard, params, records, flown, draws, drawn, biases, ground, size, stars_until, looks, reports, told
+):
     """Let the filter follow one flight.
 
     Args:
-        onboard, params: records; the believed altitude of the site is set so that the landing is on ground.
+        onboard, params: records.
         records: (sensed, motion, solution, health, memory), arrays of one, zeros but for the health.
         flown: what ``truth`` returned.
         draws: make the errors of this flight.
+        drawn: errors of the instruments.
+        biases: of gyros and accelerometers, that walk.
+        ground: height of the ground in each cycle.
         size: factor of all errors.
         stars_until: time of the last star fix, s.
         looks: state of each beam in each cycle (see ``read_radar``).
         reports: cycles at which the errors are told.
-
-    Returns error states and covariances at the reports, innovations of ranges and speeds over their standard
-    deviations and the beams used at each cycle, the claimed standard deviations of height and velocity.
+        told: arrays, written: error states and covariances at the reports, innovations of ranges and speeds
+            over their standard deviations and the beams used at each cycle, the claimed standard deviations
+            of height and velocity.
     """
     rs, vs, qs, angles, gains, heights = flown
     sensed, motion, solution = records[0][0], records[1][0], records[2][0]
     health, memory = records[3][0], records[4][0]
     unit, half = onboard.instruments, size * np.sqrt(0.5)
-    drawn = draw_unit(unit, size, draws)
-    biases = (drawn[0].copy(), drawn[1].copy())
-    ground = lay_ground(params, rs, vs, size, draws)
-    onboard.site.altitude = SITE - ground[-1]
-    told, count, wide = 0, len(reports), memory.covariance.shape[1]
-    errors, covariances = np.zeros((count, STATES)), np.zeros((count, STATES, wide))
-    claims = np.zeros((count, 10))
-    steps = len(rs)
-    innovations, used = np.zeros((steps, 2, unit.n_beams)), np.zeros(steps, np.int64)
+    errors, covariances, innovations, used, claims = told
+    at, wide = 0, memory.covariance.shape[1]
     put3(motion.centre, 0, CENTRE)
     motion.rate_known, motion.force_known = 1, 1
-    for k in range(steps):
+    for k in range(len(rs)):
         q = (qs[k, 0], qs[k, 1], qs[k, 2], qs[k, 3])
         place = (take3(rs[k], 0), take3(vs[k], 0), q)
         sensed.stars.valid = k * DT <= stars_until
@@ -183,14 +181,13 @@ def fly_filter(onboard, params, records, flown, draws, size, stars_until, looks,
                 for b in range(unit.n_beams):
                     innovations[k, 0, b] = solution.range_innovation[b]
                     innovations[k, 1, b] = solution.speed_innovation[b]
-        if told < count and k == reports[told]:
-            report(onboard, solution, biases, place, ground[k], errors[told])
-            claim(solution, claims[told])
+        if at < len(reports) and k == reports[at]:
+            report(onboard, solution, biases, place, ground[k], errors[at])
+            claim(solution, claims[at])
             for i in range(STATES):
                 for j in range(wide):
-                    covariances[told, i, j] = memory.covariance[i, j]
-            told += 1
-    return errors, covariances, innovations, used, claims
+                    covariances[at, i, j] = memory.covariance[i, j]
+            at += 1
 
 
 def records():
@@ -202,14 +199,27 @@ def records():
 
 
 def fly(onboard, params, flown, reports, seed=1, size=1.0, stars_until=-1.0, looks=None):
-    """One flight of the filter (see ``fly_filter``)."""
+    """What is told of one flight of the filter (see ``fly_filter``); the believed altitude of the site is set
+    so that the landing is on ground.
+    """
+    steps, count, made = len(flown[0]), len(reports), records()
     if looks is None:
-        looks = np.zeros((len(flown[0]), 8), np.int64)
-    draws = drawn_before(np.random.default_rng(seed), len(flown[0]))
-    return fly_filter(
-        *(onboard[0], params[0], records(), flown, draws, size, stars_until, looks),
-        np.array(reports, np.int64),
+        looks = np.zeros((steps, 8), np.int64)
+    draws = drawn_before(np.random.default_rng(seed), steps)
+    drawn = draw_unit(onboard[0]["instruments"], size, draws)
+    ground = lay_ground(params[0], flown[0], flown[1], size, draws)
+    onboard[0]["site"]["altitude"] = SITE - ground[-1]
+    told = (
+        *(np.zeros((count, STATES)), np.zeros((count, *ERROR_STATE["covariance"].shape))),
+        *(np.zeros((steps, 2, onboard[0]["instruments"]["n_beams"])), np.zeros(steps, np.int64)),
+        np.zeros((count, 10)),
     )
+    biases = drawn[0].copy(), drawn[1].copy()
+    fly_filter(
+        *(onboard[0], params[0], made, flown, draws, drawn, biases, ground, size, stars_until, looks),
+        *(np.array(reports, np.int64), told),
+    )
+    return told
 
 
 def stepped(onboard, flown, first, cycles, begin, records, looks=None):

@@ -91,7 +91,7 @@ def flown(record, start, rows):
     return back @ s[:3]
 
 
-@pytest.mark.parametrize("name", ["tianwen1", "msl"])
+@pytest.mark.parametrize("name", ["tianwen1", pytest.param("msl", marks=pytest.mark.long)])
 def test_plan_is_the_flight_of_independent_equations(name):
     scenario = load_scenario(name).scenario
     onboard = build_onboard(scenario)

@@ -4,6 +4,7 @@ from math import radians, sqrt
 
 import numpy as np
 import pytest
+from as_flown import apart
 from inertial_units import DT, believed_unit, cone
 from pyquaternion import Quaternion
 from scipy.stats import chi2
@@ -18,6 +19,7 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.scenario.records import build_records
 
+ESTIMATE = apart(estimate_state)
 FLIGHTS, CYCLES, STARS_UNTIL = 100, 15_000, 1_500
 
 
@@ -83,7 +85,7 @@ def take_part(onboards, states, sensed, memories, angles, gains, stars, first):
         if s.stars.valid:
             for i in range(4):  # a slice would have words about its size compiled with it
                 s.stars.q_I2B[i] = stars[first + k, i]
-        estimate_state(onboards[0], states[0], s, memories[0])
+        ESTIMATE(onboards[0], states[0], s, memories[0])
 
 
 def turned(q, vector):

@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+from as_flown import apart
 from numba import njit
 
 import edl6dof
@@ -72,13 +73,13 @@ def built():
 
 @cache
 def _loop(measure, part):
-    is_row = len(SENSED[part].shape) == 1
+    is_row, kernel = len(SENSED[part].shape) == 1, apart(measure)
 
     @njit
     def loop(params, unit, case, tables, plant, outputs, memory, sensed, rows, h):
         for k in range(len(rows)):
             plant[0].t = k * h
-            measure(params[0], unit[0], case[0], tables[0], plant[0], outputs[0], memory[0], sensed[0])
+            kernel(params[0], unit[0], case[0], tables[0], plant[0], outputs[0], memory[0], sensed[0])
             if is_row:  # number by number: a slice would have words about its size compiled with it
                 for i in range(rows.shape[1]):
                     rows[k, i] = sensed[0][part][i]

@@ -32,11 +32,11 @@ def test_constant_errors_lie_along_the_radius_the_track_and_across_it():
 
 def test_noise_of_the_specific_force_is_white_and_of_the_given_size():
     made = bench(force_noise_m_s2=0.5)
-    read = np.array([made.measure()["specific_force_B"].copy() for _ in range(4000)]) - FORCE
-    assert read.std(axis=0) == pytest.approx([0.5] * 3, rel=5.0 / np.sqrt(8000.0))
-    assert np.all(np.abs(np.mean(read[1:] * read[:-1], axis=0)) < 5.0 * 0.25 / np.sqrt(4000.0))
+    read = np.array([made.measure()["specific_force_B"].copy() for _ in range(1200)]) - FORCE
+    assert read.std(axis=0) == pytest.approx([0.5] * 3, rel=5.0 / np.sqrt(2400.0))
+    assert np.all(np.abs(np.mean(read[1:] * read[:-1], axis=0)) < 5.0 * 0.25 / np.sqrt(1200.0))
     across = np.corrcoef(read.T)[np.triu_indices(3, 1)]
-    assert np.all(np.abs(across) < 5.0 / np.sqrt(4000.0))
+    assert np.all(np.abs(across) < 5.0 / np.sqrt(1200.0))
 
 
 def test_the_set_perfect_of_a_point_mass_keeps_it_and_nothing_else():

@@ -115,7 +115,7 @@ def test_the_arm_beyond_the_cone_is_smaller_than_that_of_a_fixed_confluence():
 
 
 def test_the_confluence_moves_without_jumps_wherever_the_canopy_is():
-    angles = np.linspace(0.0, 179.0, 20001)
+    angles = np.linspace(0.0, 179.0, 5001)
     record = chute()
     for roll in (10.0, 200.0):
         path = np.array([confluence(record, tuple(canopy_at(angle, roll))) for angle in angles])
