@@ -5,6 +5,7 @@ However the cycles are portioned, the flight has the same bits.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import NamedTuple
 
@@ -146,6 +147,19 @@ class Underway:
     def scenario_text(self) -> str:
         """The resolved scenario."""
         return resolved_text(self.loaded)
+
+
+def moments_at(loaded: LoadedScenario, times_s: Iterable[float]) -> list[Moment]:
+    """Moments of one flight at rising times (s), each rounded to the start of a base cycle; those that it
+    does not reach are left out.
+    """
+    flight, found = Underway(loaded, log=NO_TICKS), []
+    for t in times_s:
+        flight.advance(round(t * loaded.scenario.flight_software.rates.base_hz) - flight.cycle)
+        if flight.code != FLYING:
+            break
+        found.append(flight.moment())
+    return found
 
 
 def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:

@@ -15,7 +15,7 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.jit import kernel
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_records
-from edl6dof.sim.flight import fly
+from edl6dof.sim.underway import moments_at
 
 #: Flight times (s) at which calls are timed, and how often each.
 TIMED_AT = (90.0, 110.0, 130.0, 160.0, 200.0)
@@ -38,7 +38,7 @@ def call_time(loaded: LoadedScenario) -> float:
     included.
     """
     onboard = build_records(loaded).onboard
-    saved = [flight.saved for t in TIMED_AT if (flight := fly(loaded, save_at_s=t)).saved is not None]
+    saved = moments_at(loaded, TIMED_AT)
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
         navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]

@@ -58,8 +58,17 @@ def require(lines: list[str], expected: list[str]) -> None:
         assert any(matches(text, line) for line in lines), f"announced: {text}\nprinted:\n" + "\n".join(lines)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
-@pytest.mark.parametrize("command", ["check", "fly"])
+#: Both refuse by the same check: the suite gives every file to the first, every fourth to the second.
+GIVEN = [
+    pytest.param(
+        case, command, id=f"{command}-{case.stem}", marks=pytest.mark.long if place and number % 4 else ()
+    )
+    for place, command in enumerate(("check", "fly"))
+    for number, case in enumerate(CASES)
+]
+
+
+@pytest.mark.parametrize(("case", "command"), GIVEN)
 def test_broken_file(case, command, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, monkeypatch, command, str(case), *flags(case))

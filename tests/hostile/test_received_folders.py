@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from command import SHORT, VIEWERS, finished, refused, viewing
+from command import ROOT, SHORT, VIEWERS, finished, refused, viewing
 from in_process import called
 
 from edl6dof.manifest import seal
@@ -102,8 +105,18 @@ def test_flying_it_again_asks_once_and_is_remembered_until_the_law_changes(sent,
 
 def test_ones_own_scenario_is_flown_without_asking_and_so_is_its_run(sent, tmp_path):
     (tmp_path / "mine.yaml").write_text(SCENARIO.format(sent / "law.py"))
-    assert finished("check", "mine.yaml", cwd=tmp_path).returncode == 0
-    assert finished("check", sent / "sent" / "scenario.yaml", cwd=tmp_path).returncode == 0
+    files = ("mine.yaml", str(sent / "sent" / "scenario.yaml"))
+    program = f"from in_process import called\nprint([called('check', file).returncode for file in {files}])"
+    folders = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": folders},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.stdout == "[0, 0]\n", done.stderr
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from edl6dof.jit import kernel
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_records
 from edl6dof.sim.flight import fly
+from edl6dof.sim.underway import Moment, moments_at
 
 #: Times (s) of the states after backshell release; the calls come later by what a law takes to plan again.
 SAVED_AFTER_S, LATER_S = (3.0, 11.0, 19.0, 27.0), 1.0
@@ -40,13 +41,15 @@ def call_time(loaded: LoadedScenario) -> float:
     law = POWERED_LAWS.names.index(loaded.scenario.flight_software.guidance.powered.law)
     onboard = build_records(loaded).onboard
     released = fly(loaded).metrics["backshell_s"]
-    return max(_timed(loaded, onboard, law, released + after) for after in SAVED_AFTER_S)
+    times = [released + after + later for after in SAVED_AFTER_S for later in (0.0, LATER_S)]
+    moments = moments_at(loaded, times)
+    if len(moments) < len(times):
+        raise ValueError(f"the nominal flight is over before {times[len(moments)]:g} s")
+    pairs = zip(moments[::2], moments[1::2], strict=True)
+    return max(_timed(onboard, law, before, after) for before, after in pairs)
 
 
-def _timed(loaded: LoadedScenario, onboard: np.ndarray, law: int, t: float) -> float:
-    before, after = (fly(loaded, save_at_s=at).saved for at in (t, t + LATER_S))
-    if before is None or after is None:
-        raise ValueError(f"the nominal flight is over before {t + LATER_S:g} s")
+def _timed(onboard: np.ndarray, law: int, before: Moment, after: Moment) -> float:
     states, navs, targets, memories = (
         np.zeros(1, dtype) for dtype in (VEHICLE_STATE, NAV, POWERED_TARGET, POWERED_LAWS.memory)
     )

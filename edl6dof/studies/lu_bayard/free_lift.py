@@ -147,7 +147,7 @@ def _track(
     height, speed, path = state
     goal, slope, curvature = profile_drag(record["plan"]["adaptive_hinf"], speed)
     nav = np.array([(path, _gravity(design, height), speed, design.radius + height)], NAV)[0]
-    goal_rate, goal_free, goal_per_u = goal_rates(record, nav, drag, rate, slope, curvature)
+    goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
     dynamics = uncertain_drag(drag, rate, speed, design.gravity, design.radius, design.scale_height)
     error, error_rate = drag - goal, rate - goal_rate
     wanted = track(_law(setting), memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u)

@@ -5,6 +5,7 @@ control.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import sin
 
 import numpy as np
@@ -55,6 +56,7 @@ def respond_along(
     along = CubicSpline(t, [profile_drag(profile, v)[0] for v in speed])
     parts = (along, along.derivative(), along.derivative(2))
 
+    @lru_cache(maxsize=2)  # each stage of a step asks, two of them for its middle
     def reference(now: float) -> tuple[float, float, float]:
         return float(parts[0](now)), float(parts[1](now)), float(parts[2](now))
 

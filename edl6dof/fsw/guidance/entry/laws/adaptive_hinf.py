@@ -126,7 +126,7 @@ def scaled_profile(profile, onboard, nav, memory, out):
 
 
 @kernel
-def goal_rates(onboard, nav, drag, drag_rate, slope, curvature):
+def goal_rates(nav, drag, drag_rate, slope, curvature):
     """D_r' and the two parts of D_r'' = free + per_u u along the flight as it is flown."""
     s, c, g, v = sin(nav.flight_path_angle), cos(nav.flight_path_angle), nav.gravity, nav.speed
     speed_rate = -drag - g * s
@@ -179,7 +179,7 @@ def guide(params, plan, onboard, nav, memory, out):
     rate, _, _ = measured_drag_dynamics(onboard, nav, 0.0)
     out.drag_estimate, out.drag_rate = drag, rate
     goal, slope, curvature = scaled_profile(plan, onboard, nav, memory, out)
-    goal_rate, goal_free, goal_per_u = goal_rates(onboard, nav, drag, rate, slope, curvature)
+    goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate
     gravity = planet.mu / (planet.equatorial_radius * planet.equatorial_radius)
     dynamics = uncertain_drag(drag, rate, nav.speed, gravity, planet.equatorial_radius, scale_height)
