@@ -46,14 +46,17 @@ class Bare:
 
 
 def main() -> None:
+    from edl6dof.campaign.gpu import batch, layouts
     from edl6dof.campaign.gpu import engine as module
-    from edl6dof.campaign.gpu import layouts
     from edl6dof.campaign.gpu.crew import Alone
     from edl6dof.campaign.gpu.entry import fly_flights
 
     fly_flights.extensions.append(Bare())
     # with images and maps: machine code for records without them would have to be compiled
     layouts.LEAN = layouts.LEAN._replace(own=layouts.WHOLE_LOG.own)
+    batch.THREADS = (
+        2  # of a block: the simulator starts them all, and asks all the time whether one still runs
+    )
     batches = []
 
     class Watched(module.Batch):

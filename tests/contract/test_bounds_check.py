@@ -1,6 +1,7 @@
-"""Compiled code with numba's bounds check on: tables, lookups, staging and allocation index nothing outside.
+"""Compiled code with numba's bounds check on: tables, rings and allocation index nothing outside.
 
-A short selection; CONTRIBUTING.md has the command for all tests that compile.
+A short selection of kernels; more are asked by the tests that run as ``long``, and CONTRIBUTING.md has the
+command for all tests that compile.
 """
 
 import os
@@ -9,10 +10,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.scenario.records import build_records
+from edl6dof.scenario.records import build_records, initial_plant
+from edl6dof.vehicle.plant import OUTPUTS
 
 UNIT = Path(__file__).parents[1] / "unit"
 SELECTION = (
@@ -37,44 +40,6 @@ SETS = (
     *("wind.gust.enabled=true", "atmosphere.perturbation.enabled=true"),
     "terrain.landing_area.model=generated",
 )
-#: Every table that is read in flight, each with the words in which a number enters it.  The records come from
-#: outside: to make them, all that plans an entry would be compiled with the bounds check.
-TABLES = """
-import pickle, sys
-import numpy as np
-from edl6dof.environment.atmosphere import air
-from edl6dof.environment.terrain import ground
-from edl6dof.environment.wind import wind
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_range
-from edl6dof.fsw.guidance.entry.laws.etpc import at_speed
-from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
-from edl6dof.fsw.guidance.entry.prediction.reference import node_of
-from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
-
-for records in pickle.load(sys.stdin.buffer):
-    case, tables, onboard = (record[0] for record in records)
-    capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
-    for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):
-        found = {
-            "air": air(case["atmosphere"], gas, tables["atmosphere"], x)[0],
-            "wind": wind(case["wind"], tables["atmosphere"], x)[0],
-            "ground, latitude": ground(case["terrain"], tables["terrain"], x, 1.0)[0],
-            "ground, longitude": ground(case["terrain"], tables["terrain"], 0.4, x)[0],
-            "aerodynamics, Mach": capsule_coefficients(capsule, tables["aero"], gas, x, 1e-3, 0.2)[0],
-            "aerodynamics, angle": capsule_coefficients(capsule, tables["aero"], gas, 5.0, 1e-3, x)[0],
-            "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
-            "airframe": believed_aero(onboard["vehicle"], x, 1e9)[0],
-            "reference": node_of(onboard["reference"], x)[1],
-            "range scale": x + range_scale(onboard["reference"], x, 1e5, 0.0, 0.4),
-            "influence": at_speed(onboard["plan"]["etpc"], x)[1],
-            "profile": profile_range(onboard["plan"]["adaptive_hinf"], x),
-        }
-        if np.isnan(x):
-            assert all(np.isnan(value) for value in found.values()), found
-print("kept within bounds")
-"""
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +57,7 @@ def test_an_index_outside_is_found(checked, tmp_path):
     assert run.returncode != 0 and "IndexError" in run.stderr
 
 
+@pytest.mark.long
 def test_kernels_index_nothing_outside(checked):
     files = [str(UNIT / name) for name in SELECTION]
     command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", *files]
@@ -100,10 +66,17 @@ def test_kernels_index_nothing_outside(checked):
     assert " passed" in run.stdout
 
 
-def test_no_table_is_read_out_of_bounds(checked):
+def test_tables_rings_and_allocation_keep_within_bounds(checked):
     loaded = [edl6dof.load("tianwen1", [*SETS, f"flight_software.guidance.entry.law={law}"]) for law in LAWS]
-    records = pickle.dumps([tuple(build_records(one)) for one in loaded])
+    records = []
+    for one in loaded:
+        parts = build_records(one)
+        records.append((*parts, initial_plant(one.truth, parts.case), np.zeros(1, OUTPUTS)))
     done = subprocess.run(
-        [sys.executable, "-c", TABLES], input=records, env=checked, capture_output=True, timeout=300
+        [sys.executable, Path(__file__).with_name("within_bounds.py")],
+        input=pickle.dumps(records),
+        env=checked,
+        capture_output=True,
+        timeout=300,
     )
     assert done.stdout.strip() == b"kept within bounds", done.stderr[-3000:].decode()

@@ -3,7 +3,9 @@ it is never overlooked.
 """
 
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -52,16 +54,11 @@ MEMBER = Member("blind", NoneParams, {"estimate": estimate}, "null member")
 """
 
 
-def scenario_with(folder, plugin, *changes):
-    """The shipped Tianwen-1 scenario, ended at the parachute, with a plugin named in line 2."""
+def scenario_with(folder, plugin):
+    """The shipped Tianwen-1 scenario with a plugin named in line 2."""
     text = find_shipped("scenarios", "tianwen1").read_text(encoding="utf-8")
-    for old, new in (
-        ("name: tianwen1", f'name: tianwen1\nplugins: ["{plugin}"]'),
-        ("  phases:", "  goal: deployment\n  phases:"),
-        *changes,
-    ):
-        assert old in text
-        text = text.replace(old, new, 1)
+    assert "name: tianwen1" in text
+    text = text.replace("name: tianwen1", f'name: tianwen1\nplugins: ["{plugin}"]', 1)
     file = folder / "mine.yaml"
     file.write_text(text, encoding="utf-8")
     return file
@@ -148,12 +145,17 @@ def test_plugins_cannot_be_set_on_the_command_line():
         load_scenario("tianwen1", ["plugins=[law.py]"])
 
 
-def cli(*arguments, cache=None):
-    """The command line in a fresh process: (exit status, standard output, standard error)."""
+def cli(*arguments, cores=None):
+    """The command line in a fresh process: (exit status, standard output, standard error).
+
+    ``cores``: on so many; on one a flight is compiled by one process, in two thirds of the work of two.
+    """
     code = (
         f"import sys; sys.argv = ['edl6dof', *{[str(a) for a in arguments]!r}]; from edl6dof.cli import "
         "main; main()"
     )
+    if cores is not None and hasattr(os, "sched_setaffinity"):
+        code = f"import os; os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[-{cores}:]); {code}"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     return run.returncode, run.stdout, run.stderr
 
@@ -210,9 +212,13 @@ def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_doe
     callers = (family, "fsw/guidance/update.py", "sim/loop.py")
     others = ("spatial/vector.py", "fsw/guidance/entry/reversal/registry.py", "vehicle/motion/body.py")
 
+    memory = tmp_path / "sources.json"
+    if (known := jit.PACKAGE / "__pycache__" / memory.name).is_file():  # of the package, which takes a second
+        shutil.copy(known, memory)
+
     def both():
         """Stamps of both, by one who has read no file yet."""
-        monkeypatch.setattr(jit, "TREE", SourceTree(jit.PACKAGE, tmp_path / "sources.json"))
+        monkeypatch.setattr(jit, "TREE", SourceTree(jit.PACKAGE, memory))
         stamp = jit.tree_stamp.__wrapped__
         return [[stamp(str(jit.PACKAGE / file)) for file in files] for files in (callers, others)]
 
@@ -286,32 +292,24 @@ def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, m
     assert found == [(1.25, 0), (1.25, 1), (-1.25, 0)]
 
 
-@pytest.mark.parametrize("extends", [None, "plugin/energy_law"])
-def test_plugin_of_a_shipped_or_extended_scenario_is_found(tmp_path, extends):
-    name = "plugin/energy_law"
-    if extends:
-        name = tmp_path / "mine.yaml"
-        name.write_text(f"extends: {extends}\nname: mine\n")
-    status, out, error = cli("check", name)
-    assert status == 0, error
-
-
 # ---- the example -------------------------------------------------------------------------------------------
 
 
 def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):
+    """From a scenario that extends the shipped one, on perfect sensors: for each plugin all of the flight
+    software is compiled that a flight calls.  The scenario that it leaves finds the law again.
+    """
     code = [line for line in EXAMPLE.read_text().split('"""', 2)[2].splitlines() if line.strip()]
     assert len(code) <= 30
-    file = scenario_with(tmp_path, EXAMPLE, ("law: drag_tracking", "law: energy_law"))
-    status, _, error = cli("fly", file, "--out", tmp_path / "run", "--no-replay", "--quiet")
+    changes = "mission: {goal: deployment}\nsensors: {set: perfect}\n"
+    (tmp_path / "mine.yaml").write_text(f"extends: plugin/energy_law\nname: mine\n{changes}")
+    run = tmp_path / "run"
+    status, _, error = cli("fly", tmp_path / "mine.yaml", "--out", run, "--no-replay", "--quiet", cores=1)
     assert status == 0, error
-    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
-    figures = summary.get("metrics", summary.get("figures"))
+    figures = json.loads((run / "summary.json").read_text())["figures"]
     assert figures["parachute_miss_m"] < 10e3
     # triggered at navigated Mach 1.8, in air colder than believed
     assert figures["parachute_mach"] == pytest.approx(1.8, abs=0.1)
-    again, _, error = cli(
-        "fly", tmp_path / "run" / "scenario.yaml", "--out", tmp_path / "again", "--no-replay", "--quiet"
-    )
-    assert again == 0, error
-    assert (tmp_path / "again" / "summary.json").read_text().count("parachute_miss_m") == 1
+    status, out, error = cli("check", run / "scenario.yaml")
+    assert status == 0 and "scenario.yaml: ok" in out, error
+    assert str(EXAMPLE) in (run / "scenario.yaml").read_text()
