@@ -70,7 +70,9 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
-    table = open_table("Timeline", "t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>")
+    # a heading of one line would leave no room for the events in 80 columns
+    heads = ("\nt (s)>", "\nevent", "height above\nground (m)>", "\nspeed (m/s)>", "\nMach>")
+    table = open_table("Timeline", *heads)
     landed = False
     for event in flight.events:
         landed = landed or event["key"] == "touchdown"
