@@ -68,7 +68,7 @@ PICTURES = (
     tour("heat_shield", "The heat shield falls away.", "runs/tianwen1", 311.3),
     tour("powered", "Powered descent, 420 m above the ground.", "runs/tianwen1", 470.0),
     tour("touchdown", "Dust under the engine, metres above the ground.", "runs/tianwen1", 536.0),
-    tour("landed", "The lander on its legs.", "runs/tianwen1", 542.0),
+    tour("landed", "The lander on its legs.", "runs/tianwen1", 541.9),
     page(
         "flight", "The whole replay: views, readout, plots, phases, events.", "Flight", 296.0, "runs/tianwen1"
     ),

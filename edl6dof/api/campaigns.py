@@ -39,17 +39,28 @@ class CampaignResult:
     """What a campaign, a sweep or a matrix of faults came to.
 
     Attributes:
-        plan: scenario, and every case as a function of its number.
         summary: successes, causes of failures, what flew them.
         table: a row for each case: what was drawn, how it ended, figures with unit suffix.
         folder: where it is kept; ``None`` of one that is in memory only.
     """
 
-    plan: Plan
     summary: Summary
     table: pa.Table
     folder: Path | None = None
+    _plan: Plan | None = None
     _columns: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """Scenario, and every case as a function of its number.
+
+        Raises:
+            ConfigError: it was flown by another program or other files, which would fly other cases.
+        """
+        if self._plan is not None:
+            return self._plan
+        assert self.folder is not None, "a campaign in memory has its plan"
+        return run.resumed_plan(Store(self.folder))
 
     @property
     def cases(self) -> int:
@@ -115,6 +126,9 @@ class CampaignResult:
     def refly(self, case: int) -> Flight:
         """Fly a case again with all its telemetry; ``differences`` of the flight names what is not as its
         row.
+
+        Raises:
+            ConfigError: there is no such case, or it was flown by another program or other files.
         """
         from edl6dof.campaign.refly import differences, reflown
 
@@ -153,10 +167,9 @@ def open_campaign(folder: str | Path) -> CampaignResult:
         ConfigError: the folder holds none, or it is not complete, or damaged.
     """
     store = Store(Path(folder))
-    plan = run.resumed_plan(store)
-    if not store.complete:
+    if store.info and not store.complete:  # reading it says whether there is a campaign
         raise refusal(folder, "is not complete; go on with edl6dof campaign FOLDER --resume")
-    return CampaignResult(plan, store.summary, store.table(), store.folder)
+    return CampaignResult(store.summary, store.table(), store.folder)
 
 
 def fly_campaign(
@@ -201,11 +214,11 @@ def flown(
     if out is not None:
         store = Store(Path(out))
         fly_new(plan, store, engine, until, force, _watch(progress))
-        return CampaignResult(plan, store.summary, store.table(), store.folder)
+        return CampaignResult(store.summary, store.table(), store.folder, plan)
     with tempfile.TemporaryDirectory(prefix="edl6dof-") as place:
         store = Store(Path(place) / plan.name)
         fly_new(plan, store, engine, until, False, _watch(progress))
-        return CampaignResult(plan, store.summary, store.table())
+        return CampaignResult(store.summary, store.table(), None, plan)
 
 
 def _watch(progress: Progress | None) -> Watch:

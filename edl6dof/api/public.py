@@ -93,9 +93,11 @@ def report(
 ) -> list[Path]:
     """Write a report; see :func:`edl6dof.report`."""
     from edl6dof.api.reports import write_report
+    from edl6dof.runs.needing import needing_channels
 
-    target = None if out is None else Path(out)
-    return list(write_report(folder_of(run), target, pdf, png, force))
+    target, folder = None if out is None else Path(out), folder_of(run)
+    with needing_channels(folder):
+        return list(write_report(folder, target, pdf, png, force))
 
 
 def replay(
@@ -115,11 +117,13 @@ def replay(
 ) -> list[Path]:
     """Show a replay, or write it; see :func:`edl6dof.replay`."""
     from edl6dof.app.replay import FilmOptions, ReplayOptions, show_replay
+    from edl6dof.runs.needing import needing_channels
 
     folders = tuple(map(folder_of, runs))
     page_file, picture, film = (None if path is None else Path(path) for path in (html, screenshot, video))
     cut = FilmOptions(start_s, end_s, length_s, fps)
-    return show_replay(ReplayOptions(folders, web, page_file, picture, at_s, page, force, film, cut))
+    with needing_channels(*folders):
+        return show_replay(ReplayOptions(folders, web, page_file, picture, at_s, page, force, film, cut))
 
 
 def folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:

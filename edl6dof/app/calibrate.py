@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 
 from rich.console import Console
 from rich.table import Table
@@ -17,8 +18,11 @@ from edl6dof.calibration.fit import Fit
 from edl6dof.calibration.problem import load_calibration
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
-from edl6dof.report.terminal import open_table
+from edl6dof.report.terminal import open_table, print_whole
 from edl6dof.runs.folder import atomic_folder, default_folder
+
+#: Letters of a line of a figure's name beside many columns.
+_LABEL = 24
 
 
 @dataclass(frozen=True)
@@ -57,8 +61,8 @@ def _show(found: Findings, target: Path) -> None:
         console.print(f"  {letter}   {path}", markup=False)  # never broken, as in a column of the table
     console.print(_parameters(found, letters))
     console.print(_figures(found))
-    console.print(_slopes(found, letters))
-    console.print(_correlations(found.fit, letters))
+    print_whole(_slopes(found, letters))
+    print_whole(_correlations(found.fit, letters))
     for remark in remarks(found):
         console.print(remark, markup=False)
     console.print(f"{target}: {listed(target)}", markup=False)
@@ -95,7 +99,8 @@ def _slopes(found: Findings, letters: Sequence[str]) -> Table:
         *(f"{letter}>" for letter in letters),
     )
     for (figure, _), row in zip(found.calibration.beside, found.fit.slopes, strict=True):
-        table.add_row(figure.meaning, figure.unit.label, *(significant(value, 2) for value in row))
+        meaning = "\n".join(wrap(figure.meaning, _LABEL))
+        table.add_row(meaning, figure.unit.label, *(significant(value, 2) for value in row))
     return table
 
 

@@ -20,6 +20,7 @@ from edl6dof.campaign.covariance.sampled import Sampled, along_axes
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.numbers import significant
+from edl6dof.report.terminal import print_whole
 
 #: Figures beside each other in the budget on a terminal.
 _COLUMNS = 4
@@ -27,8 +28,6 @@ _COLUMNS = 4
 _HEADING = 12
 #: Letters of a line of a figure's name.
 _LABEL = 32
-#: No table has more letters in a line.
-_WIDEST = 400
 _AXES = ("long half axis", "short half axis")
 #: Standard errors from which on a source is told from chance.
 _CLEAR = 3.0
@@ -41,7 +40,7 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
     console = Console(highlight=False, soft_wrap=True)
     flights = 2 * len(found.pairs.odd)
     console.print(f"{name}, {event}: {counted(flights, 'flight')} in {took_s:.1f} s", style="bold")
-    _print_whole(_spreads(found, sampled))
+    print_whole(_spreads(found, sampled))
     if sampled is not None:
         console.print(
             f"campaign: {counted(len(sampled), 'flight')}, {len(sampled) / flights:.1f} times as many"
@@ -50,7 +49,7 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
         along, towards = (figure_of_merit(name).meaning for name in found.event.position)
         degrees = np.degrees(np.arctan2(found.axes[1, 0], found.axes[0, 0])) % 180.0
         console.print(f"long axis {degrees:.0f} deg from '{along}' to '{towards}'", markup=False)
-    _print_whole(_budget(found))
+    print_whole(_budget(found))
     if found.together:
         names = ", ".join(source.name for source in found.together)
         console.print(f"not told from the rest: {names}", markup=False)
@@ -125,12 +124,7 @@ def show_alone(found: Alone, event: EventFigures) -> None:
         cells = map(_slope_and_bend, slopes[: len(names)], bends[: len(names)])
         table.add_row(target.path, *cells)
     print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
-    _print_whole(table)
-
-
-def _print_whole(table: Table) -> None:
-    """Print a table as wide as it is: numbers are never cut."""
-    Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
+    print_whole(table)
 
 
 def _table(first: str, names: Sequence[str]) -> Table:

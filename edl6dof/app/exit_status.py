@@ -9,6 +9,7 @@ from pathlib import Path
 from traceback import extract_tb
 
 from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.runs.needing import needing_channels, other_versions
 
 #: The flight, or what was to be shown by flights, is not within its limits.
 NOT_WITHIN_LIMITS = 1
@@ -41,13 +42,13 @@ def refusing_damage(*folders: Path) -> Iterator[None]:
         ConfigError: with the place in this program that could not go on.
     """
     try:
-        yield
+        with needing_channels(*folders):
+            yield
     except ConfigError:
         raise
     except Exception as error:
         place = extract_tb(error.__traceback__)[-1]
         where = f"{Path(place.filename).name}:{place.lineno}"
-        names = ", ".join(map(str, folders))
-        raise refusal(
-            names, f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})"
-        ) from error
+        names, versions = ", ".join(map(str, folders)), other_versions(*folders)
+        words = f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})"
+        raise refusal(names, words + versions) from error

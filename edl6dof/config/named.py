@@ -11,16 +11,20 @@ Value = TypeVar("Value")
 
 
 class UnknownName(KeyError):
-    """There is no such thing; the text says which was probably meant, worked out only when it is read."""
+    """There is no such thing; the text says which was probably meant, worked out only when it is read.
+
+    Attributes:
+        kind: what the names are of, such as ``channel``.
+        name: what was asked for.
+    """
 
     def __init__(self, kind: str, name: object, known: Iterable[str]):
-        """``kind``: what the names are of, such as ``channel``."""
         super().__init__(name)
-        self._kind, self._name, self._known = kind, name, known
+        self.kind, self.name, self._known = kind, name, known
 
     def __str__(self) -> str:
-        near = nearest(str(self._name), self._known)
-        return f"no {self._kind} {self._name!r}" + (f"; did you mean {near!r}?" if near else "")
+        near = nearest(str(self.name), self._known)
+        return f"no {self.kind} {self.name!r}" + (f"; did you mean {near!r}?" if near else "")
 
 
 class Named(dict[str, Value]):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +30,7 @@ class Feature:
 
     name: str
     scale: float
-    read: Callable[[np.ndarray], np.ndarray]
+    read: Callable[[np.ndarray], np.ndarray] = field(repr=False)
     size: int = 1
 
 

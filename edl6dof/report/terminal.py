@@ -17,6 +17,8 @@ from edl6dof.metrics.published import Beside, Published, published_figures
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
+#: No table has more letters in a line.
+_WIDEST = 400
 #: What is said of a limit or a requirement.
 LIMIT_STATUS = {True: "kept", False: "broken"}
 #: What is said below the figures of one flight.
@@ -70,7 +72,9 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
-    table = open_table("Timeline", "t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>")
+    # a heading of one line would leave no room for the events in 80 columns
+    heads = ("\nt (s)>", "\nevent", "height above\nground (m)>", "\nspeed (m/s)>", "\nMach>")
+    table = open_table("Timeline", *heads)
     landed = False
     for event in flight.events:
         landed = landed or event["key"] == "touchdown"
@@ -158,6 +162,11 @@ def open_table(title: str, *columns: str) -> Table:
             overflow="fold",
         )
     return table
+
+
+def print_whole(table: Table) -> None:
+    """Print a table as wide as it is: numbers are never cut, and a terminal breaks its lines."""
+    Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
 def _compared(beside: Beside, own: float | None, deviation: float | None) -> Compared:

@@ -17,6 +17,7 @@ from edl6dof.config.named import UnknownName
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
 from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
+from edl6dof.runs.needing import other_versions
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
 
@@ -181,4 +182,5 @@ class Run(Mapping[str, np.ndarray]):
         try:
             return parsed(self._manifest.read(name), kind)
         except ValueError as error:
-            raise refusal(self.folder / name, f"is not the file of a run: {error}") from None
+            words = f"is not the file of a run: {error}{other_versions(self.folder)}"
+            raise refusal(self.folder / name, words) from None

@@ -201,7 +201,8 @@ def _margins(a: np.ndarray, b: np.ndarray, k: np.ndarray, delay_s: float) -> Mar
     phase -= 2.0 * np.pi * np.round((phase[0] + 0.5 * np.pi) / (2.0 * np.pi))
     crossovers = np.flatnonzero((size[:-1] >= 1.0) & (size[1:] < 1.0))
     turns = np.flatnonzero(np.diff(np.floor((phase + np.pi) / (2.0 * np.pi))) != 0)
-    gain_db = min((abs(20.0 * np.log10(size[k])) for k in turns), default=np.inf)
+    with np.errstate(divide="ignore"):  # a loop that is open has no end to its margin
+        gain_db = min((abs(20.0 * float(np.log10(size[k]))) for k in turns), default=np.inf)
     if not len(crossovers):
         return Margins(gain_db, np.inf, np.inf, np.nan)
     at = crossovers[-1]

@@ -102,6 +102,9 @@ class Telemetry(Mapping[str, np.ndarray]):
         rates, rolls, angles = (words_of(self._log.dtype, names) for names in zip(*swings, strict=True))
         return fastest_turns(self._log, rates[0], int(rolls[0][0]), angles[0]) * rates[1]
 
+    def __repr__(self) -> str:
+        return f"<Telemetry: {len(self)} channels, {len(self._log):,} rows>"
+
     def __iter__(self) -> Iterator[str]:
         return iter((*self._places, *self._named))
 

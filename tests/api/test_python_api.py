@@ -233,7 +233,7 @@ def test_a_case_flies_again_bit_for_bit(result):
         edl6dof.refly(result, 6)
 
 
-def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path):
+def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path, monkeypatch):
     told = []
     place = tmp_path / "mc"
     kept = edl6dof.campaign(
@@ -245,6 +245,11 @@ def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path):
     assert edl6dof.campaign(place, resume=True).table.equals(result.table)
     with pytest.raises(edl6dof.ConfigError, match="exists"):
         edl6dof.campaign("tianwen1_mc", SHORT, cases=6, out=place)
+    monkeypatch.setattr(edl6dof, "__version__", "9.9")
+    opened = edl6dof.open_run(place)  # what another version flew is looked at, and not flown again
+    assert opened.table.equals(result.table) and repr(opened) == repr(result)
+    with pytest.raises(edl6dof.ConfigError, match=r"edl6dof: was .*, is 9\.9"):
+        opened.refly(3)
 
 
 @pytest.mark.parametrize(

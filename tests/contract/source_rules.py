@@ -27,7 +27,7 @@ LAYERS = (
         "dispatch",
         "lazy_calls",
     ),
-    ("config", "manifest", "registry", "plugins"),
+    ("config", "another_version", "manifest", "registry", "plugins"),
     ("spatial",),
     ("interface",),
     ("interchange",),

@@ -10,6 +10,7 @@ import warnings
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import in_process
 import numpy as np
@@ -183,6 +184,15 @@ def test_compare_writes_a_page_and_says_so(run, other, tmp_path, capsys, monkeyp
     )
     assert code == 0 and "\n  seed: 1 | 8\n" in out and out.endswith("c.html\n")
     assert Path(tmp_path / "c.html").stat().st_size < 9_000_000
+
+
+def test_of_a_fault_only_the_parameters_of_its_kind_are_told():
+    fault = {"kind": "degraded", "degraded": {"thrust_factor": 0.5}, "tank_leak": {"flow_kg_s": 0.5}}
+    faults = {"a": [], "b": [{**fault, "engine": None, "at": {"time_s": 3.0}}]}
+    runs = [SimpleNamespace(folder=Path(name), scenario={"faults": faults[name]}) for name in faults]
+    assert [row[0] for row in differences_table(*runs).rows] == [
+        "faults", "faults.0.kind", "faults.0.degraded.thrust_factor", "faults.0.at.time_s",
+    ]  # fmt: skip
 
 
 def test_counts_are_compared_as_whole_numbers(run, other):

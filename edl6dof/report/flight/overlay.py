@@ -15,6 +15,7 @@ from edl6dof.report.figure import Figure, Panel, Trace
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.flight.words import headline, mood
 from edl6dof.runs.run import Run
+from edl6dof.vehicle.faults.registry import FAULT_KINDS
 
 #: Brightness of the second flight's dashed curves, which lie over the first's full ones.
 DARKER = 0.45
@@ -91,12 +92,12 @@ def events_table(first: Run, second: Run) -> Table:
 
 
 def differences_table(first: Run, second: Run) -> Table | Text:
-    """Dotted paths whose values differ."""
+    """Dotted paths whose values differ; what is not there and what is not set are the same."""
     one, two = dict(_leaves(first.scenario)), dict(_leaves(second.scenario))
     rows: list[Row] = [
         [path, *(_shown(values[path]) if path in values else "-" for values in (one, two))]
         for path in dict.fromkeys([*one, *two])
-        if one.get(path, _leaves) != two.get(path, _leaves)
+        if one.get(path) != two.get(path)
     ]
     return Table(["parameter", *labels(first, second)], rows) if rows else Text("The scenarios are the same.")
 
@@ -185,10 +186,14 @@ def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tupl
 
 
 def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted paths and values of nested data; a list of numbers is one value."""
+    """Dotted paths and values of nested data; a list of numbers is one value, and of a fault the parameters
+    of other kinds mean nothing.
+    """
     if isinstance(value, dict):
+        others = FAULT_KINDS.names if value.get("kind") in FAULT_KINDS.names else ()
         for key, item in value.items():
-            yield from _leaves(item, f"{path}.{key}" if path else str(key))
+            if key not in others or key == value["kind"]:
+                yield from _leaves(item, f"{path}.{key}" if path else str(key))
     elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
         for index, item in enumerate(value):
             yield from _leaves(item, f"{path}.{index}")

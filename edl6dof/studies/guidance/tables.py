@@ -108,7 +108,8 @@ def _effort(vehicle: str, rows: Sequence[Row], calls: Calls) -> Grid:
             mean(of(flown, condition="wind 60 m/s"), "bank_travel_deg"), mean(flown, "propellant_used_kg"),
             mean(flown, "saturation_s"), calls[vehicle, law], float(len(unflown(flown))),
         ))  # fmt: skip
-    return Grid(f"{vehicle}: mean of all {len(rows) // len(lines)} flights", _HEADS, tuple(lines))
+    flights = counted(len(rows) // len(lines), "flight")
+    return Grid(f"{vehicle}: mean of {flights}", _HEADS, tuple(lines))
 
 
 def unflown(rows: Sequence[Row]) -> list[Row]:

@@ -8,6 +8,7 @@ from math import inf, isfinite, nan
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.config.wording import counted
 from edl6dof.studies.hazards.conditions import ABUNDANCES, BLIND, blind_share, standard_error
 from edl6dof.studies.quantiles import quantile_grid, with_quantile
 from edl6dof.studies.study import Finding, Grid
@@ -45,8 +46,8 @@ def grids(rows: Sequence[Row]) -> Iterator[Grid]:
     """For each ground what the ways make of it."""
     for abundance in ABUNDANCES:
         flown = [(way, of(rows, abundance, way)) for way in ways(rows)]
-        count = len(flown[0][1])
-        title = f"rocks cover {100.0 * abundance:g} % of the ground, {count} flights each way"
+        each = counted(len(flown[0][1]), "flight")
+        title = f"rocks cover {100.0 * abundance:g} % of the ground, {each} each way"
         yield Grid(title, _HEADS, tuple((way, *_figures(some)) for way, some in flown))
     for abundance in ABUNDANCES:
         miss = {way: values(of(rows, abundance, way), "spot_miss_m") for way in ways(rows) if way != BLIND}

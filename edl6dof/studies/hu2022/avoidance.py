@@ -16,6 +16,7 @@ import numpy as np
 
 from edl6dof.campaign.executor import in_threads
 from edl6dof.campaign.rows import Row
+from edl6dof.config.wording import counted
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, begun
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
@@ -178,8 +179,8 @@ def grids(scenario: Scenario, inertia: float, rows: list[Row]) -> tuple[Grid, Gr
     """
     avoided = [row for row in rows if row["experiment"] == "avoidance"]
     lines = [_line(scenario, inertia, control, avoided) for control in CONTROL]
-    count = len(flights_of(avoided, FLOWN, diagnosed=False))
-    title = f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {count} flights each"
+    each = counted(len(flights_of(avoided, FLOWN, diagnosed=False)), "flight")
+    title = f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {each} each"
     slower = [
         (f"{row['pole_rad_s']:g}", foreseen_deg(scenario, inertia, row["pole_rad_s"]), row["peak_error_deg"])
         for row in avoided
