@@ -121,7 +121,7 @@ def thin_air(tmp_path):
     column = [cell.strip().startswith("rho") for cell in was.splitlines()[0].split(",")].index(True)
     cells[column] = repr(float(cells[column]) * 1.5)
     changed = was.replace(line, ",".join(cells))
-    plan = load_plan(drop_with(tmp_path, f"atmosphere: {{table: {table}}}"), cases=180)
+    plan = load_plan(drop_with(tmp_path, f"atmosphere: {{table: {table}}}"), cases=110)
     whole = Store(tmp_path / "whole")
     run.begin(plan, whole, None)
     run.fly(plan, whole, Threads())

@@ -43,7 +43,14 @@ def test_three_sigma_is_refused_from_a_hundred_flights():
 @pytest.mark.parametrize(
     "flights, share", [(6, 0.5), (100, 0.05), (100, 0.5), (100, 0.95), (400, 0.99), (2836, 0.9987)]
 )
-@pytest.mark.parametrize("figure", [stats.norm(), stats.expon(), stats.t(2)], ids=["normal", "skew", "heavy"])
+@pytest.mark.parametrize(
+    "figure",
+    [
+        pytest.param(stats.norm(), id="normal", marks=pytest.mark.long),
+        pytest.param(stats.expon(), id="skew", marks=pytest.mark.long),
+        pytest.param(stats.t(2), id="heavy"),
+    ],
+)
 def test_bounds_hold_in_95_of_100_campaigns(flights, share, figure):
     rng = np.random.default_rng(flights)
     true, held = figure.ppf(share), 0

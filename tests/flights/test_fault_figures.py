@@ -64,7 +64,10 @@ def without_meters():
     return load_plan("tianwen1_mc", WITHOUT_METERS, cases=FLIGHTS)
 
 
-@pytest.mark.parametrize(("kind", "which"), [("stuck_off", "HORIZONTAL"), ("stuck_on", "STRONG")])
+@pytest.mark.parametrize(
+    ("kind", "which"),
+    [("stuck_off", "HORIZONTAL"), pytest.param("stuck_on", "STRONG", marks=pytest.mark.long)],
+)
 def test_thruster_is_named_by_force_and_torque_where_there_are_no_meters(tool, without_meters, kind, which):
     """With the noise of the inertial unit, its lever arm, and vibration with the engine; a dead thruster may
     pass for a weak one.

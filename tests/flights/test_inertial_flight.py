@@ -37,9 +37,10 @@ def time_of(flight, key):
     return next(event["t_s"] for event in flight.events if event["key"] == key)
 
 
-def test_errors_stay_within_what_is_claimed_and_nothing_is_excluded():
+@pytest.mark.parametrize("flights", [3, pytest.param(12, marks=pytest.mark.long)])
+def test_errors_stay_within_what_is_claimed_and_nothing_is_excluded(flights):
     scaled = []
-    for seed in range(1, 6):
+    for seed in range(1, flights + 1):
         flight = flown(f"seed={seed}")
         assert excluded(flight, "gyro") == excluded(flight, "accelerometer") == []
         for t in (100.0, 280.0, 440.0):

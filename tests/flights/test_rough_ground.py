@@ -89,7 +89,7 @@ def test_figures_of_the_footing_are_those_of_the_ground(landed):
 def test_a_rock_under_the_belly_is_the_cause_of_no_success():
     """Whatever the limits break on: success means no large rock and no ground into the belly."""
     seen = set()
-    for seed in range(1, 6):
+    for seed in range(1, 4):
         flight = edl6dof.fly(
             "tianwen1_hazards", [f"seed={seed}", "terrain.landing_area.rock_abundance=0.2", BLIND]
         )
