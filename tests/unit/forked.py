@@ -108,6 +108,10 @@ def server() -> socket.socket:
     environment = inherited() | {"PYTHONPATH": str(ROOT)}
     process = subprocess.Popen([sys.executable, "-c", SERVER], stdin=there, env=environment)
     there.close()
-    atexit.register(process.wait)
-    atexit.register(here.close)
+
+    def end() -> None:
+        here.shutdown(socket.SHUT_RDWR)  # whoever else may hold a copy of it
+        process.wait()
+
+    atexit.register(end)
     return here
