@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
-from edl6dof.config.wording import nearest
-
 Value = TypeVar("Value")
 
 
@@ -23,6 +21,8 @@ class UnknownName(KeyError):
         self.kind, self.name, self._known = kind, name, known
 
     def __str__(self) -> str:
+        from edl6dof.config.wording import nearest  # which loads pydantic
+
         near = nearest(str(self.name), self._known)
         return f"no {self.kind} {self.name!r}" + (f"; did you mean {near!r}?" if near else "")
 
