@@ -1,5 +1,8 @@
 """Imports point one way: from the command line down to the vector algebra, never back."""
 
+from collections import Counter
+from pathlib import Path
+
 from source_rules import HEIGHT, LAYERS, breaches, imports_at_load, layer_of, modules, upward_imports
 
 EVERYTHING = modules()
@@ -51,3 +54,9 @@ def test_no_modules_import_each_other_in_a_ring_when_loaded():
 def test_a_breach_is_told_with_its_module():
     planted = [("edl6dof.vehicle.a", "from ..fsw import cycle"), ("edl6dof.fsw.a", "import numpy")]
     assert list(breaches(upward_imports, planted)) == ["edl6dof.vehicle.a"]
+
+
+def test_no_two_modules_of_the_tests_have_one_name():
+    """pytest puts the folder of each test on the path: whoever is loaded first would be found by both."""
+    names = Counter(path.stem for path in Path(__file__).parents[1].rglob("*.py") if path.stem != "conftest")
+    assert [name for name, count in names.items() if count > 1] == []

@@ -1,1 +1,1 @@
-"""Tests below find ``as_flown`` and ``forked`` in this folder."""
+"""Tests below find ``as_flown`` and ``small_programs`` in this folder."""

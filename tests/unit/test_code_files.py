@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import forked
 import pytest
+import small_programs
 
 from edl6dof.code_files import CodeFiles, say_once
 
@@ -28,11 +28,11 @@ def with_kernel(folder: Path) -> Path:
     return folder
 
 
-def start(place: Path, *values: str, **environment: str) -> forked.Running:
-    return forked.start(CALL, *(values or ["1.5"]), cwd=place, **{"HOME": "/dev/null"} | environment)
+def start(place: Path, *values: str, **environment: str) -> small_programs.Running:
+    return small_programs.start(CALL, *(values or ["1.5"]), cwd=place, **{"HOME": "/dev/null"} | environment)
 
 
-def ended(process: forked.Running) -> tuple[str, int, list[str]]:
+def ended(process: small_programs.Running) -> tuple[str, int, list[str]]:
     """What a process printed, its cache hits, and the lines on its standard error."""
     status, out, err = process.ended()
     assert status == 0, err

@@ -8,9 +8,9 @@ was used and whether it was stale.
 import gc
 from pathlib import Path
 
-import forked
 import numba
 import pytest
+import small_programs
 
 from edl6dof import jit
 from edl6dof.source_stamp import SourceTree, parsed
@@ -48,7 +48,7 @@ def call(root, **environment):
 
 def run(program, **environment):
     """What a program prints that runs in a process of its own."""
-    ran = forked.run(program, cwd=Path.cwd(), **environment)
+    ran = small_programs.run(program, cwd=Path.cwd(), **environment)
     assert ran.returncode == 0, ran.stderr
     return ran.stdout
 

@@ -1,8 +1,8 @@
 """Kernels that are compiled when they are first called: which are, with what, and what goes wrong."""
 
-import forked
 import numpy as np
 import pytest
+import small_programs
 from numba.core.errors import NumbaError
 
 from edl6dof.config.base import Params
@@ -141,7 +141,7 @@ def test_a_second_process_finds_caller_and_member_in_the_cache(tmp_path):
         "from laws import fly, one, two; print(fly(1, 7.0), "
         "*(sum(k.stats.cache_hits.values()) for k in (fly, two)), len(one.signatures))"
     )
-    runs = [forked.run(code, cwd=tmp_path) for _ in range(2)]
+    runs = [small_programs.run(code, cwd=tmp_path) for _ in range(2)]
     assert [run.stdout.split() for run in runs] == [["14.0", "0", "0", "0"], ["14.0", "1", "1", "0"]], runs[
         1
     ].stderr

@@ -7,9 +7,9 @@ own count of cache hits.
 
 from typing import ClassVar
 
-import forked
 import numpy as np
 import pytest
+import small_programs
 from pydantic import ValidationError
 
 from edl6dof.config.base import Params, param
@@ -140,7 +140,7 @@ def test_a_second_process_loads_the_dispatching_kernel_from_the_cache(tmp_path):
         "@kernel\ndef fly(index, x):\n    return pick(index, x)\n"
     )
     code = "from laws import fly; print(fly(0, 7.0), fly(1, 7.0), sum(fly.stats.cache_hits.values()))"
-    runs = [forked.run(code, cwd=tmp_path) for _ in range(2)]
+    runs = [small_programs.run(code, cwd=tmp_path) for _ in range(2)]
     assert [run.stdout.split() for run in runs] == [["7.0", "14.0", "0"], ["7.0", "14.0", "1"]], runs[
         1
     ].stderr

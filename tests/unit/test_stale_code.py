@@ -3,7 +3,7 @@
 import os
 import time
 
-import forked
+import small_programs
 
 from edl6dof.stale_code import OLDEST_S, note_sources, remove_stale
 
@@ -46,7 +46,7 @@ def test_a_kernel_that_is_cached_notes_its_plugins_and_clears_those_of_others(tm
     cache.mkdir()
     gone = folder(cache, "plugins-000000000000", [tmp_path / "gone.py"])
     program = f"import edl6dof.jit as jit; jit.called_from = lambda path: [{str(plugin)!r}]"
-    ran = forked.run(f"{program}; import mine; mine.twice(1.5)", cwd=tmp_path)
+    ran = small_programs.run(f"{program}; import mine; mine.twice(1.5)", cwd=tmp_path)
     assert ran.returncode == 0, ran.stderr
     (mine,) = cache.glob("plugins-*")
     assert mine != gone and (mine / "sources.txt").read_text() == str(plugin)

@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-import forked
 import pytest
+import small_programs
 import yaml
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -78,7 +78,9 @@ def test_a_scenario_needs_its_start_and_may_hold_its_vehicle(validators):
 def test_members_of_plugins_are_in_the_schema_of_their_scenario():
     file = ROOT / "scenarios/plugin/energy_law.yaml"
     words = ["edl6dof", "schema", str(file)]
-    found = forked.run(f"import sys; sys.argv = {words!r}; from edl6dof.cli import main; main()", cwd=ROOT)
+    found = small_programs.run(
+        f"import sys; sys.argv = {words!r}; from edl6dof.cli import main; main()", cwd=ROOT
+    )
     schema = json.loads(found.stdout)
     assert jsonschema.Draft7Validator(schema).is_valid(yaml.safe_load(file.read_text(encoding="utf-8")))
 
