@@ -34,6 +34,7 @@ from edl6dof.sim.underway import NO_BRIEFS, Underway, log_rows
 from edl6dof.telemetry.channels import BRIEF
 
 
+@pytest.mark.long
 def test_simulated_gpu_gives_the_rows_of_threads():
     """To the last bit, from the rows of telemetry that figures need: a batch for a GPU changes nothing in a
     flight, and one that cannot fly keeps its place.  A flight that needs more rows than there is room for is

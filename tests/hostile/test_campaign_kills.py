@@ -26,7 +26,7 @@ STORIES = {
 }
 
 #: Of these the suite tries some operations, spread over all: one of so many.
-EVERY = {"new:before": 8, "resume:EIO": 6, "force_unfinished:after": 3}
+EVERY = {"new:before": 12, "resume:EIO": 8, "force_unfinished:after": 5}
 
 
 @pytest.fixture(scope="module")
