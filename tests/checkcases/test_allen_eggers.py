@@ -14,8 +14,8 @@ from edl6dof.verify.cases import allen_eggers
 
 PLANTED = [
     pytest.param(["atmosphere.exponential.scale_height_m=9354.001"], "speed", id="scale"),
-    pytest.param(["initial.flight_path_angle_deg=-89.9"], "speed", id="path"),
-    pytest.param(["vehicle.mass.entry_kg=400.1"], "speed", id="mass"),
+    pytest.param(["initial.flight_path_angle_deg=-89.9"], "speed", id="path", marks=pytest.mark.long),
+    pytest.param(["vehicle.mass.entry_kg=400.1"], "speed", id="mass", marks=pytest.mark.long),
 ]
 
 

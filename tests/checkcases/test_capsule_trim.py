@@ -14,8 +14,15 @@ from edl6dof.verify.cases import capsule_trim
 
 PLANTED = [
     pytest.param(["vehicle.mass.entry_centre_m=[-0.85, 0, -0.0391]"], "trim angle", id="offset"),
-    pytest.param(["vehicle.aero.capsule.moment_factor=1.01"], "pitch frequency", id="moment"),
-    pytest.param(["vehicle.mass.entry_inertia_kg_m2=[1150, 904.5, 950]"], "pitch frequency", id="inertia"),
+    pytest.param(
+        ["vehicle.aero.capsule.moment_factor=1.01"], "pitch frequency", id="moment", marks=pytest.mark.long
+    ),
+    pytest.param(
+        ["vehicle.mass.entry_inertia_kg_m2=[1150, 904.5, 950]"],
+        "pitch frequency",
+        id="inertia",
+        marks=pytest.mark.long,
+    ),
 ]
 
 

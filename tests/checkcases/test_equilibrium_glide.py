@@ -14,8 +14,8 @@ from edl6dof.verify.cases import equilibrium_glide
 
 PLANTED = [
     pytest.param(["vehicle.aero.capsule.axial_factor=1.03"], "range", id="drag"),
-    pytest.param(["initial.speed_m_s=3340"], "lift", id="density"),
-    pytest.param(["initial.bank_deg=15"], "lift", id="bank"),
+    pytest.param(["initial.speed_m_s=3340"], "lift", id="density", marks=pytest.mark.long),
+    pytest.param(["initial.bank_deg=15"], "lift", id="bank", marks=pytest.mark.long),
 ]
 
 

@@ -36,12 +36,13 @@ def test_passes():
     ("kernel", "wrong", "quantity"),
     [
         ("geodetic", geocentric, "latitude, longitude"),
-        (
+        pytest.param(
             "attitude_from_wind_angles",
             lambda v, up, bank, alpha, beta: attitude(v, up, bank, alpha, -beta),
             "attitude from wind angles",
+            marks=pytest.mark.long,
         ),
-        ("great_circle", from_east, "great-circle azimuth"),
+        pytest.param("great_circle", from_east, "great-circle azimuth", marks=pytest.mark.long),
     ],
 )
 def test_planted_error_is_caught(monkeypatch, kernel, wrong, quantity):

@@ -14,8 +14,18 @@ from edl6dof.verify.cases import jettison
 
 PLANTED = [
     pytest.param(["vehicle.parts.heat_shield.mass_kg=150.00001"], "heat shield", id="mass"),
-    pytest.param(["vehicle.parts.backshell.inertia_kg_m2=[190.001, 115, 115]"], "backshell", id="inertia"),
-    pytest.param(["planet.gravity.model=central", "planet.gravity.mu_m3_s2=100"], "mortar", id="gravity"),
+    pytest.param(
+        ["vehicle.parts.backshell.inertia_kg_m2=[190.001, 115, 115]"],
+        "backshell",
+        id="inertia",
+        marks=pytest.mark.long,
+    ),
+    pytest.param(
+        ["planet.gravity.model=central", "planet.gravity.mu_m3_s2=100"],
+        "mortar",
+        id="gravity",
+        marks=pytest.mark.long,
+    ),
 ]
 
 

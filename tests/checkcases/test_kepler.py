@@ -22,6 +22,7 @@ PLANTED = [
         ],
         "position",
         id="drag",
+        marks=pytest.mark.long,
     ),
 ]
 

@@ -14,8 +14,12 @@ from edl6dof.verify.cases import pendulum
 
 PLANTED = [
     pytest.param(["vehicle.parachutes.main.normal_slope=0.2525"], "pendulum", id="slope"),
-    pytest.param(["vehicle.parachutes.main.confluence_m=[-3.91, 0, 0]"], "wrist", id="bridle"),
-    pytest.param(["vehicle.parachutes.main.apparent_mass_factor=0"], "pendulum", id="apparent"),
+    pytest.param(
+        ["vehicle.parachutes.main.confluence_m=[-3.91, 0, 0]"], "wrist", id="bridle", marks=pytest.mark.long
+    ),
+    pytest.param(
+        ["vehicle.parachutes.main.apparent_mass_factor=0"], "pendulum", id="apparent", marks=pytest.mark.long
+    ),
 ]
 
 

@@ -25,7 +25,12 @@ def loaded():
 
 
 @pytest.mark.parametrize(
-    "t", [281.0, 500.0, *(pytest.param(t, marks=pytest.mark.long) for t in (20.0, 150.0, 420.0, 449.0))]
+    "t",
+    [
+        pytest.param(281.0, marks=pytest.mark.long),
+        500.0,
+        *(pytest.param(t, marks=pytest.mark.long) for t in (20.0, 150.0, 420.0, 449.0)),
+    ],
 )
 def test_compiled_and_plain_python_agree_bit_for_bit(loaded, t):
     state = fly(loaded, save_at_s=t).saved
@@ -35,6 +40,7 @@ def test_compiled_and_plain_python_agree_bit_for_bit(loaded, t):
     assert {name: differing(compiled[name], plain[name]) for name in compiled} == dict.fromkeys(compiled, [])
 
 
+@pytest.mark.long
 def test_point_mass_agrees_too():
     loaded = edl6dof.load("zheng2015")
     state = fly(loaded, save_at_s=90.0).saved

@@ -14,8 +14,8 @@ from edl6dof.verify.cases import point_mass
 
 PLANTED = [
     pytest.param(["initial.bank_deg=55.0001"], id="bank"),
-    pytest.param(["planet.rotation_rate_rad_s=7.0883e-5"], id="spin"),
-    pytest.param(["vehicle.aero.lift_drag.lift_to_drag=0.200001"], id="lift"),
+    pytest.param(["planet.rotation_rate_rad_s=7.0883e-5"], id="spin", marks=pytest.mark.long),
+    pytest.param(["vehicle.aero.lift_drag.lift_to_drag=0.200001"], id="lift", marks=pytest.mark.long),
 ]
 
 

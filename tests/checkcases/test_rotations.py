@@ -23,8 +23,13 @@ def test_passes():
     ("kernel", "wrong", "quantity"),
     [
         ("multiply", lambda p, q: (*multiply(p, q)[:3], multiply(p, q)[3] - 2.0 * p[1] * q[2]), "product"),
-        ("from_frame", lambda q, v: to_frame(q, v), "to inertial"),
-        ("rate", lambda q, w: tuple(0.5 * c for c in multiply((0.0, *w), q)), "rate"),
+        pytest.param("from_frame", lambda q, v: to_frame(q, v), "to inertial", marks=pytest.mark.long),
+        pytest.param(
+            "rate",
+            lambda q, w: tuple(0.5 * c for c in multiply((0.0, *w), q)),
+            "rate",
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_planted_error_is_caught(monkeypatch, kernel, wrong, quantity):

@@ -13,7 +13,12 @@ from edl6dof.verify.cases import symmetric_top
 
 PLANTED = [
     pytest.param(["vehicle.mass.entry_inertia_kg_m2=[1150.01, 900, 900]"], "rate in the body", id="inertia"),
-    pytest.param(["vehicle.mass.entry_inertia_kg_m2=[1150, 900.01, 900]"], "rate in space", id="asymmetry"),
+    pytest.param(
+        ["vehicle.mass.entry_inertia_kg_m2=[1150, 900.01, 900]"],
+        "rate in space",
+        id="asymmetry",
+        marks=pytest.mark.long,
+    ),
 ]
 
 

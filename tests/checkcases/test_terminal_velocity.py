@@ -20,6 +20,7 @@ PLANTED = [
         ],
         "speed",
         id="weight",
+        marks=pytest.mark.long,
     ),
 ]
 

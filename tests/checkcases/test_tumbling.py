@@ -27,6 +27,7 @@ PLANTED = [
         ],
         "energy",
         id="damping",
+        marks=pytest.mark.long,
     ),
 ]
 

@@ -13,7 +13,7 @@ from edl6dof.verify.cases import us76_table
 
 PLANTED = [
     pytest.param(["atmosphere.density_factor=1.0001"], "density", id="density"),
-    pytest.param(["atmosphere.model=table"], "temperature", id="table"),
+    pytest.param(["atmosphere.model=table"], "temperature", id="table", marks=pytest.mark.long),
 ]
 
 

@@ -8,6 +8,7 @@ the canopy packed, in tow, open or gone.
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -27,7 +28,8 @@ from edl6dof.vehicle.plant import (
     WORKSPACE,
 )
 
-LIMITS = settings(max_examples=25, deadline=None, derandomize=True)
+LIMITS = settings(max_examples=8, deadline=None, derandomize=True)
+MANY = settings(LIMITS, max_examples=25)
 STATES_EACH = 20
 
 
@@ -80,9 +82,8 @@ def disturb(plant, rng):
     )
 
 
-@LIMITS
-@given(VEHICLE, st.integers(0, 2**32 - 1))
-def test_derivatives_are_finite(drawn, seed):
+def assert_finite(drawn, seed):
+    """Of one vehicle, in many states."""
     try:
         loaded = load_scenario("tianwen1", [f"{path}={value}" for path, value in drawn.items()])
     except ConfigError:
@@ -98,3 +99,16 @@ def test_derivatives_are_finite(drawn, seed):
         out = work["k"][0, 0]
         live = STATES if plant["canopy"][0] in (1, 2) else STATES_VEHICLE
         assert np.all(np.isfinite(out[:live])), (drawn, plant["y"][0].tolist(), out.tolist())
+
+
+@LIMITS
+@given(VEHICLE, st.integers(0, 2**32 - 1))
+def test_derivatives_are_finite(drawn, seed):
+    assert_finite(drawn, seed)
+
+
+@pytest.mark.long
+@MANY
+@given(VEHICLE, st.integers(0, 2**32 - 1))
+def test_derivatives_of_many_vehicles_are_finite(drawn, seed):
+    assert_finite(drawn, seed)

@@ -53,6 +53,7 @@ def test_summary_counts_what_the_rows_say(flown):
     assert faults["all"]["with_wrong_isolations"] == sum(row["wrongly_named"] is not None for row in rows)
 
 
+@pytest.mark.long
 def test_kinds_of_other_components_fail_each_of_theirs(tmp_path, capsys, monkeypatch):
     target = tmp_path / "matrix"
     words = ("--kinds", "engine_shortfall,wing_lost", "--phases", "slow_descent", "--out", str(target))
@@ -85,6 +86,7 @@ def sensors_flown(tmp_path_factory):
     return done.returncode, done.stdout, done.stderr, target
 
 
+@pytest.mark.long
 def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):
     code, out, err, target = sensors_flown
     assert code == 0, err
@@ -100,6 +102,7 @@ def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):
         assert abs(row["touchdown_nav_height_m"]) < 0.5
 
 
+@pytest.mark.long
 def test_instrument_that_is_not_used_any_more_is_not_named(sensors_flown):
     """Below the air no stars are looked for."""
     _, _, _, target = sensors_flown

@@ -46,7 +46,13 @@ def test_interrupt_leaves_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGKILL, marks=pytest.mark.long),
+        pytest.param(signal.SIGTERM, marks=pytest.mark.long),
+    ],
+)
 def test_kill_leaves_no_result_and_the_next_run_cleans_up(number, tmp_path, capsys, monkeypatch):
     process = spawn([*SLOW, "--out", "runs/drop"], tmp_path)
     wait_for_hidden(tmp_path / "runs", process)

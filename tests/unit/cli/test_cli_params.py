@@ -32,8 +32,8 @@ def test_every_parameter_is_legible_on_80_columns(capsys, monkeypatch):
 @pytest.mark.parametrize(
     "path",
     [
-        "vehicle.rcs.thrusters",
-        "vehicle.rcs.thrusters[]",
+        pytest.param("vehicle.rcs.thrusters", marks=pytest.mark.long),
+        pytest.param("vehicle.rcs.thrusters[]", marks=pytest.mark.long),
         "vehicle.rcs.thrusters.0",
         "vehicle.rcs.thrusters[].thrust_n",
     ],

@@ -193,6 +193,7 @@ def test_name_of_a_law_of_the_package_is_refused(tmp_path):
     assert "entry guidance law of the package is called npc already" in error
 
 
+@pytest.mark.long
 def test_estimator_of_a_plugin_is_chosen_by_name(tmp_path):
     (tmp_path / "law.py").write_text(ESTIMATOR)
     file = tmp_path / "mine.yaml"
@@ -271,6 +272,7 @@ SIDE = LAW.replace(
 ).replace('{"guide": guide}', '{"side": side}')
 
 
+@pytest.mark.long
 def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, monkeypatch):
     """A reversal logic in a process of its own each time: result, and whether numba took it from the
     cache.

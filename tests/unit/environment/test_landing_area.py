@@ -124,7 +124,11 @@ def test_metres_of_the_plane_are_metres_on_the_ground(north, east):
 
 @pytest.mark.parametrize(
     "hurst, slope, baseline",
-    [(0.5, 2.0, 5.0), pytest.param(0.75, 4.0, 1.0, marks=pytest.mark.long), (0.8, 1.0, 20.0)],
+    [
+        (0.5, 2.0, 5.0),
+        pytest.param(0.75, 4.0, 1.0, marks=pytest.mark.long),
+        pytest.param(0.8, 1.0, 20.0, marks=pytest.mark.long),
+    ],
 )
 def test_relief_has_the_slope_at_its_baseline_and_the_hurst_exponent(hurst, slope, baseline):
     """Structure function over several seeds and places (Shepard et al. 2001)."""

@@ -96,7 +96,13 @@ def ratio_of_specific_heats(gas, temperature):
     return 1.0 + 1.0 / heat_capacity
 
 
-@pytest.mark.parametrize("name", PLACES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name.startswith(("tianwen1", "polar")) else pytest.param(name, marks=pytest.mark.long)
+        for name in PLACES
+    ],
+)
 def test_every_layer_carries_what_lies_above_it(name):
     """Pressure against the weight of the air between heights in and between the rows, by Gauss's quadrature
     of the density and pressure that the kernel returns.

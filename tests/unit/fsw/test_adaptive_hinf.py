@@ -96,7 +96,14 @@ def test_riccati_solution_is_scipys(gain, weight):
     assert np.all(np.linalg.eigvalsh([[p11, p12], [p12, p22]]) > 0.0)
 
 
-@pytest.mark.parametrize("gain, weight", [(2.0, 1.0), (100.0, 2500.0), (60.0, 2500.0)])
+@pytest.mark.parametrize(
+    "gain, weight",
+    [
+        pytest.param(2.0, 1.0, marks=pytest.mark.long),
+        (100.0, 2500.0),
+        pytest.param(60.0, 2500.0, marks=pytest.mark.long),
+    ],
+)
 def test_feedback_keeps_the_gain_from_disturbance_to_error_below_lambda(gain, weight):
     """The peak of the frequency response, and the Lyapunov equation of section 3.4."""
     f = np.array([feedback(gain, weight)])
@@ -197,7 +204,7 @@ def exponential(onboard):
     air["ln_density"] = np.log(0.0158) - heights / 9354.0
 
 
-@pytest.mark.parametrize("first", [4200.0, 3000.0])
+@pytest.mark.parametrize("first", [4200.0, pytest.param(3000.0, marks=pytest.mark.long)])
 def test_range_prediction_is_that_of_a_flight_held_on_the_profile(planned, first):
     """A point mass with whatever lift it takes to follow the profile, integrated by scipy from ``first`` to
     the end.
@@ -260,7 +267,10 @@ def test_range_goes_with_the_inverse_of_drag(planned):
 # ---- closed loop -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("density_factor", [0.9, 1.0, 1.1])
+@pytest.mark.parametrize(
+    "density_factor",
+    [pytest.param(0.9, marks=pytest.mark.long), pytest.param(1.0, marks=pytest.mark.long), 1.1],
+)
 def test_law_flies_a_point_mass_to_the_parachute_target(density_factor):
     flight = fly(
         load_scenario(

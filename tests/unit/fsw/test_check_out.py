@@ -34,7 +34,7 @@ def test_working_thrusters_respond_in_full_and_stay_in_the_selection(nominal):
     assert nominal.fsw["health"]["thruster"][0, index(nominal, "D2")] == 1
 
 
-@pytest.mark.parametrize("thruster", ["D1", "D2"])
+@pytest.mark.parametrize("thruster", ["D1", pytest.param("D2", marks=pytest.mark.long)])
 def test_a_dead_thruster_is_taken_out_and_never_fired_again(thruster):
     fault = f"faults=[{{thruster: {thruster}, kind: stuck_off, at: {{time_s: 0}}}}]"
     flight = edl6dof.fly("tianwen1", [fault])

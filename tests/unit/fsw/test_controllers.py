@@ -157,7 +157,14 @@ def test_angle_of_attack_is_closed_around_zero_where_the_phase_holds_it(onboard,
     assert (torque[1] > 50.0) == bool(held)
 
 
-@pytest.mark.parametrize(("alpha_deg", "beta_deg"), [(-6.0, 0.0), (0.0, 6.0), (-4.0, -5.0)])
+@pytest.mark.parametrize(
+    ("alpha_deg", "beta_deg"),
+    [
+        pytest.param(-6.0, 0.0, marks=pytest.mark.long),
+        pytest.param(0.0, 6.0, marks=pytest.mark.long),
+        (-4.0, -5.0),
+    ],
+)
 def test_held_angles_go_to_zero_in_the_expected_wind_against_a_moment_that_stays(
     onboard, alpha_deg, beta_deg
 ):
@@ -247,7 +254,10 @@ def slewed(onboard, goal_tilt, formulation, roll_deg=0.0, duration=8.0):
     return np.array(axes), np.array(errors)
 
 
-@pytest.mark.parametrize("towards_deg", [0.0, 30.0, 117.0])
+@pytest.mark.parametrize(
+    "towards_deg",
+    [pytest.param(0.0, marks=pytest.mark.long), pytest.param(30.0, marks=pytest.mark.long), 117.0],
+)
 def test_decoupled_slew_moves_the_thrust_axis_along_one_great_circle_whatever_the_roll_error(
     onboard, towards_deg
 ):

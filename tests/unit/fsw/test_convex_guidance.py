@@ -37,7 +37,9 @@ def size(plan):
     return np.linalg.norm(plan["w"], axis=1)
 
 
-@pytest.mark.parametrize("tilt_deg", [25.0, 60.0, 90.0])
+@pytest.mark.parametrize(
+    "tilt_deg", [pytest.param(25.0, marks=pytest.mark.long), 60.0, pytest.param(90.0, marks=pytest.mark.long)]
+)
 def test_nearest_thrust_is_the_cheapest_of_all_that_the_engine_can_give(tilt_deg):
     """Against a grid in the plane of the vertical and the start, where the answer lies by symmetry."""
     rng, tilt, low, high = np.random.default_rng(1), radians(tilt_deg), 1.5, 5.0
@@ -90,7 +92,7 @@ def test_moved_plan_keeps_the_thrust_of_each_moment():
         assert any(np.array_equal(u, before[i]) for i in nearest)
 
 
-@pytest.mark.parametrize("state", range(12))
+@pytest.mark.parametrize("state", [0, 1, 2, *(pytest.param(n, marks=pytest.mark.long) for n in range(3, 12))])
 def test_fuel_is_that_of_an_interior_point_method(state):
     conic = pytest.importorskip("edl6dof.design.landing.conic")
     pytest.importorskip("clarabel")

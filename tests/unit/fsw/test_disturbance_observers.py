@@ -46,7 +46,7 @@ def surface_after(disturbance, dt, seconds, tau):
 
 
 @pytest.mark.parametrize("dt", [0.02, 0.2, 1.0])
-@pytest.mark.parametrize("tau", [0.1, 1.0])
+@pytest.mark.parametrize("tau", [0.1, pytest.param(1.0, marks=pytest.mark.long)])
 def test_constant_disturbance_is_found_and_the_surface_dies_out_at_any_rate(dt, tau):
     estimate, surface = surface_after(lambda t: 0.7, dt, 80.0, tau)
     assert estimate == pytest.approx(0.7, rel=1e-3)

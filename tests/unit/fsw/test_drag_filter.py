@@ -57,7 +57,9 @@ def glide(onboard):
     return Glide(onboard[0], 35e3, 3300.0)
 
 
-@pytest.mark.parametrize("factor", [1.0, 0.6, 1.4])
+@pytest.mark.parametrize(
+    "factor", [pytest.param(1.0, marks=pytest.mark.long), 0.6, pytest.param(1.4, marks=pytest.mark.long)]
+)
 def test_drag_and_energy_are_the_measured_ones_without_lag_in_air_that_is_off_by_a_factor(glide, factor):
     for _ in range(1000):
         drag, energy, measured, measured_energy = glide.step(factor)

@@ -72,7 +72,14 @@ def entry(lift_to_drag, density, bank):
     return flown, drag_at, lambda t: (drag_at(t + 1e-3) - drag_at(t - 1e-3)) / 2e-3
 
 
-@pytest.mark.parametrize("lift_to_drag, density", [(0.24, 0.00078), (0.216, 0.0009), (0.264, 0.00066)])
+@pytest.mark.parametrize(
+    "lift_to_drag, density",
+    [
+        pytest.param(0.24, 0.00078, marks=pytest.mark.long),
+        (0.216, 0.0009),
+        pytest.param(0.264, 0.00066, marks=pytest.mark.long),
+    ],
+)
 def test_estimates_converge_within_0_6_s_from_a_wrong_start(lift_to_drag, density):
     """Wu, Cui & Cui 2013, Fig. 3: sampled at 10 Hz, from a drag 20 % off and no drag rate, L/D off by 3
     sigma.

@@ -247,7 +247,14 @@ def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):
 
 
 @pytest.mark.parametrize(
-    "density_factor, range_error_km", [(1.0, 0.0), (1.1, 0.0), (0.92, 0.0), (1.0, 8.0), (1.0, -8.0)]
+    "density_factor, range_error_km",
+    [
+        pytest.param(1.0, 0.0, marks=pytest.mark.long),
+        (1.1, 0.0),
+        pytest.param(0.92, 0.0, marks=pytest.mark.long),
+        pytest.param(1.0, 8.0, marks=pytest.mark.long),
+        (1.0, -8.0),
+    ],
 )
 def test_drag_tracking_flies_a_point_mass_to_the_aim_range(
     onboard, planned_rows, density_factor, range_error_km

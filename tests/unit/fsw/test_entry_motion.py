@@ -103,7 +103,9 @@ def windy(onboard):
 STARTS = [(24.0, 110.0, 60e3, 4700.0, -9.0, 181.0), (-4.5, 137.0, 25e3, 2500.0, -8.0, 93.0)]
 
 
-@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize(
+    "start", [STARTS[0], *(pytest.param(other, marks=pytest.mark.long) for other in STARTS[1:])]
+)
 def test_motion_is_newtons_law_in_inertial_axes(windy, start):
     """Lift left or right, Coriolis and centrifugal force, J2 and wind, for 60 s."""
     r, v = state(*start, windy["planet"]["equatorial_radius"])

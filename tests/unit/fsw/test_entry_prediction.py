@@ -189,7 +189,9 @@ def at_65_km(nominal):
     return state(*(table[f"truth.{name}"][row] for name in names))
 
 
-@pytest.mark.parametrize("drag_ratio", [0.9, 1.0, 1.1])
+@pytest.mark.parametrize(
+    "drag_ratio", [pytest.param(0.9, marks=pytest.mark.long), pytest.param(1.0, marks=pytest.mark.long), 1.1]
+)
 def test_predicted_range_grows_without_jumps(onboard, at_65_km, drag_ratio):
     """Wherever among the steps the parachute's Mach number is met: 70 to 100 m for each 5e-4 of cos(bank),
     200 m where alignment moves by a step.

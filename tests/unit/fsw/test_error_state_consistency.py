@@ -63,7 +63,11 @@ def assert_innovations_consistent(innovations, first, end):
         assert np.mean(mean) == pytest.approx(4.0, rel=0.02)
 
 
-@pytest.mark.parametrize("stars_until", [-1.0, 100.0], ids=["from one fix", "with star fixes"])
+@pytest.mark.parametrize(
+    "stars_until",
+    [-1.0, pytest.param(100.0, marks=pytest.mark.long)],
+    ids=["from one fix", "with star fixes"],
+)
 def test_entry_dead_reckoning_claims_what_is_so(stars_until):
     flown = course.truth(ONBOARD, True)
     reports = [200, 1500, 3000, 4500, 5999]

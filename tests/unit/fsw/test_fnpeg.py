@@ -176,7 +176,9 @@ def fly(*sets):
     return edl6dof.fly("zheng2015", [*OWN, *sets])
 
 
-@pytest.mark.parametrize("density", [0.85, pytest.param(1.0, marks=pytest.mark.long), 1.4])
+@pytest.mark.parametrize(
+    "density", [pytest.param(0.85, marks=pytest.mark.long), pytest.param(1.0, marks=pytest.mark.long), 1.4]
+)
 def test_point_mass_ends_at_the_aim_point_in_any_air(density):
     flight = fly(f"truth={{atmosphere.density_factor: {density}}}")
     assert flight.success

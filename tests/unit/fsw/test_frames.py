@@ -48,7 +48,20 @@ def towards(q, wanted, roll=0.0):
 
 
 @pytest.mark.parametrize("roll_deg", [0.0, 1e-3, -75.0, 179.0])
-@pytest.mark.parametrize("angle_deg", [1e-5, 1e-3, 0.5, 30.0, 89.0, 90.0, 135.0, 179.0, 179.99])
+@pytest.mark.parametrize(
+    "angle_deg",
+    [
+        1e-5,
+        pytest.param(1e-3, marks=pytest.mark.long),
+        pytest.param(0.5, marks=pytest.mark.long),
+        30.0,
+        pytest.param(89.0, marks=pytest.mark.long),
+        pytest.param(90.0, marks=pytest.mark.long),
+        pytest.param(135.0, marks=pytest.mark.long),
+        pytest.param(179.0, marks=pytest.mark.long),
+        179.99,
+    ],
+)
 def test_decoupled_error_is_the_shortest_rotation_of_the_thrust_axis_and_the_roll_that_is_left(
     angle_deg, roll_deg
 ):

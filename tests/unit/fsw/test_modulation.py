@@ -186,7 +186,7 @@ def ticking(duties, shortest, p, cycle, ticks=40):
     return on
 
 
-@pytest.mark.parametrize(("slot", "shortest"), [(0, 0.040), (4, 0.128)])
+@pytest.mark.parametrize(("slot", "shortest"), [pytest.param(0, 0.040, marks=pytest.mark.long), (4, 0.128)])
 def test_same_valve_as_a_modulator_that_counts_ticks(jets, slot, shortest):
     rng, p = np.random.default_rng(3), settings()
     duties = np.zeros((3000, 8))

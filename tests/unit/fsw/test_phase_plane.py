@@ -100,7 +100,7 @@ def test_the_defaults_cycle_as_the_docstring_says(params):
     ) in text
 
 
-@pytest.mark.parametrize("pulse", [0.2, 0.4])
+@pytest.mark.parametrize("pulse", [0.2, pytest.param(0.4, marks=pytest.mark.long)])
 def test_a_coarse_minimum_pulse_sets_the_rates_of_the_limit_cycle(params, pulse):
     """A pulse that changes the rate by more than the switching lines do: the rates before and after it differ
     by just that.

@@ -114,7 +114,14 @@ def test_plan_is_the_flight_of_independent_equations(name):
     assert height == pytest.approx(rows["altitude"][-1], abs=20.0)
 
 
-@pytest.mark.parametrize("name", ["tianwen1", "msl", "zheng2015"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "tianwen1",
+        pytest.param("msl", marks=pytest.mark.long),
+        pytest.param("zheng2015", marks=pytest.mark.long),
+    ],
+)
 def test_plan_ends_at_the_aim_point_at_the_speed_of_the_mission(name):
     scenario = load_scenario(name, [FITTED]).scenario
     onboard = build_onboard(scenario)

@@ -156,7 +156,10 @@ def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
 
 
 @pytest.mark.parametrize("law", ["fl", "ehgo_fl"])
-@pytest.mark.parametrize("density_factor", [0.9, 1.0, 1.1])
+@pytest.mark.parametrize(
+    "density_factor",
+    [pytest.param(0.9, marks=pytest.mark.long), pytest.param(1.0, marks=pytest.mark.long), 1.1],
+)
 def test_laws_fly_a_point_mass_to_the_parachute_target(law, density_factor):
     """Tianwen-1 as a point mass in the Mars-GRAM atmosphere with wind; the flight computer believes the
     nominal density.

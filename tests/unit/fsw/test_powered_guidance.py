@@ -40,7 +40,11 @@ def terminal(onboard):
 
 @pytest.mark.parametrize(
     "height, descent, north, east",
-    [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)],
+    [
+        pytest.param(1200.0, 70.0, 0.0, 0.0, marks=pytest.mark.long),
+        (1500.0, 85.0, 12.0, -8.0),
+        pytest.param(800.0, 60.0, -15.0, 3.0, marks=pytest.mark.long),
+    ],
 )
 def test_polynomial_law_follows_a_cubic_down_and_a_quartic_sideways_that_ends_upright(
     onboard, height, descent, north, east
@@ -118,7 +122,9 @@ def test_target_lies_ahead_by_a_share_of_the_drift_less_a_divert_away_from_the_b
     assert target == before  # once only
 
 
-@pytest.mark.parametrize("velocity", [(0.0, 0.0, 80.0), (20.0, -10.0, 75.0)])
+@pytest.mark.parametrize(
+    "velocity", [pytest.param((0.0, 0.0, 80.0), marks=pytest.mark.long), (20.0, -10.0, 75.0)]
+)
 def test_gravity_turn_reaches_the_final_height_slowly_with_thrust_against_the_velocity(onboard, velocity):
     body = PointMass(1400.0, velocity)
     law = Guided(onboard[0], "gravity_turn", body)

@@ -168,7 +168,9 @@ def test_planned_arrival_stays_where_it_is_if_nothing_disturbs_the_law(onboard, 
     assert np.ptp(arrivals) < 0.02
 
 
-@pytest.mark.parametrize("reserve", [0.0, pytest.param(0.1, marks=pytest.mark.long), 0.2])
+@pytest.mark.parametrize(
+    "reserve", [pytest.param(0.0, marks=pytest.mark.long), pytest.param(0.1, marks=pytest.mark.long), 0.2]
+)
 @pytest.mark.parametrize("law", PLANNING)
 def test_plan_ends_on_the_throttle_band_less_the_reserve(onboard, law, reserve):
     """Straight down on an ideal engine, whose mass is that of the rocket equation with what it has truly

@@ -124,7 +124,15 @@ def scale_height(air, h):
     return -air["spacing"] / np.diff(air["ln_density"])[int((h - air["bottom"]) / air["spacing"])]
 
 
-@pytest.mark.parametrize("speed", [900.0, 1800.0, 3000.0, 4200.0])
+@pytest.mark.parametrize(
+    "speed",
+    [
+        pytest.param(900.0, marks=pytest.mark.long),
+        1800.0,
+        pytest.param(3000.0, marks=pytest.mark.long),
+        pytest.param(4200.0, marks=pytest.mark.long),
+    ],
+)
 def test_influence_coefficients_are_differences_of_flown_ranges(plain, table, speed):
     record = plain[0]
     f, final = motion(record), float(record["guidance"]["entry"]["final_speed"])
@@ -145,7 +153,15 @@ def test_influence_coefficients_are_differences_of_flown_ranges(plain, table, sp
     assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.01)
 
 
-@pytest.mark.parametrize("speed", [900.0, 1800.0, 3000.0, 4200.0])
+@pytest.mark.parametrize(
+    "speed",
+    [
+        pytest.param(900.0, marks=pytest.mark.long),
+        pytest.param(1800.0, marks=pytest.mark.long),
+        pytest.param(3000.0, marks=pytest.mark.long),
+        4200.0,
+    ],
+)
 def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, speed):
     """Adjoint of J = range to go, speed as independent variable: l' = -(f_x l + s_x), m' = -(f_u l + s_u),
     both zero at the end.

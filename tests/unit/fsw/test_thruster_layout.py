@@ -77,7 +77,9 @@ def test_zonotope_radius_and_linear_programme_agree(shared_onboard):
     assert inscribed_radius(np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]]).T) == 0.0
 
 
-@pytest.mark.parametrize("name", CENTRES)
+@pytest.mark.parametrize(
+    "name", ["lander", *(pytest.param(name, marks=pytest.mark.long) for name in ("entry", "under_chute"))]
+)
 def test_torque_in_every_direction_with_any_single_thruster_of_22_failed(shared_onboard, name):
     assert shared_onboard[0]["vehicle"]["n_thrusters"] == 22
     for failed in range(22):

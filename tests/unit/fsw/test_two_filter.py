@@ -89,7 +89,11 @@ def test_nothing_is_corrected_before_convergence(descent):
     assert 0 < kept < 60 and memory["converged"] == 1
 
 
-@pytest.mark.parametrize("beam_state", [0, 1, 2], ids=["sound", "one lost", "one false"])
+@pytest.mark.parametrize(
+    "beam_state",
+    [pytest.param(0, marks=pytest.mark.long), pytest.param(1, marks=pytest.mark.long), 2],
+    ids=["sound", "one lost", "one false"],
+)
 def test_height_and_velocity_are_found(descent, beam_state):
     last = len(descent[0]) - 1
     looks = np.zeros((last + 1, 8), np.int64)

@@ -99,7 +99,9 @@ def test_rate_without_torque_keeps_the_angular_momentum():
     assert np.allclose(INERTIA * change, -np.cross(w, INERTIA * w))
 
 
-@pytest.mark.parametrize("beside, bound_deg", [((0.0, 0.0, 0.0), 0.1), ((0.0, 0.002, -0.002), 0.3)])
+@pytest.mark.parametrize(
+    "beside, bound_deg", [pytest.param((0.0,) * 3, 0.1, marks=pytest.mark.long), ((0.0, 0.002, -0.002), 0.3)]
+)
 def test_bridge_follows_a_capsule_under_its_riser(beside, bound_deg):
     """A second; with the believed centre millimetres off, the rate is degrees a second off at its end."""
     swing, cycles = Swing(1.1), 50
@@ -222,7 +224,7 @@ class Descent:
                 break
 
 
-@pytest.mark.parametrize("degrees", [1.0, 40.0, 165.0])
+@pytest.mark.parametrize("degrees", [*(pytest.param(x, marks=pytest.mark.long) for x in (1.0, 40.0)), 165.0])
 def test_gravity_and_radar_find_the_vertical_velocity_and_height_again(degrees):
     descent = Descent(Quaternion(axis=(0.2, 1.0, -0.5), degrees=degrees))
     descent.cycles(12.0)

@@ -80,7 +80,7 @@ def test_a_sound_model_is_left_alone():
     assert soon < 0.02 and late < 0.02
 
 
-@pytest.mark.parametrize("gap", [0.3, 1.0])
+@pytest.mark.parametrize("gap", [0.3, pytest.param(1.0, marks=pytest.mark.long)])
 def test_centre_of_mass_elsewhere_and_the_torque_of_the_air_are_found_in_hindsight(gap):
     soon, late = [], []
     for seed in range(5):

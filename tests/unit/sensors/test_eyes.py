@@ -65,7 +65,10 @@ def test_commands_reach_the_eyes_for_a_cycle():
 
 
 @pytest.mark.parametrize("name", EYES)
-@pytest.mark.parametrize("value", [np.nan, np.inf, -1e300])
+@pytest.mark.parametrize(
+    "value",
+    [np.nan, pytest.param(np.inf, marks=pytest.mark.long), pytest.param(-1e300, marks=pytest.mark.long)],
+)
 def test_images_are_finite_whatever_the_vehicle_does(name, value):
     for place, turns in product(range(13), ((0.0, 0.0, 0.0), (0.0, 80.0, 0.0))):
         bench = Hovering(name, GROUND, turns=turns)

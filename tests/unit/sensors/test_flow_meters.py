@@ -72,7 +72,9 @@ def test_count_comes_in_whole_quanta_and_loses_nothing():
     assert behind.min() > -1e-12 and 0.5e-4 < behind.max() < 1e-4 * (1.0 + 1e-6)
 
 
-@pytest.mark.parametrize("delay", [0, 1, 3])
+@pytest.mark.parametrize(
+    "delay", [pytest.param(0, marks=pytest.mark.long), pytest.param(1, marks=pytest.mark.long), 3]
+)
 @pytest.mark.parametrize("name", ["flow_meters", "imu"])
 def test_count_arrives_some_cycles_late(name, delay):
     bench = meters(delay_cycles=delay) if name == "flow_meters" else Bench(name, {"delay_cycles": delay})

@@ -249,7 +249,9 @@ def covariance(variance, frequency, width, window, lag):
     return trapezoid(spectrum * window(f) * np.cos(2.0 * np.pi * f * lag), f)
 
 
-@pytest.mark.parametrize(("frequency", "width"), [(12.0, 8.0), (200.0, 200.0)])
+@pytest.mark.parametrize(
+    ("frequency", "width"), [(12.0, 8.0), pytest.param(200.0, 200.0, marks=pytest.mark.long)]
+)
 def test_random_vibration_has_the_spectrum_of_its_parameters(frequency, width):
     """Variance and covariances of the increments of the counts and of the rate, over five minutes."""
     random = {"frequency_hz": frequency, "bandwidth_hz": width, "rate_deg_s": 2.0, "acceleration_g0": 0.1}

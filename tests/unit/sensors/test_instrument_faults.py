@@ -149,8 +149,8 @@ def test_beam_sticks_scatters_and_locks_on_nothing_real():
     [
         ("reading_bias, reading_bias: {flow_kg_s: 0.03}", 0.13, 0.13),
         ("reading_drift, reading_drift: {flow_kg_s2: 0.01, duration_s: 0.9}", 0.1, 0.1),
-        ("reading_drift, reading_drift: {flow_kg_s2: 0.01}", 0.1, 0.1096),
-        ("reading_outage", 0.0, 0.0),
+        pytest.param("reading_drift, reading_drift: {flow_kg_s2: 0.01}", 0.1, 0.1096, marks=pytest.mark.long),
+        pytest.param("reading_outage", 0.0, 0.0, marks=pytest.mark.long),
         ("reading_outage, reading_outage: {duration_s: 0.5}", 0.0, 0.1),
     ],
 )

@@ -23,7 +23,9 @@ ROUGH, PLAIN = area(), bare()
 
 
 @pytest.mark.parametrize(
-    "place, turns", [((0.0, 0.0), (0.0, 0.0, 0.0)), ((430.0, -260.0), (2.0, -3.0, 40.0))], ids=str
+    "place, turns",
+    [pytest.param((0.0, 0.0), (0.0, 0.0, 0.0), marks=pytest.mark.long), ((430.0, -260.0), (2.0, -3.0, 40.0))],
+    ids=str,
 )
 def test_ranges_end_on_the_ground(place, turns):
     bench = Hovering("lidar", ROUGH, EXACT, height=80.0, place=place, turns=turns)

@@ -42,7 +42,9 @@ def falling(mars, height, speed, drag_area):
     return part
 
 
-@pytest.mark.parametrize(("speed", "drag_area"), [(100.0, 9.0), (60.0, 130.0)])
+@pytest.mark.parametrize(
+    ("speed", "drag_area"), [(100.0, 9.0), pytest.param(60.0, 130.0, marks=pytest.mark.long)]
+)
 def test_fall_agrees_with_scipy_within_a_centimetre_in_position(mars, speed, drag_area):
     """A heat shield, and a backshell under its canopy, for 30 s from 6 km."""
     case, tables, _ = mars

@@ -134,7 +134,7 @@ def pulse_train(share, seconds, step):
 
 
 @pytest.mark.parametrize("share", [0.2, 0.35, 0.5, 0.73])
-@pytest.mark.parametrize("step", [1e-3, 0.7e-2, 2e-2])
+@pytest.mark.parametrize("step", [pytest.param(1e-3, marks=pytest.mark.long), 0.7e-2, 2e-2])
 def test_pulses_give_full_thrust_for_the_time_the_valve_is_open(share, step):
     """A lag moves the impulse of a pulse but keeps it: n periods give n full open time; what still rises or
     decays at the end is the lag times the thrust then.  Likewise what the pulses displace: that of the valve
@@ -158,7 +158,9 @@ def test_a_settled_pulse_train_has_the_peak_and_the_trough_of_a_switched_lag():
     assert met[-400:].min() == pytest.approx(peak * exp(-off), rel=1e-2)
 
 
-@pytest.mark.parametrize("share", [0.23, 0.37, 0.64])
+@pytest.mark.parametrize(
+    "share", [pytest.param(0.23, marks=pytest.mark.long), 0.37, pytest.param(0.64, marks=pytest.mark.long)]
+)
 def test_steps_as_long_as_the_lag_meet_the_thrust_at_every_moment(share):
     """To 2 % of full thrust, as docs/step.md says; a valve looked at in the stages alone errs by 17 %."""
     _, _, coarse = pulse_train(share, 2.0, 2e-2)

@@ -90,7 +90,7 @@ def test_a_lightly_damped_bounce_keeps_the_energy_of_a_damped_oscillator():
     assert path.y[1, -1] == pytest.approx(exp(-ratio * pi / sqrt(1.0 - ratio**2)), abs=2e-4)
 
 
-@pytest.mark.parametrize("friction", [0.3, 0.6])
+@pytest.mark.parametrize("friction", [pytest.param(0.3, marks=pytest.mark.long), 0.6])
 def test_sliding_stops_with_the_deceleration_of_coulomb(friction):
     """From 3 m/s at the static height: speed falls by mu g t while it is far above the smoothing speed, and
     it stops.

@@ -65,15 +65,22 @@ SR03 = (21.5, 1200.0, 80.0, 1.85, 932.0, 0.33, 60e3)
         (PHOENIX, 83.0, 0.92, 1.05),  # -4 %
         (MSL, 58.3, 0.75, 1.0),  # -19 % of the raw peak, which rings
         (MSL, 41.4, 1.0, 1.2),  # +14 % of the second, smoothed
-        (M2020, 49.0, 0.88, 1.05),  # -6 %
-        (M2020, 53.7, 0.80, 0.95),  # -15 %
+        pytest.param(M2020, 49.0, 0.88, 1.05, marks=pytest.mark.long),  # -6 %
+        pytest.param(M2020, 53.7, 0.80, 0.95, marks=pytest.mark.long),  # -15 %
     ],
 )
 def test_deceleration_behind_a_capsule_is_near_the_published_one(case, published, low, high):
     assert low < opening(*case)[1] / published < high
 
 
-@pytest.mark.parametrize("case, klbf", [(SR01, 35.0), (SR02, 55.8), (SR03, 67.4)])
+@pytest.mark.parametrize(
+    "case, klbf",
+    [
+        (SR01, 35.0),
+        pytest.param(SR02, 55.8, marks=pytest.mark.long),
+        pytest.param(SR03, 67.4, marks=pytest.mark.long),
+    ],
+)
 def test_behind_a_slender_body_the_coefficients_of_a_capsule_say_too_little(case, klbf):
     """A miss, by 25 to 40 %: there is no wake of a capsule in which drag is lost, and these fell into thicker
     air while they filled.

@@ -22,9 +22,9 @@ FREE = ("mission={goal: time, phases: []}", f"simulation.time_limit_s={TIME_S}")
 @pytest.mark.parametrize(
     "bank_deg, amplitude, spin, latitude_deg, azimuth_deg",
     [
-        (0.0, 0.0, 0.0, 0.0, 90.0),
-        (75.0, 0.0, 0.0, 0.0, 90.0),
-        (-50.0, 0.0, 0.0, 37.0, 200.0),
+        pytest.param(0.0, 0.0, 0.0, 0.0, 90.0, marks=pytest.mark.long),
+        pytest.param(75.0, 0.0, 0.0, 0.0, 90.0, marks=pytest.mark.long),
+        pytest.param(-50.0, 0.0, 0.0, 37.0, 200.0, marks=pytest.mark.long),
         (75.0, 0.01, 0.0, 0.0, 90.0),
         (30.0, 0.0, 7.1e-5, -20.0, 60.0),
     ],

@@ -83,7 +83,7 @@ def in_the_plane(opens, closes, mass, inertia):
     return np.hypot(y[0], y[1]), abs(y[4])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.long) for n in range(1, 3))])
 def test_a_pulse_moves_and_turns_by_its_place_in_the_step(seed):
     opens, closes = pulse_trains(seed)
     distance, angle, mass, inertia = flown(0.02, opens, closes)

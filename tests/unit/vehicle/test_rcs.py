@@ -136,7 +136,7 @@ def test_climb_stops_at_nothing_and_at_full(level, duration, slope):
     assert second == pytest.approx(np.trapezoid(gathered, times), abs=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.long) for n in range(1, 3))])
 def test_the_line_of_a_pulse_has_its_impulse_and_its_moment_in_time_wherever_it_lies(seed):
     """Against the ramps drawn out at a thousandth of the step: pulses that begin and end before, in and after
     a step of 20 ms, from any level.

@@ -12,7 +12,9 @@ from edl6dof.verify.scene import VACUUM, scenes, state_of
 SECONDS = 60.0
 
 
-@pytest.mark.parametrize("degree", [2, 4, 12])
+@pytest.mark.parametrize(
+    "degree", [pytest.param(2, marks=pytest.mark.long), pytest.param(4, marks=pytest.mark.long), 12]
+)
 def test_holding_the_noncentral_part_over_a_step_displaces_by_less_than_a_micrometre_in_a_minute(degree):
     """At 4.8 km/s and 125 km, tumbling; the field without it displaces by metres."""
     changes = ("mission.phases=[]", "wind.model=none", *VACUUM, f"planet.gravity.degree={degree}")

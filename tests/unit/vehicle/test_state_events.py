@@ -65,7 +65,7 @@ class Flown:
         return self
 
 
-@pytest.mark.parametrize("step", [0.01, 0.05, 1.0])
+@pytest.mark.parametrize("step", [0.01, pytest.param(0.05, marks=pytest.mark.long), 1.0])
 def test_touchdown_is_that_of_a_fall(step):
     flown = Flown(*FLAT)
     height = clearance(flown.case[0], flown.plant[0], flown.outputs[0])
@@ -155,7 +155,18 @@ def fall():
     return Flown(*FLAT).to(20.0, 0.01).plant["touchdown_time"][0]
 
 
-@pytest.mark.parametrize("apart", [-6e-3, -1e-6, -2e-9, 0.0, 2e-9, 1e-6, 5e-3])
+@pytest.mark.parametrize(
+    "apart",
+    [
+        -6e-3,
+        pytest.param(-1e-6, marks=pytest.mark.long),
+        pytest.param(-2e-9, marks=pytest.mark.long),
+        0.0,
+        2e-9,
+        pytest.param(1e-6, marks=pytest.mark.long),
+        pytest.param(5e-3, marks=pytest.mark.long),
+    ],
+)
 def test_two_events_in_one_step_both_come_each_in_its_time(fall, apart):
     flown = Flown(*FLAT)
     flown.plant["y"][0, PROPELLANT] = (fall + apart) * FLOW

@@ -133,7 +133,13 @@ def test_scan_from_a_moving_tilted_lander_is_a_map_of_the_ground():
     assert np.median(slopes[slopes < 1.0]) == pytest.approx(lander.slope, abs=1e-3)
 
 
-@pytest.mark.parametrize("detection", HAZARD_DETECTION.names[1:])
+@pytest.mark.parametrize(
+    "detection",
+    [
+        *(pytest.param(n, marks=pytest.mark.long) for n in HAZARD_DETECTION.names[1:-1]),
+        HAZARD_DETECTION.names[-1],
+    ],
+)
 def test_spot_is_clear_of_the_rocks_and_near(detection):
     rng = np.random.default_rng(3)
     stones = np.column_stack([rng.uniform(-30.0, 30.0, (60, 2)) + SITE[::-1], np.full(60, 0.7)])

@@ -282,7 +282,7 @@ def test_map_of_rocks_is_worked_out_in_time(abundance):
     assert picked["found"] == 1
 
 
-@pytest.mark.parametrize("abundance", [0.04, 0.10])
+@pytest.mark.parametrize("abundance", [0.04, pytest.param(0.10, marks=pytest.mark.long)])
 def test_few_cells_called_safe_hide_a_large_rock(abundance):
     """Points at random places of rocky ground, with errors of range: cells called safe, and a rock of 0.5 m
     or more under the lander, by its middle.
