@@ -43,6 +43,7 @@ def test_noise_is_called_noise():
     assert false <= 3
 
 
+@pytest.mark.long
 def test_level_is_that_of_permutations():
     """The F test on normal scores against the chance of flights dealt out anew, for a skew figure of few
     flights.

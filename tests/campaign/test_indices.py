@@ -40,6 +40,7 @@ def flown(rows: int, seed: int = 1) -> dict[str, np.ndarray]:
     return {swaps.matrix(k): figure[k :: swaps.width] for k in range(swaps.width)}
 
 
+@pytest.mark.long
 def test_indices_are_those_of_the_closed_form():
     matrices = flown(4096)
     for index in sobol_indices(matrices.pop("A"), matrices.pop("B"), matrices):

@@ -58,7 +58,7 @@ def test_design_is_higher_within_all_limits_and_lies_on_some(highest):
     assert slack["reserve"] == pytest.approx(0.0, abs=1e-6)  # full lift late, as far as the reserve lets
 
 
-@pytest.mark.parametrize("name", ["msl", "zheng2015"])
+@pytest.mark.parametrize("name", ["msl", pytest.param("zheng2015", marks=pytest.mark.long)])
 def test_what_the_design_is_beside_is_the_plan_of_the_scenario(name):
     """However few the points of the design: it is flown through the same rows."""
     scenario = load_scenario(name).scenario

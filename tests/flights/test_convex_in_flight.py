@@ -41,7 +41,9 @@ def test_it_ends_where_it_was_told_to(flight):
     assert memory["landing_error"] < 1.0
 
 
-@pytest.mark.parametrize("left", [0.85, 0.75, 0.7])
+@pytest.mark.parametrize(
+    "left", [*(pytest.param(left, marks=pytest.mark.long) for left in (0.85, 0.75)), 0.7]
+)
 def test_it_lands_on_an_engine_that_gives_less_than_it_is_told(left):
     """The flight computer is not told: it sees the specific force, and plans anew with what is left."""
     weak = f"{{kind: engine_shortfall, engine_shortfall: {{thrust_factor: {left}}}"
