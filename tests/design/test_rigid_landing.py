@@ -201,7 +201,7 @@ def test_without_full_level_the_whole_flight_is_in_the_band():
     landing = problem(
         ((0.0, 0.0, 1000.0), (0.0, 0.0, -40.0), (1.0, 0.0, 0.0, 0.0), (0.0,) * 3), full_time=0.0
     )
-    found = land(landing, 20)
+    found = land(landing, 14)
     assert found.landed
     assert len(found.nodes.durations) == 1
     assert np.all(found.nodes.u[:, 0] < 5000.0 + 1e-6)

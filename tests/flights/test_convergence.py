@@ -67,7 +67,7 @@ CLOSED_LOOP = ("parachute_s", "backshell_s", "touchdown_s", "powered_duration_s"
 
 @pytest.fixture(
     scope="module",
-    params=[((50, 200), 5), pytest.param(((50, 100, 200), 12), marks=pytest.mark.long)],
+    params=[((50, 200), 8), pytest.param(((50, 100, 200), 12), marks=pytest.mark.long)],
     ids=["half and twice the default", "default too"],
 )
 def rows_by_rate(request):
