@@ -205,6 +205,7 @@ def test_the_guard_leaves_sound_flights_alone(nominal):
         assert flight.success, flight.outcome
 
 
+@pytest.mark.long  # of the suite: test_repeatable.py
 def test_a_flight_broken_off_on_the_branch_goes_on_with_the_same_bits(tmp_path):
     whole = fly(edl6dof.load("tianwen1", [f"faults=[{STUCK}]"]), save_at_s=250.0)
     whole.saved.save(tmp_path / "state.npz")

@@ -84,7 +84,7 @@ def test_each_guard_alone_rescues_it(guard):
     "change",
     [
         "flight_software.navigation.saturation.left_out=true",
-        "sensors.inertial_unit.gyros.persistence_s=0.015",
+        pytest.param("sensors.inertial_unit.gyros.persistence_s=0.015", marks=pytest.mark.long),
         "sensors.inertial_unit.gyros.range_deg_s=300",
     ],
 )

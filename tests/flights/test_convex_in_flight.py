@@ -14,7 +14,11 @@ def hover_start(flight):
     return next(event["t_s"] for event in flight.events if event["key"] == "phase.hover_imaging")
 
 
-@pytest.fixture(scope="module", params=[(), (DIVERT,), (DIVERT, "sensors.set=perfect")], ids=len)
+@pytest.fixture(
+    scope="module",
+    params=[(), pytest.param((DIVERT,), marks=pytest.mark.long), (DIVERT, "sensors.set=perfect")],
+    ids=len,
+)
 def flight(request):
     return edl6dof.fly("tianwen1", [LAW, *request.param])
 
