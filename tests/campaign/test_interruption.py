@@ -48,12 +48,12 @@ def file(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     "owner, name",
     [
-        (run, "differences"),
+        pytest.param(run, "differences", marks=pytest.mark.long),
         (run, "parse_plan"),
-        (store.Store, "tidy"),
-        (campaign_flight, "announce_compiling"),
+        pytest.param(store.Store, "tidy", marks=pytest.mark.long),
+        pytest.param(campaign_flight, "announce_compiling", marks=pytest.mark.long),
         (executor.CaseRunner, "prepared"),
-        (store.Store, "finish"),
+        pytest.param(store.Store, "finish", marks=pytest.mark.long),
     ],
     ids=lambda value: getattr(value, "__name__", value),
 )

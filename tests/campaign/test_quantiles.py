@@ -41,7 +41,13 @@ def test_three_sigma_is_refused_from_a_hundred_flights():
 
 
 @pytest.mark.parametrize(
-    "flights, share", [(6, 0.5), (100, 0.05), (100, 0.5), (100, 0.95), (400, 0.99), (2836, 0.9987)]
+    "flights, share",
+    [
+        (6, 0.5),
+        *(pytest.param(100, share, marks=pytest.mark.long) for share in (0.05, 0.5, 0.95)),
+        (400, 0.99),
+        pytest.param(2836, 0.9987, marks=pytest.mark.long),
+    ],
 )
 @pytest.mark.parametrize(
     "figure",

@@ -71,7 +71,11 @@ def the_long_way(base, case):
     return loaded, records.build_records(loaded)
 
 
-@pytest.fixture(scope="module", params=BASES.values(), ids=BASES)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(BASES["plain"], marks=pytest.mark.long), BASES["with a truth of its own"]],
+    ids=BASES,
+)
 def base(request):
     return edl6dof.load("tianwen1", request.param)
 

@@ -58,7 +58,7 @@ def test_design_is_higher_within_all_limits_and_lies_on_some(highest):
     assert slack["reserve"] == pytest.approx(0.0, abs=1e-6)  # full lift late, as far as the reserve lets
 
 
-@pytest.mark.parametrize("name", ["msl", "zheng2015"])
+@pytest.mark.parametrize("name", ["msl", pytest.param("zheng2015", marks=pytest.mark.long)])
 def test_what_the_design_is_beside_is_the_plan_of_the_scenario(name):
     """However few the points of the design: it is flown through the same rows."""
     scenario = load_scenario(name).scenario
@@ -96,32 +96,23 @@ def test_planned_loads_and_misses_are_those_of_the_flight(highest):
 
 
 def options(out=None, **changes):
-    given = {"maximise": None, "minimise": None, "points": 3, "reserve_deg": 10.0, "force": False}
-    scenario = changes.pop("scenario", "msl")
-    return DesignOptions(scenario=scenario, sets=(), out=out, **(given | changes))
+    given = {"scenario": "msl", "sets": (), "points": 3, "reserve_deg": 10.0, "force": False}
+    return DesignOptions(out=out, **(given | {"maximise": None, "minimise": None} | changes))
 
 
-def test_command_writes_a_scenario_whose_plan_is_the_designed_one(tmp_path, capsys):
+def test_command_writes_a_scenario_whose_plan_is_the_designed_one_with_what_was_set(tmp_path, capsys):
     target = tmp_path / "designed.yaml"
-    assert run_design_entry(options(target)) == 0
+    steeper = ("initial.flight_path_angle_deg=-15.6", "vehicle.rcs.thrusters.0.thrust_n=250.0")
+    assert run_design_entry(options(target, sets=steeper)) == 0
     assert "altitude of the parachute" in capsys.readouterr().out
     scenario = load_scenario(str(target)).scenario
     points = scenario.flight_software.guidance.entry.reference_bank.points
     assert scenario.name == "msl_designed" and len(points) == 3
+    assert scenario.initial.flight_path_angle_deg == -15.6
+    assert scenario.vehicle.rcs.thrusters[0].thrust_n == 250.0
     assert abs(float(build_onboard(scenario)[0]["reference"]["shift"])) < 0.02
     with pytest.raises(ConfigError, match="exists; name another file"):
         run_design_entry(options(target))
-
-
-def test_written_scenario_has_what_was_set(tmp_path):
-    target = tmp_path / "designed.yaml"
-    steeper = ("initial.flight_path_angle_deg=-15.6", "vehicle.rcs.thrusters.0.thrust_n=250.0")
-    run_design_entry(DesignOptions("msl", steeper, None, None, 3, 10.0, target, False))
-    scenario = load_scenario(str(target)).scenario
-    assert scenario.name == "msl_designed" and scenario.initial.flight_path_angle_deg == -15.6
-    assert scenario.vehicle.rcs.thrusters[0].thrust_n == 250.0
-    assert len(scenario.flight_software.guidance.entry.reference_bank.points) == 3
-    assert abs(float(build_onboard(scenario)[0]["reference"]["shift"])) < 0.02
 
 
 def test_a_plan_out_of_reach_says_what_to_change(capsys):

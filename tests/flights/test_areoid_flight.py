@@ -102,6 +102,7 @@ def test_the_flight_computer_takes_the_areoid_to_stand_where_it_does_at_the_site
         )
 
 
+@pytest.mark.long  # of the suite: test_repeatable.py
 def test_a_flight_goes_on_from_a_saved_state_with_the_same_bits(flown):
     saved = fly(flown.loaded, save_at_s=200.0).saved
     rest = fly(flown.loaded, start=saved)

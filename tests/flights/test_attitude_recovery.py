@@ -28,7 +28,7 @@ def said(flight):
 
 
 @pytest.mark.parametrize(
-    "later", [0.0, 1.3, 2.5, *(pytest.param(later, marks=pytest.mark.long) for later in (0.9, 1.6))]
+    "later", [1.3, *(pytest.param(later, marks=pytest.mark.long) for later in (0.0, 0.9, 1.6, 2.5))]
 )
 def test_vertical_after_all_gyros_were_saturated_for_a_second_at_the_parachute_opening(later):
     """Before the snatch of the lines, over it, and while the canopy fills; the wind is not known on board and
@@ -84,7 +84,7 @@ def test_each_guard_alone_rescues_it(guard):
     "change",
     [
         "flight_software.navigation.saturation.left_out=true",
-        "sensors.inertial_unit.gyros.persistence_s=0.015",
+        pytest.param("sensors.inertial_unit.gyros.persistence_s=0.015", marks=pytest.mark.long),
         "sensors.inertial_unit.gyros.range_deg_s=300",
     ],
 )

@@ -14,7 +14,11 @@ def hover_start(flight):
     return next(event["t_s"] for event in flight.events if event["key"] == "phase.hover_imaging")
 
 
-@pytest.fixture(scope="module", params=[(), (DIVERT,), (DIVERT, "sensors.set=perfect")], ids=len)
+@pytest.fixture(
+    scope="module",
+    params=[(), pytest.param((DIVERT,), marks=pytest.mark.long), (DIVERT, "sensors.set=perfect")],
+    ids=len,
+)
 def flight(request):
     return edl6dof.fly("tianwen1", [LAW, *request.param])
 
@@ -41,7 +45,9 @@ def test_it_ends_where_it_was_told_to(flight):
     assert memory["landing_error"] < 1.0
 
 
-@pytest.mark.parametrize("left", [0.85, 0.75, 0.7])
+@pytest.mark.parametrize(
+    "left", [*(pytest.param(left, marks=pytest.mark.long) for left in (0.85, 0.75)), 0.7]
+)
 def test_it_lands_on_an_engine_that_gives_less_than_it_is_told(left):
     """The flight computer is not told: it sees the specific force, and plans anew with what is left."""
     weak = f"{{kind: engine_shortfall, engine_shortfall: {{thrust_factor: {left}}}"

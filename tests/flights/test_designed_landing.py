@@ -37,7 +37,7 @@ def test_thrusters_give_torque_about_every_axis_without_force(flight):
 def test_design_takes_less_than_the_law_of_the_scenario(flight):
     rows = powered_rows(flight)
     landing = landing_of(flight, rows)
-    found = land(landing, 20)
+    found = land(landing, 14)
     assert found.landed
     own = figures_of(landing, flight.telemetry["t_s"][rows], states_of(flight, rows))
     assert 0.85 * own.fuel_kg < found.fuel < own.fuel_kg

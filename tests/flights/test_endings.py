@@ -51,7 +51,7 @@ def test_parachute_that_never_opens_is_fatal_but_named():
     assert len(flight.log) > 1000
 
 
-@pytest.mark.parametrize("index", [0, 4, 7, 12, 13])
+@pytest.mark.parametrize("index", [0, *(pytest.param(k, marks=pytest.mark.long) for k in (4, 7, 12)), 13])
 def test_state_that_turns_non_finite_stops_the_flight_at_once(nominal, index):
     state = fly(nominal.loaded, save_at_s=150.0).saved
     state.plant["y"][0, index] = np.nan

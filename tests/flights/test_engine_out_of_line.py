@@ -8,7 +8,13 @@ import pytest
 import edl6dof
 
 
-@pytest.fixture(scope="module", params=[(1.5, 0.0), (0.0, -1.5), (2.0, 2.0), (-2.0, 2.0)])
+@pytest.fixture(
+    scope="module",
+    params=[
+        *(pytest.param(turn, marks=pytest.mark.long) for turn in ((1.5, 0.0), (0.0, -1.5), (2.0, 2.0))),
+        (-2.0, 2.0),
+    ],
+)
 def misaligned(request):
     y, z = request.param
     engine = "vehicle.engines.main"

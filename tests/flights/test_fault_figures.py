@@ -42,7 +42,8 @@ def test_dead_horizontal_thruster_is_named_and_every_flight_lands(tool, plan):
     assert times[len(times) // 2] < 1.0
 
 
-@pytest.mark.parametrize("seed", [7, *(pytest.param(seed, marks=pytest.mark.long) for seed in (11, 13))])
+@pytest.mark.long  # of the suite: test_faults_in_flight.py
+@pytest.mark.parametrize("seed", [7, 11, 13])
 def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan, seed):
     """Thruster, moment, winds, vehicle and direction of the divert are drawn for each flight."""
     rows = list(
@@ -54,6 +55,7 @@ def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan, seed):
     assert all(row["outcome"].startswith("landed") and row["false_alarms"] == 0.0 for row in begun)
 
 
+@pytest.mark.long
 def test_no_thruster_is_isolated_without_a_fault(tool, plan):
     rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.isolated))
     assert [row["isolated"] for row in rows] == [""] * FLIGHTS

@@ -70,7 +70,7 @@ def read_or_refused(done):
         *(["export", "failed", "--format", form] for form in ("csv", "mat", "nc", "oem", "aem")),
         ["export", "failed", "--nesc"],
         ["compare", "failed", "sound"],
-        ["compare", "sound", "failed"],
+        pytest.param(["compare", "sound", "failed"], marks=pytest.mark.long),
         ["replay", "failed", "--html", "replay.html"],
     ],
     ids=" ".join,
@@ -95,7 +95,7 @@ def test_figures_are_drawn_of_numbers_beyond_all_bounds(flown):
     report = report_of(flown / "failed")
     figures = [figure for figure in report.figures() if beyond_all_bounds(figure)]
     assert len(figures) > 2
-    write_pdf(replace(report, sections=[Section("beyond", "Beyond", figures)]), flown / "beyond.pdf")
+    write_pdf(replace(report, sections=[Section("beyond", "Beyond", figures[:1])]), flown / "beyond.pdf")
     assert (flown / "beyond.pdf").stat().st_size > 10_000
 
 

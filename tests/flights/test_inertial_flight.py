@@ -55,8 +55,8 @@ def test_errors_stay_within_what_is_claimed_and_nothing_is_excluded(flights):
     "name, kind",
     [
         ("gyro: g2", "reading_bias"),
-        ("gyro: g5", "reading_stuck"),
-        ("accelerometer: a3", "hardover"),
+        pytest.param("gyro: g5", "reading_stuck", marks=pytest.mark.long),
+        pytest.param("accelerometer: a3", "hardover", marks=pytest.mark.long),
         ("accelerometer: a6", "reading_drift"),
     ],
 )

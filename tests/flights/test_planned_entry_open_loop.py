@@ -63,7 +63,11 @@ def test_open_loop_of_msl_ends_beyond_by_what_its_reversals_take_longer():
 
 @pytest.mark.parametrize(
     "name, overrides",
-    [("tianwen1", (BELIEVED_AIR,)), ("zheng2015", ()), ("wu2013", ()), ("yan2016", ())],
+    [
+        ("tianwen1", (BELIEVED_AIR,)),
+        *(pytest.param(name, (), marks=pytest.mark.long) for name in ("zheng2015", "wu2013")),
+        ("yan2016", ()),
+    ],
 )
 def test_open_loop_ends_within_a_kilometre_of_the_aim_point(name, overrides):
     """16 km off for tianwen1, when the plan knew no rotation, wind, or reversals."""

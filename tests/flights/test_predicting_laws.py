@@ -11,9 +11,9 @@ import edl6dof
 @pytest.mark.parametrize(
     "truth",
     [
-        {},
+        pytest.param({}, marks=pytest.mark.long),
         {"atmosphere.density_factor": 1.2},
-        {"atmosphere.density_factor": 0.85},
+        pytest.param({"atmosphere.density_factor": 0.85}, marks=pytest.mark.long),
         {"initial.flight_path_angle_deg": -11.8},
     ],
 )
@@ -33,7 +33,7 @@ def test_law_brings_the_rigid_body_to_the_parachute_target(truth, law):
 
 
 @pytest.mark.parametrize("law", ["npc", "etpc", "bank_profile"])
-@pytest.mark.parametrize("response", ["ideal", "rate_limited"])
+@pytest.mark.parametrize("response", [pytest.param("ideal", marks=pytest.mark.long), "rate_limited"])
 def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
     """Without attitude dynamics the guided laws still end near the target; the open loop ends where its
     profile ends.

@@ -26,7 +26,7 @@ def test_opens_abeam_of_the_aim_point_within_limits(flight):
     assert SLOWEST < flight.metrics["parachute_speed_m_s"] < FASTEST
 
 
-@pytest.mark.parametrize("scale", [-1.0, 0.0])
+@pytest.mark.parametrize("scale", [-1.0, pytest.param(0.0, marks=pytest.mark.long)])
 def test_wind_moves_the_speed_at_the_mortar_and_not_the_place(scale):
     wind = [f"wind.scale={scale}"]
     by_range = edl6dof.fly("msl_range_trigger", wind).metrics

@@ -21,7 +21,11 @@ CASES = [(1, 0.04), (3, 0.2), (4, 0.3)]
 BLIND = "flight_software.hazard.detection=given"
 
 
-@pytest.fixture(scope="module", params=CASES, ids=[f"seed {seed}, {share:.0%}" for seed, share in CASES])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(case, marks=pytest.mark.long if case == (3, 0.2) else []) for case in CASES],
+    ids=[f"seed {seed}, {share:.0%}" for seed, share in CASES],
+)
 def landed(request):
     seed, share = request.param
     return edl6dof.fly(

@@ -38,7 +38,14 @@ def test_one_slow_reversal_at_the_largest_bank_ends_beyond_the_aim_point(floor):
     assert floor > 10.0
 
 
-@pytest.mark.parametrize("law", ["drag_tracking", "npc", "etpc", "fl", "ehgo_fl"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "drag_tracking",
+        "ehgo_fl",
+        *(pytest.param(law, marks=pytest.mark.long) for law in ("npc", "etpc", "fl")),
+    ],
+)
 def test_a_slow_bank_angle_reverses_once_and_ends_near_what_can_be_reached(law, floor):
     """Two reversals, as the corridor alone asks for, end 40 km beyond the aim point."""
     figures = flown(5.0, law)

@@ -101,7 +101,7 @@ def test_time_limit_ends_a_flight_on_the_ground_too(nominal):
     [
         [SMALL_TANK],
         pytest.param([CUT_HIGH], marks=pytest.mark.long),
-        ["vehicle.landing_gear.damping_n_s_m=1e12"],
+        pytest.param(["vehicle.landing_gear.damping_n_s_m=1e12"], marks=pytest.mark.long),
     ],
 )
 def test_brief_telemetry_tells_the_same(sets):

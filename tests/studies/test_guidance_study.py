@@ -34,7 +34,14 @@ def test_every_entry_law_but_the_constant_one_is_compared():
     assert {"etpc", "npc", "bank_profile", "drag_tracking"} <= set(guidance.LAWS)
 
 
-@pytest.mark.parametrize("vehicle", [v for v in vehicles.VEHICLES if v.dispersions], ids=lambda v: v.name)
+def named(chosen, *in_suite):
+    """Vehicles as cases by name; those that are not in the suite for the long run."""
+    return [pytest.param(v, id=v.name, marks=[] if v.name in in_suite else pytest.mark.long) for v in chosen]
+
+
+@pytest.mark.parametrize(
+    "vehicle", named([v for v in vehicles.VEHICLES if v.dispersions], "tianwen1_range_trigger")
+)
 def test_dispersed_entries_are_those_of_the_campaign_about_the_nominal(vehicle):
     """Every case can be built on the vehicle, also where the parachute opens by another trigger."""
     loaded, truths = vehicle.load(), vehicles.entries(vehicle.dispersions, 200)
@@ -123,7 +130,7 @@ def test_open_loop_profile_is_the_planned_bank():
     assert [point.bank_deg for point in points] == pytest.approx([planned] * len(points))
 
 
-@pytest.mark.parametrize("vehicle", vehicles.VEHICLES, ids=lambda vehicle: vehicle.name)
+@pytest.mark.parametrize("vehicle", named(vehicles.VEHICLES, "tianwen1", "zheng2015"))
 def test_every_condition_is_truly_met(vehicle):
     """What the flight of a condition meets, read back from the records that fly."""
     nominal, variants = vehicle.load(), Variants(vehicle.load())
@@ -149,7 +156,7 @@ def test_every_condition_is_truly_met(vehicle):
 
 def test_less_lift_is_a_fifth_less_in_flight():
     """Lift over drag across and along the true air-relative velocity."""
-    for vehicle in (*vehicles.VEHICLES[:2], vehicles.VEHICLES[-1]):
+    for vehicle in (vehicles.VEHICLES[0], vehicles.VEHICLES[-1]):
         loaded, found = vehicle.load("simulation.log_every=5"), {}
         for condition in CONDITIONS:
             if condition.name in ("nominal", "L/D -20 %"):
@@ -203,7 +210,7 @@ def allocations(function, *arguments):
 
 
 def test_no_entry_law_allocates(nominal):
-    """Calls in mid entry, counted by numba's own runtime: a hundred allocate no more than one."""
+    """Calls in mid entry, counted by numba's own runtime: twenty allocate no more than one."""
     _nrt_python.memsys_enable_stats()
     assert allocations(_allocate, 50) - allocations(_allocate, 10) == 40
     loaded = edl6dof.load("tianwen1", ["flight_software.guidance.entry.law=etpc"])
@@ -212,7 +219,7 @@ def test_no_entry_law_allocates(nominal):
     navs[0], memories[0] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     for law in range(len(ENTRY_LAWS.members)):
         rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
-        once, often = (allocations(call_time._repeat, law, *rest, n) for n in (1, 100))
+        once, often = (allocations(call_time._repeat, law, *rest, n) for n in (1, 20))
         assert once == often, ENTRY_LAWS.names[law]
 
 
