@@ -20,7 +20,7 @@ from edl6dof.manifest import MANIFEST, seal
 
 FILES = (MANIFEST, "summary.json", "events.json", "scenario.yaml", "telemetry.parquet")
 #: Files whose hash is asked for as that of the others is, and viewers that read as ``report`` and ``csv`` do.
-ALIKE = ("summary.json", "events.json", "compare", "mat", "nesc")
+ALIKE = ("summary.json", "events.json", "scenario.yaml", "compare", "mat", "nesc")
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ ALIKE |= {"viking1_mc", "pathfinder_mc", "stardust_mc", "genesis_mc", "genesis_p
 ALIKE |= {"phoenix_mc", "insight", "insight_mc", "schiaparelli_mc"}
 #: Those that have no part which no other one has.
 LONG = {"tianwen1", "msl", "genesis", "yan2016", "zheng2015", "case01", "case02", "case03"}
-LONG |= {"pathfinder", "phoenix", "schiaparelli"}
+LONG |= {"pathfinder", "phoenix", "schiaparelli", "titan_probe"}
 SCENARIOS = [
     pytest.param(path, id=path.stem, marks=pytest.mark.long if path.stem in LONG else ())
     for path in sorted(FOLDER.rglob("*.yaml"))
