@@ -16,7 +16,7 @@ from docs_notebooks import FOLDER, NAMES, cells, notebook, page, source
 FEW = {"CASES": "6", "FLIGHTS": "3", "STEPS, EPISODES": "64, 1"}
 
 #: Those that call what pages of the documents call, too, which run.
-ALIKE = ("break_a_thruster", "disperse")
+ALIKE = ("break_a_thruster", "disperse", "train")
 
 
 def short(name):

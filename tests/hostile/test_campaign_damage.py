@@ -173,7 +173,15 @@ KINDS = (
 
 
 @pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", ["campaign.json", "campaign.yaml", "summary.json", "cases.parquet"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "campaign.json",
+        "campaign.yaml",
+        pytest.param("summary.json", marks=pytest.mark.long),
+        "cases.parquet",
+    ],
+)
 def test_file_of_a_complete_campaign_that_is_not_what_it_was(lay_out, name, every):
     """A message with the folder or the file, by every command that reads it: each kind of damage meets every
     fourth of them, the next kind others.
