@@ -15,6 +15,9 @@ from docs_notebooks import FOLDER, NAMES, cells, notebook, page, source
 #: What a notebook takes much of, and how little will do.
 FEW = {"CASES": "6", "FLIGHTS": "3", "STEPS, EPISODES": "64, 1"}
 
+#: Those that call what pages of the documents call, too, which run.
+ALIKE = ("break_a_thruster", "disperse", "train")
+
 
 def short(name):
     """A notebook with few flights."""
@@ -37,7 +40,14 @@ def drawn(monkeypatch, tmp_path):
     pyplot.close("all")
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "write_a_law"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long if name in ALIKE else ())
+        for name in NAMES
+        if name != "write_a_law"
+    ],
+)
 def test_notebook_runs_and_ends_in_a_figure(name, drawn, monkeypatch):
     if name == "train":
         pytest.importorskip("gymnasium")

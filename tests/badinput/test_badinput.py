@@ -84,11 +84,12 @@ def test_corpus_is_wide_enough():
     assert len(expected) > len(CASES)
 
 
-def test_all_files_in_one_call_without_a_traceback(tmp_path):
-    """The real program, all files at once: every message of every file on stderr, one line each, nothing
+@pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.long)])
+def test_all_files_in_one_call_without_a_traceback(every, tmp_path):
+    """The real program, many files at once: every message of every file on stderr, one line each, nothing
     else.
     """
-    plain = [case for case in CASES if not flags(case)]
+    plain = [case for case in CASES if not flags(case)][::every]
     command = [sys.executable, "-c", "from edl6dof.cli import main; main()", "check", *map(str, plain)]
     done = subprocess.run(
         command, capture_output=True, text=True, cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, timeout=60

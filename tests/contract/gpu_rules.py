@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from source_rules import is_kernel, parsed
+from source_rules import is_kernel, nodes
 
 #: What numpy functions GPU code has that the processor's also has.
 NUMPY_ON_GPU = ("uint64", "int64", "float32", "float64", "tan")
@@ -16,7 +16,7 @@ def foreign_to_gpus(source: str) -> list[str]:
     """
     return [
         f"{node.lineno}: {function.name}: {ast.unparse(node)}"
-        for function in ast.walk(parsed(source))
+        for function in nodes(source)
         if isinstance(function, ast.FunctionDef) and is_kernel(function)
         for node in ast.walk(function)
         if isinstance(node, ast.Raise | ast.Try | ast.Assert | ast.With)

@@ -74,9 +74,15 @@ def parsed(source: str) -> ast.Module:
     return ast.parse(source)
 
 
+@cache
+def nodes(source: str) -> tuple[ast.AST, ...]:
+    """Every node of that tree, which is walked once for all rules."""
+    return tuple(ast.walk(parsed(source)))
+
+
 def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str]]:
     """Line and absolute dotted name of everything a source imports, wherever the statement stands."""
-    for node in ast.walk(parsed(source)):
+    for node in nodes(source):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -115,7 +121,7 @@ def _within(name: str, prefixes: tuple[str, ...]) -> bool:
 def forbidden_parameters(source: str, names: tuple[str, ...]) -> list[str]:
     """``line: function(parameter)`` of functions that take a parameter of one of ``names``."""
     found = []
-    for node in ast.walk(parsed(source)):
+    for node in nodes(source):
         if isinstance(node, ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef):
             label = getattr(node, "name", "lambda")
             found += [f"{node.lineno}: {label}({a.arg})" for a in _parameters(node) if a.arg in names]
@@ -127,7 +133,7 @@ def untyped(source: str) -> list[str]:
     types that it meets.
     """
     found = []
-    for node in ast.walk(parsed(source)):
+    for node in nodes(source):
         if isinstance(node, ast.FunctionDef) and not is_kernel(node):
             names = [
                 a.arg for a in _parameters(node) if a.annotation is None and a.arg not in ("self", "cls")
@@ -146,7 +152,7 @@ def _parameters(function: ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef) -
 
 def has_kernels(source: str) -> bool:
     """Whether a source defines a compiled function."""
-    return any(isinstance(node, ast.FunctionDef) and is_kernel(node) for node in ast.walk(parsed(source)))
+    return any(isinstance(node, ast.FunctionDef) and is_kernel(node) for node in nodes(source))
 
 
 def is_kernel(function: ast.FunctionDef) -> bool:
@@ -178,7 +184,7 @@ def parsed_prose(source: str) -> list[str]:
     apart.
     """
     found = []
-    for node in ast.walk(parsed(source)):
+    for node in nodes(source):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in PARSING:
             found += [
                 f"{node.lineno}: {ast.unparse(node)}"
@@ -244,7 +250,7 @@ def whole_numbers_in_kernels(source: str) -> list[str]:
     """``line: kernel calls name`` of what compiled functions make whole numbers with."""
     return [
         f"{call.lineno}: {function.name} calls {_called(call)}"
-        for function in ast.walk(parsed(source))
+        for function in nodes(source)
         if isinstance(function, ast.FunctionDef) and is_kernel(function)
         for call in ast.walk(function)
         if isinstance(call, ast.Call) and _called(call) in WHOLE
@@ -290,9 +296,11 @@ def lists_of(source: str, names: tuple[str, ...]) -> list[int]:
     """Lines on which exactly these names are written out, in whatever order, as a tuple, list, set or
     ``Literal``.
     """
+    if not all(name in source for name in names):
+        return []
     return [
         node.lineno
-        for node in ast.walk(parsed(source))
+        for node in nodes(source)
         if isinstance(node, ast.Tuple | ast.List | ast.Set)
         and len(node.elts) == len(names)
         and {getattr(item, "value", None) for item in node.elts if isinstance(item, ast.Constant)}
@@ -305,7 +313,7 @@ def fields_without_meaning(source: str) -> list[str]:
     lines = source.splitlines()
     fields = [
         item
-        for node in ast.walk(parsed(source))
+        for node in nodes(source)
         if isinstance(node, ast.Call)
         and _called(node) == "dtype"
         and node.args

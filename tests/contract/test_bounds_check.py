@@ -66,14 +66,15 @@ def test_kernels_index_nothing_outside(checked):
     assert " passed" in run.stdout
 
 
-def test_tables_rings_and_allocation_keep_within_bounds(checked):
+@pytest.mark.parametrize("part", ["onboard", pytest.param("world", marks=pytest.mark.long)])
+def test_tables_rings_and_allocation_keep_within_bounds(part, checked):
     loaded = [edl6dof.load("tianwen1", [*SETS, f"flight_software.guidance.entry.law={law}"]) for law in LAWS]
     records = []
     for one in loaded:
         parts = build_records(one)
         records.append((*parts, initial_plant(one.truth, parts.case), np.zeros(1, OUTPUTS)))
     done = subprocess.run(
-        [sys.executable, Path(__file__).with_name("within_bounds.py")],
+        [sys.executable, Path(__file__).with_name("within_bounds.py"), part],
         input=pickle.dumps(records),
         env=checked,
         capture_output=True,

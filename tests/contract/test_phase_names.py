@@ -8,7 +8,7 @@ import ast
 import re
 
 import pytest
-from source_rules import modules, parsed
+from source_rules import modules, nodes
 
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
@@ -61,9 +61,7 @@ def phase_names_in(source, names):
     """Strings of a source that are the name of a phase, or its event or its trigger."""
     named = re.compile(rf"\bphase[.:] ?({'|'.join(map(re.escape, names))})\b")
     texts = [
-        node.value
-        for node in ast.walk(parsed(source))
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        node.value for node in nodes(source) if isinstance(node, ast.Constant) and isinstance(node.value, str)
     ]
     return {text for text in texts if text in names} | {
         match[1] for text in texts for match in named.finditer(text)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from source_rules import breaches, modules, parsed
+from source_rules import breaches, modules, nodes
 
 import edl6dof
 
@@ -57,7 +57,7 @@ def digits(value: float) -> int:
 
 
 def literals(source: str) -> set[float]:
-    constants = (node.value for node in ast.walk(parsed(source)) if isinstance(node, ast.Constant))
+    constants = (node.value for node in nodes(source) if isinstance(node, ast.Constant))
     return {float(value) for value in constants if type(value) in (int, float)}
 
 

@@ -66,7 +66,13 @@ def fewer(flown, tmp_path_factory) -> Path:
     return of_another_version(flown, tmp_path_factory.mktemp("fewer"), without=NEEDED)
 
 
-@pytest.mark.parametrize("viewer", VIEWERS)
+@pytest.mark.parametrize(
+    "viewer",
+    [
+        pytest.param(viewer, marks=pytest.mark.long if viewer in ("replay", "compare") else ())
+        for viewer in VIEWERS
+    ],
+)
 def test_a_run_of_another_version_is_shown(viewer, other, tmp_path):
     done = called(*viewing(viewer, other, tmp_path / "out"))
     assert done.returncode == 0, done.stderr

@@ -37,7 +37,13 @@ def home(flown, tmp_path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("words, name", COMMANDS.values(), ids=COMMANDS)
+@pytest.mark.parametrize(
+    "words, name",
+    [
+        pytest.param(*made, id=key, marks=pytest.mark.long if key in ("compare", "replay", "picture") else ())
+        for key, made in COMMANDS.items()
+    ],
+)
 def test_a_second_pass_makes_it_again_unless_it_is_the_users(home, words, name):
     def outcome():
         return called(*words, cwd=home)

@@ -75,7 +75,13 @@ def ran(sent: Path) -> bool:
     return (sent / "RAN").exists()
 
 
-@pytest.mark.parametrize("viewer", VIEWERS)
+@pytest.mark.parametrize(
+    "viewer",
+    [
+        pytest.param(one, marks=pytest.mark.long if one in ("compare", "mat", "nesc") else ())
+        for one in VIEWERS
+    ],
+)
 def test_viewers_show_it_and_run_nothing(viewer, sent, received, tmp_path):
     done = called(*viewing(viewer, received, tmp_path / "out"))
     assert done.returncode == 0, done.stderr

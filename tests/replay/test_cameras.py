@@ -54,7 +54,9 @@ def canopy_at(motion: Motion) -> dict[int, np.ndarray]:
     }
 
 
-@pytest.fixture(scope="module", params=["tianwen1", "schiaparelli", "titan_probe"])
+@pytest.fixture(
+    scope="module", params=["tianwen1", "schiaparelli", pytest.param("titan_probe", marks=pytest.mark.long)]
+)
 def motion(request) -> Motion:
     return Motion(history(edl6dof.fly(request.param)))
 

@@ -40,7 +40,10 @@ def hits(motion: Motion) -> bool:
     return float(np.linalg.norm(motion.centre[-1] - motion.centre[-2]) / (motion.t[-1] - motion.t[-2])) > 10.0
 
 
-@pytest.fixture(scope="module", params=["tianwen1", "schiaparelli", "titan_probe", "earth_drop"])
+@pytest.fixture(
+    scope="module",
+    params=["tianwen1", "schiaparelli", pytest.param("titan_probe", marks=pytest.mark.long), "earth_drop"],
+)
 def shown(request) -> Shown:
     return Shown(history(edl6dof.fly(request.param)))
 

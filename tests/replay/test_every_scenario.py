@@ -20,7 +20,8 @@ ALIKE |= {"case08", "case09", "case10", "energy_law", "msl_mc", "msl_landing_mc"
 ALIKE |= {"viking1_mc", "pathfinder_mc", "stardust_mc", "genesis_mc", "genesis_planned", "genesis_planned_mc"}
 ALIKE |= {"phoenix_mc", "insight", "insight_mc", "schiaparelli_mc"}
 #: Those that have no part which no other one has.
-LONG = {"tianwen1", "msl", "genesis", "yan2016", "zheng2015", "case03"}
+LONG = {"tianwen1", "msl", "genesis", "yan2016", "zheng2015", "case01", "case02", "case03"}
+LONG |= {"pathfinder", "phoenix", "schiaparelli", "titan_probe"}
 SCENARIOS = [
     pytest.param(path, id=path.stem, marks=pytest.mark.long if path.stem in LONG else ())
     for path in sorted(FOLDER.rglob("*.yaml"))

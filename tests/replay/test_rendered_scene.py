@@ -60,6 +60,7 @@ def engine_alone() -> SimpleNamespace:
     return flight
 
 
+@pytest.mark.long
 def test_an_engine_that_never_ignites_has_no_pixel_of_a_flame(tmp_path):
     flight = engine_alone()
     assert flames(chase(flight, SHELL + 4.5, tmp_path)) > 2e-4

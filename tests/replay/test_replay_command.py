@@ -89,7 +89,7 @@ def test_refusals_name_the_file(run, tmp_path):
     assert (tmp_path / "there.png").read_bytes() == b"mine"
 
 
-@pytest.mark.parametrize("at_s", [9999.0, -1.0, float("nan")])
+@pytest.mark.parametrize("at_s", [9999.0, pytest.param(-1.0, marks=pytest.mark.long), float("nan")])
 def test_a_time_that_is_not_in_the_recording_is_refused_with_what_is(run, tmp_path, at_s):
     with pytest.raises(ConfigError, match=r"--at: .* give a time from 0.00 to 20.00 s"):
         command.run_replay(options(run, screenshot=tmp_path / "x.png", at_s=at_s))

@@ -125,19 +125,20 @@ def serving(request, recording):
         yield [(*stack.enter_context(command(recording)), end) for end in request.param]
 
 
-def test_all_at_once_serve_the_replay(serving, server):
+def test_all_at_once_serve_the_replay(serving, server, recording):
+    """The page that is drawn from a file in test_rendered.py."""
     ports = [port for _, port, _ in serving]
     assert len({port_of(server), *ports}) == 1 + len(ports)
+    written = page(recording, "edl6dof replay: replay.rrd")
+    assert b"wasm_bindgen" in written
     for port in ports:
-        status, content, _ = ask(port)
-        assert status == 200 and b"wasm_bindgen" in content and b"edl6dof replay: replay.rrd" in content
+        assert ask(port)[:2] == (200, written)
         assert ask(port, hosts=["evil.example"])[0] == 403
 
 
-def test_the_served_page_plays(serving, recording, tmp_path):
-    """That it draws is seen in test_rendered.py: it is the page that is there written to a file."""
+@pytest.mark.long
+def test_the_served_page_plays(serving, tmp_path):
     port = serving[0][1]
-    assert ask(port)[1] == page(recording, "edl6dof replay: replay.rrd")
     with opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (320, 240)) as browser:
         wait_until_it_plays(browser)
         assert browser.problems == []

@@ -75,7 +75,9 @@ WORDS = {
 }
 
 
-@pytest.mark.parametrize("name", ["titan_probe", "genesis", "stardust", "msl", "viking1"])
+@pytest.mark.parametrize(
+    "name", ["titan_probe", "genesis", "stardust", "msl", pytest.param("viking1", marks=pytest.mark.long)]
+)
 def test_report_speaks_of_no_part_that_a_vehicle_has_not(name, tmp_path):
     flight = edl6dof.fly(name, ["simulation.time_limit_s=2", "mission.goal=time"])
     write_run(flight, tmp_path)
