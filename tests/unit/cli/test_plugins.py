@@ -156,7 +156,7 @@ def cli(*arguments, cores=None):
     )
     if cores is not None and hasattr(os, "sched_setaffinity"):
         code = f"import os; os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[-{cores}:]); {code}"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=900)
     return run.returncode, run.stdout, run.stderr
 
 
