@@ -34,13 +34,14 @@ def test_normal_scores_are_those_of_the_ranks_that_scipy_gives():
     )
 
 
-def test_noise_is_called_noise():
+@pytest.mark.parametrize("campaigns, most", [(60, 3), pytest.param(100, 5, marks=pytest.mark.long)])
+def test_noise_is_called_noise(campaigns, most):
     """46 inputs, 100 flights, a figure that none of them moves: named in at most 5 % of campaigns."""
     false = 0
-    for seed in range(60):
+    for seed in range(campaigns):
         rng = np.random.default_rng(seed)
         false += bool(named(drivers(inputs(rng), rng.standard_normal(FLIGHTS))))
-    assert false <= 3
+    assert false <= most
 
 
 @pytest.mark.long
@@ -66,12 +67,16 @@ def planted(rng: np.random.Generator, flights: int = FLIGHTS) -> tuple[dict[str,
 SHARES = {"x0": 0.5, "x1": 0.2, "inertia": 0.15}
 
 
-def test_planted_drivers_are_found_and_their_intervals_hold():
-    """Intervals that say 95 % hold in 91 % at 100 flights of many campaigns, in 95 % at 300; a wrong name in
-    one campaign of twenty.
+@pytest.mark.parametrize(
+    "campaigns, least, most, low, high",
+    [(40, 38, 5, 0.86, 0.99), pytest.param(100, 95, 10, 0.90, 0.98, marks=pytest.mark.long)],
+)
+def test_planted_drivers_are_found_and_their_intervals_hold(campaigns, least, most, low, high):
+    """Intervals that say 95 % hold in 91 % at 100 flights, in 95 % at 300; a wrong name in one campaign of
+    twenty.  Of few campaigns the bounds are those of chance.
     """
     held, false, found_all = [], 0, 0
-    for seed in range(40):
+    for seed in range(campaigns):
         groups, figure = planted(np.random.default_rng(1000 + seed))
         found = drivers(groups, figure)
         found_all += named(found) >= SHARES.keys()
@@ -81,8 +86,8 @@ def test_planted_drivers_are_found_and_their_intervals_hold():
             for driver in found.found
             if driver.name in SHARES
         ]
-    assert found_all >= 38 and false <= 5
-    assert 0.86 <= np.mean(held) <= 0.99
+    assert found_all >= least and false <= most
+    assert low <= np.mean(held) <= high
 
 
 @pytest.mark.parametrize("law", [np.exp, np.arctan, lambda x: x**3], ids=["exp", "arctan", "cube"])
@@ -107,10 +112,11 @@ def test_effects_that_go_both_ways_are_told():
     assert abs(stats.spearmanr(groups["x3"][:, 0], figure).statistic) < 0.3
 
 
-def test_inputs_that_correlate_are_named_as_one():
+@pytest.mark.parametrize("campaigns, least", [(20, 17), pytest.param(40, 34, marks=pytest.mark.long)])
+def test_inputs_that_correlate_are_named_as_one(campaigns, least):
     """Which of two that correlate by 0.95 it is cannot be told, that it is one of them can."""
     held = 0
-    for seed in range(20):
+    for seed in range(campaigns):
         rng = np.random.default_rng(seed)
         a, b = rng.multivariate_normal([0.0, 0.0], [[1.0, 0.95], [0.95, 1.0]], FLIGHTS).T
         found = drivers(
@@ -118,7 +124,7 @@ def test_inputs_that_correlate_are_named_as_one():
         )
         assert found.found[0].name == "pair" and found.found[0].effect == ""
         held += found.found[0].low <= 0.8 <= found.found[0].high
-    assert held >= 17
+    assert held >= least
 
 
 def test_a_small_driver_is_told_once_the_large_one_is_known():

@@ -24,7 +24,7 @@ from symmetry import apart, end_state, scene
 
 from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, CANOPY_VELOCITY, POSITION, RATE, VELOCITY
 
-LIMITS = settings(max_examples=5, deadline=None, derandomize=True)
+LIMITS = settings(max_examples=10, deadline=None, derandomize=True)
 DRAWN = (st.floats(-60, 60), st.floats(-170, 170), st.floats(-170, 170), st.floats(-80, 80), st.floats(-5, 5))
 RATES = (st.floats(-5, 5), st.floats(-5, 5), st.floats(-20, 20))
 ONE = (25.0, 40.0, 70.0, 30.0, 3.0, 4.0, -2.0, 10.0)
