@@ -1,5 +1,5 @@
-"""Verifies: flights with seeded density perturbations and gusts all end in a named outcome, all but one of
-five or ten within limits.
+"""Verifies: flights with seeded density perturbations and gusts all end in a named outcome, nine in ten
+within limits.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
 def test_seeds_with_perturbations_on(first, count):
     flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(first, first + count)]
     assert all(flight.outcome and flight.outcome != "flying" for flight in flights)
-    assert sum(flight.success for flight in flights) >= count - 1
+    assert sum(flight.success for flight in flights) >= 0.9 * count
     # they really differ: landing points spread over more than a kilometre
     east = [flight.metrics["landing_east_m"] for flight in flights if flight.landed]
     assert max(east) - min(east) > 1000.0
