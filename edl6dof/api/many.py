@@ -114,7 +114,10 @@ def faults(
         vehicles: dispersed vehicles for each fault; the nominal one if not given.
         seed: of their dispersions.
         workers: threads; all cores if not given.
-        out, force, progress, trust: as of :func:`campaign`.
+        out: as of :func:`campaign`.
+        force: as of :func:`campaign`.
+        progress: as of :func:`campaign`.
+        trust: as of :func:`campaign`.
 
     Raises:
         ConfigError: everything that is wrong with what is wanted.
@@ -157,7 +160,10 @@ def refly(
     Args:
         campaign: folder, or result, of a campaign.
         case: its number.
-        out, replay, force, trust: as of :func:`fly`.
+        out: as of :func:`fly`.
+        replay: as of :func:`fly`.
+        force: as of :func:`fly`.
+        trust: as of :func:`fly`.
 
     Returns:
         The flight; its ``differences`` name the columns in which it is not as its row, by as much as a bit.
@@ -190,7 +196,9 @@ def calibrate(
         overrides: as of :func:`load`.
         flights: of each design, instead of the file's.
         out: folder for what was found; none if not given.
-        force, progress, trust: as of :func:`campaign`.
+        force: as of :func:`campaign`.
+        progress: as of :func:`campaign`.
+        trust: as of :func:`campaign`.
 
     Raises:
         ConfigError: the section is wrong, or too few flights come to the figures.

@@ -137,7 +137,8 @@ def report(
     Args:
         run: its folder, or what :func:`open_run` returned, or :func:`fly` with ``out``.
         out: file to write; ``report.html`` in the folder if not given.
-        pdf, png: write the forms for papers instead.
+        pdf: write one PDF for papers instead.
+        png: write a picture of each figure for papers instead.
         force: whether files that are there may be replaced.
 
     Raises:
@@ -170,10 +171,15 @@ def replay(
         runs: folders, or what :func:`open_run` returned, or :func:`fly` with ``out``; the first may be a
             campaign's.
         web: show it in the browser.
-        html, screenshot, video: files to write instead: a page, a picture (PNG), a film (MP4).
+        html: page to write instead.
+        screenshot: picture (PNG) to write instead.
         at_s: time of the picture, s.
         page: page in front.
-        start_s, end_s, length_s, fps: what the film shows, its length, s, and its frames per second.
+        video: film (MP4) to write instead.
+        start_s: first time of the film, s.
+        end_s: last time of the film, s.
+        length_s: how long the film is, s; as long as the flight, or 60 s, if not given.
+        fps: its frames per second.
         force: whether files that are there may be replaced.
         trust: as of :func:`load`.
 

@@ -141,8 +141,9 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
         else:
             axes.tick_params(labelbottom=False)
     if figure.entries:
-        canvas.legend(  # type: ignore[call-overload]  # takes containers of bars too
-            named.values(),
+        shown: Any = named.values()  # containers of bars too, which matplotlib's types leave out
+        canvas.legend(
+            shown,
             named.keys(),
             loc="outside lower left",
             ncols=_entries_in_line(named, letters),
