@@ -23,17 +23,19 @@ def nudge_initial_states(by: float) -> None:
     nudged_by, exact = by, underway.beginning
 
     @wraps(exact)
-    def beginning(*given, **named):
-        moment = exact(*given, **named)
-        nudge(moment.plant["y"][0], by)
+    def beginning(loaded, *given, **named):
+        moment, turns = exact(loaded, *given, **named), loaded.truth.dynamics != "point_mass"
+        nudge(moment.plant["y"][0], by, turns)
         return moment
 
     underway.beginning = beginning
 
 
-def nudge(y: np.ndarray, by: float) -> None:
-    """Move a state in place."""
+def nudge(y: np.ndarray, by: float, turns: bool) -> None:
+    """Move a state in place; ``turns``: attitude and body rate too."""
     y[POSITION : VELOCITY + 3] *= 1.0 + by
+    if not turns:
+        return
     w, v = y[ATTITUDE], y[ATTITUDE + 1 : ATTITUDE + 4].copy()
     turn = np.full(3, 0.5 * by)
     q = np.array([w - v @ turn, *(v + w * turn + np.cross(v, turn))])

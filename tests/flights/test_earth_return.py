@@ -28,7 +28,7 @@ def test_stardust_comes_down_at_the_target_under_its_parachutes(stardust):
 def test_nothing_changes_the_spin(stardust):
     entry = stardust.telemetry["t_s"] < stardust.metrics["parachute_s"]
     roll = stardust.telemetry["truth.rate_p_deg_s"][entry]
-    assert roll[0] == pytest.approx(81.0, abs=1e-6)
+    assert roll[0] == pytest.approx(81.0, abs=1e-4)
     assert roll == pytest.approx(np.full(len(roll), roll[0]), abs=1e-9)
 
 
