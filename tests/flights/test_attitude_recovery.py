@@ -89,7 +89,7 @@ def test_each_guard_alone_rescues_it(guard):
     ],
 )
 def test_nothing_need_be_guarded_where_the_limit_is_not_integrated(unguarded, change):
-    """A few degrees at most, of the 150 deg where it is integrated: most openings leave 0.3 deg, some 2 deg."""
+    """A few degrees at most, of 150 deg where it is integrated: most openings leave 0.3 deg, some 2 deg."""
     flight = fly(edl6dof.load("schiaparelli", [change]))
     assert vertical_error(unguarded, unguarded.metrics["parachute_s"] + 20.0) > 90.0
     assert vertical_error(flight, flight.metrics["parachute_s"] + 20.0) < 5.0
