@@ -16,6 +16,8 @@ from multiprocessing.context import ForkServerContext
 from pathlib import Path
 from unittest.mock import patch
 
+import nudged
+
 from edl6dof import cli
 
 
@@ -26,7 +28,9 @@ class Forked:
         self._folder = Path(tempfile.mkdtemp())
         self._said = [self._folder / name for name in ("out", "err")]
         # it dies with the tests, whatever they left it doing
-        self._process = _server().Process(target=_run, args=(main, words, cwd, self._said), daemon=True)
+        self._process = _server().Process(
+            target=_run, args=(main, words, cwd, self._said, nudged.nudged_by), daemon=True
+        )
         self._process.start()
 
     @property
@@ -84,7 +88,9 @@ def _server() -> ForkServerContext:
     return context
 
 
-def _run(main: Callable[[], None], words: tuple[str, ...], cwd: Path, said: list[Path]) -> None:
+def _run(main: Callable[[], None], words: tuple[str, ...], cwd: Path, said: list[Path], by: float) -> None:
+    if by:
+        nudged.nudge_initial_states(by)
     for name in ("COLUMNS", "FORCE_COLOR", "TERM"):
         os.environ.pop(name, None)
     os.chdir(cwd)

@@ -36,6 +36,7 @@ def test_scheduler_and_workers_started_by_hand(tmp_path, undisturbed):
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
 
+@pytest.mark.exact_start  # which the processes that dask starts fly from
 def test_cluster_of_its_own(tmp_path, undisturbed):
     """With one worker: several are the same to a campaign, whoever started them."""
     status, _, err = campaign_run.finished(

@@ -34,6 +34,7 @@ from edl6dof.sim.underway import NO_BRIEFS, Underway, log_rows
 from edl6dof.telemetry.channels import BRIEF
 
 
+@pytest.mark.exact_start
 @pytest.mark.long
 def test_simulated_gpu_gives_the_rows_of_threads():
     """To the last bit, from the rows of telemetry that figures need: a batch for a GPU changes nothing in a
@@ -52,6 +53,7 @@ def test_simulated_gpu_gives_the_rows_of_threads():
     assert found["then"] == [[1, True], [1, False]] and found["crowded"] == found["rows"][:1]
 
 
+@pytest.mark.exact_start  # which processes of the program build that are not nudged
 def test_helpers_prepare_cases_and_make_rows_as_this_process_does(tmp_path):
     """One that dies is missed; of a case that cannot fly they hand on nothing, and say why in its row."""
     plan = load_plan(write_drop(tmp_path))

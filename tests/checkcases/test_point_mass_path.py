@@ -19,6 +19,7 @@ PLANTED = [
 ]
 
 
+@pytest.mark.exact_start  # its tolerances are below a millimetre
 def test_passes():
     assert point_mass.run().passed
 

@@ -88,7 +88,9 @@ def test_each_guard_alone_rescues_it(guard):
         "sensors.inertial_unit.gyros.range_deg_s=300",
     ],
 )
-def test_nothing_need_be_guarded_where_the_limit_is_not_integrated(change):
+def test_nothing_need_be_guarded_where_the_limit_is_not_integrated(unguarded, change):
+    """A few degrees at most, of 150 deg where it is integrated: most openings leave 0.3 deg, some 2 deg."""
     flight = fly(edl6dof.load("schiaparelli", [change]))
-    assert vertical_error(flight, flight.metrics["parachute_s"] + 20.0) < 1.0
+    assert vertical_error(unguarded, unguarded.metrics["parachute_s"] + 20.0) > 90.0
+    assert vertical_error(flight, flight.metrics["parachute_s"] + 20.0) < 5.0
     assert flight.success and "guard: height below ground" not in said(flight)

@@ -7,13 +7,15 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
+import numpy as np
 import pytest
+from chance import fewest
 
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import fly_rows
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
-FLIGHTS = 3
+FLIGHTS = 6
 #: Real instruments, without flow meters.
 WITHOUT_METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",)
 
@@ -31,34 +33,45 @@ def plan():
     return load_plan("tianwen1_mc", cases=FLIGHTS)
 
 
-def test_dead_horizontal_thruster_is_named_and_every_flight_lands(tool, plan):
-    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
+def flown(tool, plan, cases):
+    """Rows of the flights that lasted until their fault."""
+    rows = list(fly_rows(plan.loaded, cases, collect=tool.isolated))
     begun = [row for row in rows if row.get("fault_s") is not None]
-    assert len(begun) >= FLIGHTS - 1
-    assert all(row["name_right"] for row in begun)
+    assert len(begun) >= fewest(len(rows), 0.95)
+    return begun
+
+
+def often(rows, true):
+    """Whether something is true of as many rows as of flights of which it is true of 95 %."""
+    return sum(bool(true(row)) for row in rows) >= fewest(len(rows), 0.95)
+
+
+def test_dead_horizontal_thruster_is_named_and_the_flights_land(tool, plan):
+    begun = flown(tool, plan, tool.dispersed(plan, 7, "stuck_off"))
+    assert often(begun, lambda row: row["name_right"])
     # how far from the site is a matter of the dispersed entry
-    assert all(row["outcome"].startswith("landed") and row["false_alarms"] == 0.0 for row in begun)
-    times = sorted(row["isolation_s"] for row in begun)
-    assert times[len(times) // 2] < 1.0
+    assert often(begun, lambda row: row["outcome"].startswith("landed"))
+    assert often(begun, lambda row: row["false_alarms"] == 0.0)
+    assert np.median([row["isolation_s"] for row in begun if row["name_right"]]) < 1.0
 
 
 @pytest.mark.long  # of the suite: test_faults_in_flight.py
-@pytest.mark.parametrize("seed", [7, 11, 13])
-def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan, seed):
+def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan):
     """Thruster, moment, winds, vehicle and direction of the divert are drawn for each flight."""
-    rows = list(
-        fly_rows(plan.loaded, tool.dispersed(plan, seed, "stuck_on", tool.STRONG), collect=tool.isolated)
-    )
-    begun = [row for row in rows if row.get("fault_s") is not None]
-    assert len(begun) >= FLIGHTS - 1
-    assert all(row["name_right"] for row in begun)
-    assert all(row["outcome"].startswith("landed") and row["false_alarms"] == 0.0 for row in begun)
+    begun = [
+        row
+        for seed in (7, 11, 13)
+        for row in flown(tool, plan, tool.dispersed(plan, seed, "stuck_on", tool.STRONG))
+    ]
+    assert often(begun, lambda row: row["name_right"])
+    assert often(begun, lambda row: row["outcome"].startswith("landed"))
+    assert often(begun, lambda row: row["false_alarms"] == 0.0)
 
 
 @pytest.mark.long
 def test_no_thruster_is_isolated_without_a_fault(tool, plan):
     rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.isolated))
-    assert [row["isolated"] for row in rows] == [""] * FLIGHTS
+    assert len(rows) == FLIGHTS and often(rows, lambda row: row["isolated"] == "")
 
 
 @pytest.fixture(scope="module")
@@ -75,20 +88,18 @@ def test_thruster_is_named_by_force_and_torque_where_there_are_no_meters(tool, w
     pass for a weak one.
     """
     cases = tool.dispersed(without_meters, 7, kind, getattr(tool, which))
-    rows = list(fly_rows(without_meters.loaded, cases, collect=tool.isolated))
-    begun = [row for row in rows if row.get("fault_s") is not None]
-    assert len(begun) >= FLIGHTS - 1
-    assert all(row["name_right"] for row in begun)
-    assert all(row["outcome"].startswith("landed") and not row["sound_named"] for row in begun)
-    times = sorted(row["isolation_s"] for row in begun)
-    assert times[len(times) // 2] < 1.5
+    begun = flown(tool, without_meters, cases)
+    assert often(begun, lambda row: row["name_right"])
+    assert often(begun, lambda row: row["outcome"].startswith("landed"))
+    assert often(begun, lambda row: not row["sound_named"])
+    assert np.median([row["isolation_s"] for row in begun if row["name_right"]]) < 1.5
 
 
 def test_force_and_torque_feign_no_fault_where_there_are_no_meters(tool, without_meters):
     rows = list(
         fly_rows(without_meters.loaded, tool.dispersed(without_meters, 7, None), collect=tool.isolated)
     )
-    assert [row["isolated"] for row in rows] == [""] * FLIGHTS
+    assert len(rows) == FLIGHTS and often(rows, lambda row: row["isolated"] == "")
 
 
 def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_none(tool):
@@ -97,5 +108,5 @@ def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_non
     strong = (*WITHOUT_METERS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
     plan = load_plan("tianwen1_mc", strong, cases=FLIGHTS)
     dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
-    assert sum(row["name_right"] for row in dead) <= 1
-    assert all(row["false_alarms"] == 0.0 for row in dead)
+    assert often(dead, lambda row: not row["name_right"])
+    assert often(dead, lambda row: row["false_alarms"] == 0.0)

@@ -1,23 +1,22 @@
-"""Verifies: flights with seeded density perturbations and gusts all end in a named outcome, nine in ten
+"""Verifies: flights with seeded density perturbations and gusts all end in a named outcome, 95 % of them
 within limits.
 """
 
 from __future__ import annotations
 
 import pytest
+from chance import fewest
 
 import edl6dof
 
 PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
 
 
-@pytest.mark.parametrize(
-    ("first", "count"), [(1, 3), *(pytest.param(first, 10, marks=pytest.mark.long) for first in (1, 11))]
-)
-def test_seeds_with_perturbations_on(first, count):
-    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(first, first + count)]
+@pytest.mark.parametrize("count", [8, pytest.param(60, marks=pytest.mark.long)])
+def test_seeds_with_perturbations_on(count):
+    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(1, count + 1)]
     assert all(flight.outcome and flight.outcome != "flying" for flight in flights)
-    assert sum(flight.success for flight in flights) >= 0.9 * count
+    assert sum(flight.success for flight in flights) >= fewest(count, 0.95)
     # they really differ: landing points spread over more than a kilometre
     east = [flight.metrics["landing_east_m"] for flight in flights if flight.landed]
     assert max(east) - min(east) > 1000.0

@@ -35,7 +35,7 @@ def test_both_feel_the_same_entry(both):
     point, rigid = (flight.metrics for flight in both)
     assert point["peak_load_g0"] == pytest.approx(rigid["peak_load_g0"], rel=0.02)
     assert point["peak_heat_flux_w_cm2"] == pytest.approx(rigid["peak_heat_flux_w_cm2"], rel=0.02)
-    assert point["bank_reversals"] == rigid["bank_reversals"]
+    assert abs(point["bank_reversals"] - rigid["bank_reversals"]) <= 1  # the last comes late or not at all
 
 
 def test_telemetry_has_the_same_columns(both):

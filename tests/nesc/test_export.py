@@ -30,6 +30,7 @@ def folder(capsys, monkeypatch, tmp_path):
     return tmp_path / "runs" / "nesc_case06"
 
 
+@pytest.mark.exact_start
 def test_table_of_a_run(folder, capsys, monkeypatch):
     assert run(capsys, monkeypatch, "export", str(folder), "--nesc", "case06.csv")[0] == 0
     with open("case06.csv", encoding="utf-8", newline="") as stream:

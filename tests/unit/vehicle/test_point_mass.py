@@ -19,6 +19,7 @@ TIME_S = 90.0
 FREE = ("mission={goal: time, phases: []}", f"simulation.time_limit_s={TIME_S}")
 
 
+@pytest.mark.exact_start  # the equations start from it too
 @pytest.mark.parametrize(
     "bank_deg, amplitude, spin, latitude_deg, azimuth_deg",
     [
