@@ -59,7 +59,36 @@ def inlined_kernel(function: Callable[..., Any]) -> Any:
     return _compiled(function, forceinline=True)
 
 
+#: What rounds in another way on another processor: of ``math`` and of numpy.
+_INEXACT = frozenset(
+    (
+        *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "arcsin", "arccos", "arctan", "arctan2"),
+        *("sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "arcsinh", "arccosh", "arctanh", "hypot"),
+        *("exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "power", "erf", "erfc", "cbrt"),
+        *("dot", "vdot", "linalg", "interp"),
+    )
+)
+
+
+def _require_same_bits(function: Callable[..., Any]) -> None:
+    """Refuse a kernel that names a function of the C library, of numpy or of BLAS.
+
+    Raises:
+        TypeError: it does.
+    """
+    used, known = function.__code__.co_names, function.__globals__
+    libraries = {"math", "numpy"} & {getattr(known.get(name), "__name__", "") for name in used}
+    for name in used:
+        of_math = getattr(known.get(name), "__module__", "") in ("math", "numpy")
+        if name in _INEXACT and (of_math or (libraries and name not in known)):
+            raise TypeError(
+                f"kernel {function.__name__}: {name} rounds differently on another processor; "
+                "take it from edl6dof.spatial.elementary"
+            )
+
+
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
+    _require_same_bits(function)
     options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
     compiled = numba.njit(**options, forceinline=forceinline)(function)
     # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function

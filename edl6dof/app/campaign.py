@@ -96,8 +96,14 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
         wrong = differences(store.table(), folder, plan, number, flight)
         write_files(flight, partial, replay, release=True)
     print(f"{target}: case {number}, {flight.outcome}")
-    print("identical to its row" if not wrong else f"differs from its row: {', '.join(wrong)}")
-    return 1 if wrong else 0
+    if not wrong:
+        print("identical to its row")
+        return 0
+    print(f"differs from its row: {', '.join(wrong)}")
+    print(
+        "program, files and libraries are those of the campaign; check this machine: edl6dof verify --golden"
+    )
+    return 1
 
 
 def problem(place: str, message: str) -> ConfigError:

@@ -20,13 +20,22 @@ def verify(
         typer.Option(metavar="FOLDER", help="Draw each case that has a history, as FOLDER/NAME.png."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files of yours, too.")] = False,
+    golden: Annotated[
+        bool, typer.Option("--golden", help="Fly the golden flights instead; every bit must be as shipped.")
+    ] = False,
 ) -> None:
     """Check the simulator against closed forms and published tables.
 
-    Everything is computed on this machine, and conservation laws are checked too.
+    Everything is computed on this machine, and conservation laws are checked too. With --golden every
+    shipped scenario and a small campaign are flown and compared bit for bit with what this version gave
+    when it was made; NAME then names flights.
 
-    Exit status: 0 all within tolerance, 1 not, 2 bad input.
+    Exit status: 0 all within tolerance or identical, 1 not, 2 bad input.
     """
+    if golden:
+        from edl6dof.app.golden import run_golden
+
+        raise typer.Exit(run_golden(names or [], as_json))
     from edl6dof.app.verify import run_verify
 
     raise typer.Exit(run_verify(names or [], as_json, plots, force))

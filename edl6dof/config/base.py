@@ -203,7 +203,7 @@ def unit_vector(value: Vec3) -> Vec3:
     Raises:
         ValueError: its length is not one within 1e-3.
     """
-    length = sqrt(sum(component * component for component in value))
+    length = sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2])
     if abs(length - 1.0) > 1e-3:
         raise ValueError(f"must be a unit vector, its length is {length:.4f}")
     if abs(length - 1.0) < 1e-15:

@@ -25,10 +25,10 @@ from edl6dof.environment.profiles import (
     TEMPERATURE_STREAM,
     central_slopes,
     gauss_markov,
-    stream,
 )
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import held
+from edl6dof.spatial.stream import Stream
 
 #: Lowest factor that a perturbation may put on density: reached only where sigma is above 30 %, beyond 100 km
 #: (sigma_scale 1).
@@ -152,7 +152,8 @@ def air_inputs(params: AtmosphereParams, planet: PlanetParams, place: Place | No
         params.bottom_m,
         max(params.top_m, 200e3),
         planet.gas.gas_constant_j_kg_k,
-        params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,
+        params.extension_gravity_m_s2
+        or planet.gravity.mu_m3_s2 / planet.mean_radius_m / planet.mean_radius_m,
         params.perturbation.sigma,
         climate_inputs(params.seasonal, planet, stated(place)) if params.model == "seasonal" else None,
     )
@@ -168,7 +169,7 @@ def fill_atmosphere(
     chosen = params.perturbation
     if chosen.enabled:
         spacing = 1.0 / (per_step * chosen.correlation_length_m)
-        normal = gauss_markov(stream(seed, case, DENSITY_STREAM), rows, spacing)
+        normal = gauss_markov(Stream(seed, case, DENSITY_STREAM), rows, spacing)
         change = chosen.sigma_scale * table["sigma"][:rows] * normal
         record["density_change"][: rows - 1] = cubic_coefficients(change, central_slopes(change))
     if params.model == "seasonal":
@@ -176,6 +177,6 @@ def fill_atmosphere(
         warmer = np.full(rows, seasonal.temperature_bias_k)
         if waves.enabled:
             spacing = 1.0 / (per_step * waves.correlation_length_m)
-            warmer += waves.sigma_k * gauss_markov(stream(seed, case, TEMPERATURE_STREAM), rows, spacing)
+            warmer += waves.sigma_k * gauss_markov(Stream(seed, case, TEMPERATURE_STREAM), rows, spacing)
         factor = seasonal.surface_pressure_factor
         fill_column(record["column"], table["climate"], rows, 1.0 / per_step, factor, warmer)

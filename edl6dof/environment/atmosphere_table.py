@@ -22,6 +22,7 @@ from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.profile_file import read_profile
 from edl6dof.jit import kernel
 from edl6dof.records import require_finite
+from edl6dof.spatial import arrays
 from edl6dof.spatial.lookups import cell
 
 _CURVES = ("ln_density", "temperature", "east", "north")
@@ -111,17 +112,17 @@ def build_table(inputs: AirInputs) -> np.ndarray:
     table = np.zeros(1, ATMOSPHERE_TABLE)
     record = table[0]
     record["bottom"], record["per_step"], record["rows"] = grid[0], 1.0 / step, len(grid)
-    data["ln_density"] = np.log(data["density"])
-    record["sigma"][: len(grid)] = np.interp(grid, data["altitude"], data["sigma"])
+    data["ln_density"] = arrays.log(data["density"])
+    record["sigma"][: len(grid)] = arrays.interpolate(grid, data["altitude"], data["sigma"])
     for key in _CURVES:
-        curve = np.interp(grid, data["altitude"], data[key])
+        curve = arrays.interpolate(grid, data["altitude"], data[key])
         if key == "ln_density" and name:
             curve[:below] += (first - grid[:below]) * gravity / (gas_constant * data["temperature"][0])
         record[key][: len(grid) - 1] = cubic_coefficients(
             curve, monotone_slopes(curve, sloping_ends=key == "ln_density")
         )
     if climate is not None:
-        temperature = np.interp(grid, data["altitude"], data["temperature"])
+        temperature = arrays.interpolate(grid, data["altitude"], data["temperature"])
         fill_climate(record["climate"], grid, temperature, first, *climate)
     require_finite(table)
     return table

@@ -8,9 +8,11 @@ Source: Allison and McEwen, Planetary and Space Science 48 (2000) 215-235, as re
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from math import cos, degrees, radians, sin, tau
+from math import degrees, radians, tau
 
 from edl6dof.config.base import REQUIRED, Params, Vec3, param
+from edl6dof.spatial.arrays import total
+from edl6dof.spatial.elementary import cos, sin
 
 _J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)  # as terrestrial time
 _TERRESTRIAL_LESS_UTC = 69.184  # s
@@ -76,8 +78,8 @@ def _equation_of_centre(calendar: CalendarParams, days: float) -> float:
     """By how much (deg) the true anomaly is ahead of the mean one."""
     anomaly = radians(calendar.mean_anomaly_deg + calendar.mean_anomaly_rate_deg_day * days)
     found = calendar.centre_growth_deg_day * days * sin(anomaly)
-    found += sum(a * sin(k * anomaly) for k, a in enumerate(calendar.centre_deg, 1))
-    return found + sum(
+    found += total(a * sin(k * anomaly) for k, a in enumerate(calendar.centre_deg, 1))
+    return found + total(
         amplitude * cos(tau * days / (_JULIAN_YEAR * period) + radians(phase))
         for amplitude, period, phase in calendar.perturbations
     )
@@ -94,7 +96,7 @@ def solar_longitude(calendar: CalendarParams, days: float) -> float:
 def equation_of_time(calendar: CalendarParams, days: float) -> float:
     """By how much (h) true solar time is ahead of mean solar time, ``days`` after J2000."""
     season = solar_longitude(calendar, days)
-    tilt = sum(a * sin(2 * k * season) for k, a in enumerate(calendar.obliquity_deg, 1))
+    tilt = total(a * sin(2 * k * season) for k, a in enumerate(calendar.obliquity_deg, 1))
     return (tilt - _equation_of_centre(calendar, days)) * _HOURS_PER_DEGREE
 
 

@@ -7,10 +7,9 @@ support of the landing of Mars Science Laboratory", whose coefficients are in th
 
 from __future__ import annotations
 
-from math import cos, exp, sin
-
 from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.environment.calendar import CalendarParams
+from edl6dof.spatial.elementary import cos, exp, sin
 
 
 class SurfacePressureParams(Params):

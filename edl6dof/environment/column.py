@@ -9,7 +9,7 @@ temperature with the hour, one wave that dies out upwards, is an estimate [E].
 
 from __future__ import annotations
 
-from math import cos, sin, tau
+from math import tau
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,10 @@ from edl6dof.environment.curves import MAX_ROWS, cubic_coefficients, integral, m
 from edl6dof.environment.gravity import gravity_F
 from edl6dof.environment.map_file import MapFile
 from edl6dof.environment.planet import PLANET, PlanetParams, fill_planet
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import cos, log, sin
 from edl6dof.spatial.frames import from_geodetic
+from edl6dof.spatial.vector import dot
 
 #: Climate of the place in the rows of the table: temperature (K) and gravity with rotation (m/s2), gas
 #: constant (J/(kg K)); place of the ground in rows, and natural log of the pressure (Pa) there.
@@ -92,7 +95,7 @@ def gravity_along(planet: PlanetParams, ground: Ground, heights: np.ndarray) -> 
     for i, height in enumerate(heights):
         r = from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, height + base)
         pull = gravity_F(record["gravity"], *r)
-        found[i] = -np.dot(pull, up) - spin * spin * (r[0] * up[0] + r[1] * up[1])
+        found[i] = -dot(pull, up) - spin * spin * (r[0] * up[0] + r[1] * up[1])
     return found
 
 
@@ -119,13 +122,15 @@ def fill_climate(
     rows = len(grid)
     below, above_ground = np.maximum(first - grid, 0.0), np.maximum(grid - ground.elevation, 0.0)
     warmed = (
-        temperature + warmth.lapse_rate * below + warmth.near_ground * np.exp(-above_ground / warmth.depth)
+        temperature
+        + warmth.lapse_rate * below
+        + warmth.near_ground * arrays.exp(-above_ground / warmth.depth)
     )
     record["temperature"][:rows] = warmed
     record["gravity"][:rows] = gravity_along(planet, ground, grid)
     record["gas_constant"] = planet.gas.gas_constant_j_kg_k
     record["ground"] = (ground.elevation - grid[0]) / (grid[1] - grid[0])
-    record["ln_ground_pressure"] = np.log(ground.pressure)
+    record["ln_ground_pressure"] = log(ground.pressure)
 
 
 def fill_column(
@@ -137,10 +142,10 @@ def fill_column(
     temperature = np.maximum(climate["temperature"][:rows] + warmer, _COLDEST)
     s = climate["gravity"][:rows] / (climate["gas_constant"] * temperature)
     curve = cubic_coefficients(s, monotone_slopes(s, sloping_ends=False))
-    fallen = np.concatenate([[0.0], np.cumsum(curve @ (1.0, 1 / 2, 1 / 3, 1 / 4))])
+    fallen = np.concatenate([[0.0], np.cumsum(arrays.product(curve, (1.0, 1 / 2, 1 / 3, 1 / 4)))])
     ground = float(climate["ground"])
     row = min(max(int(ground), 0), rows - 2)
     to_ground = fallen[row] + integral(curve, row, ground - row)
-    ln_pressure = climate["ln_ground_pressure"] + np.log(pressure_factor) + step * (to_ground - fallen)
+    ln_pressure = climate["ln_ground_pressure"] + log(pressure_factor) + step * (to_ground - fallen)
     record["inverse_scale_height"][: rows - 1] = curve
     record["ln_pressure"][: rows - 1] = ln_pressure[:-1]

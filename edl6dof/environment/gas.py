@@ -8,7 +8,7 @@ Dynamics (1965), chapter IV.12; stagnation heating, Sutton and Graves, NASA TR R
 from __future__ import annotations
 
 from functools import lru_cache
-from math import exp, pi, sqrt
+from math import pi, sqrt
 from typing import Annotated
 
 import numpy as np
@@ -18,6 +18,7 @@ from edl6dof.config.dtype import fill
 from edl6dof.environment.curves import cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.lookups import cell
 
 #: Kinds of vibration of one molecule: carbon dioxide has three, methane four.

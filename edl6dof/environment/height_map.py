@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.lookups import cell, held_cell, wrapped
 
 #: Rows of planetocentric latitude 89.5 to -89.5, columns of longitude -179.5 to 179.5 deg.

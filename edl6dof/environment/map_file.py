@@ -64,7 +64,7 @@ def read_map(file: MapFile) -> np.void:
         raise ValueError(f"{file.path.name} must hold finite numbers, shape {SHAPE} (got {heights.shape})")
     record = np.zeros(1, HEIGHT_MAP)
     record["height"], record["radius"] = heights, about.mean_radius_m
-    record["centric"] = about.flattening + 0.5 * about.flattening**2
+    record["centric"] = about.flattening + 0.5 * about.flattening * about.flattening
     record.flags.writeable = False
     return record[0]
 

@@ -3,17 +3,18 @@ flight.
 
 A case carries its own profiles, so a flight gives the same bits alone, in threads or on a cluster.
 
-Source: Gauss-Markov sequence, Gelb, Applied Optimal Estimation (1974), section 3.8; Philox, Salmon et al.,
-SC11 (2011).
+Source: Gauss-Markov sequence, Gelb, Applied Optimal Estimation (1974), section 3.8.
 """
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import sqrt
 
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import exp
+from edl6dof.spatial.stream import Stream
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
 DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM = 1, 2, 3, 4
@@ -21,12 +22,7 @@ DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM = 1, 2, 3, 4
 SENSOR_STREAM = 100
 
 
-def stream(seed: int, case: int, source: int) -> np.random.Generator:
-    """The generator that belongs to (seed, case index, source)."""
-    return np.random.Generator(np.random.Philox(np.random.SeedSequence((seed, case, source))))
-
-
-def gauss_markov(rng: np.random.Generator, count: int, spacing: float) -> np.ndarray:
+def gauss_markov(rng: Stream, count: int, spacing: float) -> np.ndarray:
     """Standard normals with correlation exp(-distance); ``spacing``: distance of neighbours in correlation
     lengths.
     """

@@ -6,7 +6,7 @@ Elevations count from the areoid (:mod:`edl6dof.environment.areoid`), as the hei
 from __future__ import annotations
 
 from functools import lru_cache
-from math import cos, pi, radians, sin, sqrt, tan
+from math import pi, radians, sqrt
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ from edl6dof.environment.layout import extended
 from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, require_map_of
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import cos, sin, tan
 from edl6dof.spatial.lookups import wrapped
 
 MOLA, PLANE, NONE = range(3)

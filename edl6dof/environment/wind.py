@@ -9,7 +9,7 @@ estimates [E].
 from __future__ import annotations
 
 from functools import lru_cache
-from math import cos, log, pi, sin
+from math import pi
 from typing import ClassVar
 
 import numpy as np
@@ -19,10 +19,13 @@ from edl6dof.config.base import Params, Vec3, group, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.curves import MAX_ROWS, cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
-from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov, stream
+from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov
 from edl6dof.environment.winds.registry import WindChoice, wind_of_model
 from edl6dof.jit import kernel
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import cos, log, sin
 from edl6dof.spatial.lookups import held_cell
+from edl6dof.spatial.stream import Stream
 
 
 class GustParams(Params):
@@ -170,7 +173,7 @@ def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0
     gust = params.gust
     spacing, sigma = _gust_rows(gust)
     record["gust_spacing"] = spacing
-    rng = stream(seed, case, GUST_STREAM)
+    rng = Stream(seed, case, GUST_STREAM)
     for name, ratio in (("gust_east", 1.0), ("gust_north", 1.0), ("gust_up", gust.vertical_ratio)):
         record[name] = 0.0
         if gust.enabled:
@@ -184,7 +187,7 @@ def _gust_rows(gust: GustParams) -> tuple[float, np.ndarray]:
     same for most cases.
     """
     top = gust_coordinate(gust.top_m, gust.bottom_m, gust.scale_length_m, gust.scale_growth)
-    return top / (MAX_ROWS - 1), gust.sigma_scale * np.interp(
+    return top / (MAX_ROWS - 1), gust.sigma_scale * arrays.interpolate(
         gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s
     )
 
@@ -194,4 +197,5 @@ def gust_altitudes(gust: GustParams) -> np.ndarray:
     bottom, length, growth = gust.bottom_m, gust.scale_length_m, gust.scale_growth
     s = np.linspace(0.0, gust_coordinate(gust.top_m, bottom, length, growth), MAX_ROWS)
     above = np.maximum(s + bottom / length, 0.0)
-    return np.where(above > 0.0, np.expm1(growth * above) * length / growth, bottom + s * length)
+    grown = (arrays.exp(growth * above) - 1.0) * length / growth
+    return np.where(above > 0.0, grown, bottom + s * length)

@@ -14,6 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.spatial import arrays
+
 _AXES = ("mach", "alpha_deg", "beta_deg")
 _COEFFICIENTS = ("CD", "CL", "CA", "CN", "Cm", "CY", "Cl", "Cn")
 _KNOWN = {name: name for name in (*_AXES, *_COEFFICIENTS)} | {"alpha": "alpha_deg", "beta": "beta_deg"}
@@ -134,7 +136,7 @@ def _grid(path: Path, lines: np.ndarray, columns: dict[str, np.ndarray]) -> Aero
     ordered = {name: values[order].reshape(shape) for name, values in columns.items()}
     zero = np.zeros(shape)
     if "CD" in ordered and "CL" in ordered:
-        c, s = np.cos(np.radians(ordered["alpha_deg"])), np.sin(np.radians(ordered["alpha_deg"]))
+        c, s = arrays.cos(np.radians(ordered["alpha_deg"])), arrays.sin(np.radians(ordered["alpha_deg"]))
         cd, cl = ordered["CD"], ordered["CL"]
         axial, normal = cd * c - cl * s, cd * s + cl * c
     else:

@@ -16,6 +16,7 @@ import numpy as np
 
 from edl6dof.interchange.daveml import read_daveml
 from edl6dof.interchange.daveml_model import UNITS, Model, Number, Variable
+from edl6dof.spatial import arrays
 
 DRAG, LIFT = "totalCoefficientOfDrag", "totalCoefficientOfLift"
 FORCES = tuple(f"aeroBodyForceCoefficient_{axis}" for axis in "XYZ")
@@ -168,7 +169,7 @@ def _at(model: Model, given: Mapping[str, float], flow: Mapping[str, Number]) ->
         forces = [value(name) for name in FORCES]
     elif DRAG in outputs:
         drag, lift = value(DRAG), value(LIFT)
-        c, s = np.cos(alpha), np.sin(alpha)
+        c, s = arrays.cos(alpha), arrays.sin(alpha)
         forces = [lift * s - drag * c, value(FORCES[1]), -lift * c - drag * s]
     else:
         raise model.error(1, f"lacks {DRAG} and {LIFT}, and {FORCES[0]} and {FORCES[2]}")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,7 @@ import numpy as np
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.xmlfile import line_of, local_name, refused, text_of
+from edl6dof.spatial import arrays
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
@@ -25,21 +27,21 @@ Number = float | np.ndarray
 
 #: Arithmetic of MathML: the function, and the least and the largest number of its arguments.
 OPERATORS: dict[str, tuple[Callable[..., Any], int, int]] = {
-    "plus": (lambda *a: sum(a[1:], start=a[0]), 1, 99),
-    "times": (lambda *a: math.prod(a[1:], start=a[0]), 1, 99),
+    "plus": (lambda *a: functools.reduce(operator.add, a), 1, 99),
+    "times": (lambda *a: functools.reduce(operator.mul, a), 1, 99),
     "minus": (lambda a, b=None: -a if b is None else a - b, 1, 2),
     "divide": (lambda a, b: a / b, 2, 2),
-    "power": (lambda a, b: a**b, 2, 2),
+    "power": (arrays.pow, 2, 2),
     "abs": (np.abs, 1, 1),
     "root": (np.sqrt, 1, 1),
-    "exp": (np.exp, 1, 1),
-    "ln": (np.log, 1, 1),
-    "sin": (np.sin, 1, 1),
-    "cos": (np.cos, 1, 1),
-    "tan": (np.tan, 1, 1),
-    "arcsin": (np.arcsin, 1, 1),
-    "arccos": (np.arccos, 1, 1),
-    "arctan": (np.arctan, 1, 1),
+    "exp": (arrays.exp, 1, 1),
+    "ln": (arrays.log, 1, 1),
+    "sin": (arrays.sin, 1, 1),
+    "cos": (arrays.cos, 1, 1),
+    "tan": (arrays.tan, 1, 1),
+    "arcsin": (arrays.asin, 1, 1),
+    "arccos": (arrays.acos, 1, 1),
+    "arctan": (arrays.atan, 1, 1),
     "min": (lambda *a: functools.reduce(np.minimum, a), 1, 99),
     "max": (lambda *a: functools.reduce(np.maximum, a), 1, 99),
     "lt": (np.less, 2, 2),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.interchange.mesh_file import GLB, STL, read_mesh_file
+from edl6dof.spatial.arrays import product
 
 #: Most triangles that are taken from one file.
 MOST_TRIANGLES = 50_000
@@ -70,14 +71,18 @@ def _gltf(content: bytes, binary: bool) -> np.ndarray:
         k, above = waiting.pop()
         if (met := met + 1) > len(nodes):
             raise ValueError("the glTF file has nodes that contain themselves")
-        node, place = nodes[k], above @ _placing(nodes[k])
+        node, place = nodes[k], product(above, _placing(nodes[k]))
         waiting += [(child, place) for child in node.get("children", ())]
         if "mesh" in node:
             for one in scene["meshes"][node["mesh"]]["primitives"]:
                 corners = _primitive(scene, buffers, one)
-                turned = corners @ place[:3, :3].T + place[:3, 3]
+                turned = product(corners, place[:3, :3].T) + place[:3, 3]
                 # a mirror image has its corners the other way round
-                found.append(turned[:, ::-1] if np.linalg.det(place[:3, :3]) < 0.0 else turned)
+                found.append(
+                    turned[:, ::-1]
+                    if product(place[0, :3], np.cross(place[1, :3], place[2, :3])) < 0.0
+                    else turned
+                )
     return np.concatenate(found)
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -259,7 +259,7 @@ def _table(model: Model, part: Part) -> None:
     static_table(model.path)
     part.put("aero.model", "capsule", model, line)
     part.put("aero.capsule.static_table", str(model.path.resolve()), model, line)
-    part.put("aero.capsule.diameter_m", 2.0 * (area / pi) ** 0.5, model, line)
+    part.put("aero.capsule.diameter_m", 2.0 * sqrt(area / pi), model, line)
 
 
 def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

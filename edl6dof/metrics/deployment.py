@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, pi, sin
+from math import pi
 
 import numpy as np
 
+from edl6dof.spatial.arrays import interpolate
+from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import great_circle
 from edl6dof.telemetry.columns import Telemetry
 
@@ -34,7 +36,7 @@ def _place(rows: Telemetry, t: float) -> tuple[float, float]:
     """Latitude and longitude, rad, at time ``t`` (s) on the straight lines between one or two rows."""
     latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
     without_jump = np.unwrap(longitude) if np.ptp(longitude) > pi else longitude
-    return float(np.interp(t, rows["t_s"], latitude)), float(np.interp(t, rows["t_s"], without_jump))
+    return float(interpolate(t, rows["t_s"], latitude)), float(interpolate(t, rows["t_s"], without_jump))
 
 
 def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:

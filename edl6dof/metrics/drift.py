@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
+from edl6dof.spatial.arrays import lengths
 
 _AXES = ("east", "north", "up")
 #: Seconds after ignition from which backshell and lander count as parted.
@@ -50,4 +51,4 @@ def least_length(way: np.ndarray) -> float:
     """Least length of a vector, rows of ``way``, that moves on straight lines from row to row."""
     start, step = way[:-1], np.diff(way, axis=0)
     share = -np.sum(start * step, axis=1) / np.maximum(np.sum(step * step, axis=1), 1e-30)
-    return float(np.min(np.linalg.norm(start + np.clip(share, 0.0, 1.0)[:, None] * step, axis=1)))
+    return float(np.min(lengths(start + np.clip(share, 0.0, 1.0)[:, None] * step)))

@@ -7,7 +7,7 @@ about x of B through the outermost of its points, at the lowest of them.
 
 from __future__ import annotations
 
-from math import atan, cos, hypot, isfinite, pi, sin, sqrt
+from math import isfinite, pi, sqrt
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.landing_area.rocks import HEIGHT
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import atan, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.quaternion import from_frame

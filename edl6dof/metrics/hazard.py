@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import atan2, hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.fsw.hazard.safety import SAFE
 from edl6dof.jit import kernel
 from edl6dof.metrics.footing import COUNTED, FOOTPRINT
+from edl6dof.spatial.elementary import atan2, hypot
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.vector import add, take3
 from edl6dof.telemetry.columns import Telemetry

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from difflib import get_close_matches
-from math import copysign, hypot, inf
+from math import copysign, inf
 from typing import Literal, NamedTuple, Self
 
 from pydantic import model_validator
@@ -17,6 +17,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.errors import Inconsistent
 from edl6dof.metrics.at_events import AT_EVENTS, event_and_quantity
 from edl6dof.metrics.figures import DECLARED, FigureOfMerit, figure_of_merit
+from edl6dof.spatial.elementary import hypot
 
 _KINDS = ("value", "magnitude", "at_most", "at_least")
 _ONE = "one of value, magnitude, at_most and at_least"

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from math import inf, isnan, nan, tan
+from math import inf, isnan, nan
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from edl6dof.jit import kernel
 from edl6dof.metrics.evaluation import LIMIT_CYCLE_S, TRIM_ERRORS
 from edl6dof.metrics.extremes import CALM, EXTREMES, SWINGS, Extreme, Part
 from edl6dof.records import FLAG, offset, whole
+from edl6dof.spatial.elementary import tan
 from edl6dof.telemetry.channels import BRIEF
 from edl6dof.telemetry.columns import words_of
 

@@ -4,13 +4,14 @@ telemetry.
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, hypot, isfinite, sin
+from math import isfinite
 
 import numpy as np
 
 from edl6dof.config.units import split_unit
 from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import acos, atan2, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z, to_local
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, dot, norm, take3

@@ -18,6 +18,7 @@ from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
 from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
 from edl6dof.runs.needing import other_versions
+from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
 
@@ -129,7 +130,7 @@ class Run(Mapping[str, np.ndarray]):
 
     def at(self, name: str, t: float) -> float:
         """A column at a time (s), interpolated."""
-        return float(np.interp(t, self.t, self[name]))
+        return float(interpolate(t, self.t, self[name]))
 
     def between(self, since: str = "", until: str = "") -> np.ndarray:
         """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is

@@ -4,7 +4,7 @@ at the site, as far as that is known before the flight.
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, radians, sin
+from math import pi, radians
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
 from edl6dof.scenario.expected_descent import SCRATCH, expected_drift, wind_of
 from edl6dof.scenario.planned_entry import plan_entry
 from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.elementary import atan2, cos, sin
 from edl6dof.spatial.frames import geodetic, great_circle, ned_to_fixed
 from edl6dof.vehicle.vehicle import VehicleParams
 

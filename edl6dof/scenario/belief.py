@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import cos, radians, sin
+from math import radians
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from edl6dof.scenario.expected_descent import wind_at, wind_of
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
 from edl6dof.sensors.registry import SENSOR_FAMILY
+from edl6dof.spatial.elementary import cos, log, sin
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
@@ -97,7 +98,7 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
     )
     for i, height in enumerate(heights):
         density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], height)
-        record["ln_density"][i] = np.log(max(density, 1e-30))
+        record["ln_density"][i] = log(max(density, 1e-30))
         record["speed_of_sound"][i] = sound
         north, east = wind_at(wind, tables[0]["atmosphere"], height)
         record["wind_north"][i], record["wind_east"][i] = north, east
@@ -132,7 +133,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         )
         drag = axial * cos(alpha) + normal * sin(alpha)
         lift = axial * sin(alpha) - normal * cos(alpha)
-        record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2
+        record["drag_area"] = drag * np.pi / 4.0 * np.square(vehicle.aero.capsule.diameter_m)
         record["lift_to_drag"] = lift / drag
         fill_airframe(airframe, scenario, tables, float(record["drag_area"]), float(record["lift_to_drag"]))
     elif vehicle.aero.model == "lift_drag":

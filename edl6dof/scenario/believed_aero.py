@@ -4,7 +4,7 @@ drag and lift follow, over Mach number.
 
 from __future__ import annotations
 
-from math import cos, radians, sin
+from math import radians
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.jit import kernel
 from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.vehicle.aerodynamics.capsule import capsule_aero
 from edl6dof.vehicle.aerodynamics.surfaces import wing_force
 from edl6dof.vehicle.vehicle import VehicleParams

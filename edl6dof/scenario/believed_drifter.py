@@ -18,6 +18,6 @@ def believe_drifter(record: np.void, vehicle: VehicleParams) -> None:
     for chute in vehicle.parachutes:
         if shells and chute.carried_by == shells[0].name:
             record["mass"] = shells[0].mass_kg + (masses[chute.pack] if chute.pack is not None else 0.0)
-            canopy = pi / 4.0 * chute.diameter_m**2 * chute.drag_coefficient
+            canopy = pi / 4.0 * chute.diameter_m * chute.diameter_m * chute.drag_coefficient
             record["drag_area"] = shells[0].drag_area_m2 + canopy
             record["length"] = chute.line_length_m

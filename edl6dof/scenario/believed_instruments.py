@@ -4,13 +4,15 @@ standard deviations that the errors of each case are drawn from.
 
 from __future__ import annotations
 
-from math import cos, hypot, radians, sin, sqrt, tan
+from math import radians, sqrt
 
 import numpy as np
 
 from edl6dof.config.dtype import in_si
 from edl6dof.scenario.events import event_number
 from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.arrays import product
+from edl6dof.spatial.elementary import cos, hypot, sin, tan
 from edl6dof.spatial.frames import ned_to_fixed
 
 #: Share of a branch's full flow by which the flow computed from commands differs from the true one at best.
@@ -28,14 +30,14 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
         _believe_axes(record, "accelerometer", unit["accelerometers"])
     if "star_tracker" in sensors.flown:
         stars = in_si(sensors.star_tracker)
-        square = (2.0 * stars["noise"] ** 2 + stars["boresight_noise"] ** 2) / 3.0
+        square = (2.0 * np.square(stars["noise"]) + np.square(stars["boresight_noise"])) / 3.0
         record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
         record["star_lowest"], record["star_rate"] = stars["lowest"], stars["rate"]
         record["star_until"] = event_number(scenario.mission, sensors.star_tracker.until)
     if "ground_tracking" in sensors.flown:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
-        record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)
-        record["tracking_velocity_sigma"] = np.sqrt(ground["velocity"] ** 2 @ axes**2)
+        record["tracking_position_sigma"] = np.sqrt(product(np.square(ground["position"]), np.square(axes)))
+        record["tracking_velocity_sigma"] = np.sqrt(product(np.square(ground["velocity"]), np.square(axes)))
     if "radar" in sensors.flown:
         _believe_radar(record, in_si(sensors.radar))
     if "landing_camera" in sensors.flown:
@@ -61,7 +63,7 @@ def _believe_radar(record: np.void, radar: np.void) -> None:
     for kind in ("range", "speed"):
         record[f"{kind}_sigma"] = radar[f"{kind}_noise"]
         record[f"{kind}_sigma_relative"] = radar[f"{kind}_noise_relative"]
-        record[f"{kind}_scale"] = np.hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
+        record[f"{kind}_scale"] = hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
     record["range_bias"] = radar["reflectivity"]
 
 
@@ -90,7 +92,7 @@ def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
     count = given["n_axes"]
     record[f"n_{kind}s"] = count
     record[f"{kind}_axis"][:count] = given["axes"]["axis"][:count]
-    record[f"{kind}_scale"] = np.hypot(given["scale"], given["misalignment"])
+    record[f"{kind}_scale"] = hypot(given["scale"], given["misalignment"])
     record[f"{kind}_step"] = given["quantum"]
     for name in ("range", "noise", "bias", "bias_walk"):
         record[f"{kind}_{name}"] = given[name]
@@ -102,6 +104,6 @@ def _orbit_axes(scenario: Scenario) -> np.ndarray:
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
     place = (sin(lat), cos(lat), sin(lon), cos(lon))
     north, east, _ = initial.velocity_ned
-    ahead = np.array([north, east]) / (np.hypot(north, east) or 1.0)
+    ahead = np.array([north, east]) / (hypot(north, east) or 1.0)
     in_ned = ((0.0, 0.0, -1.0), (*ahead, 0.0), (-ahead[1], ahead[0], 0.0))
     return np.array([ned_to_fixed(*place, row) for row in in_ned])

@@ -6,8 +6,9 @@ A case that changes a few sections is checked again where they are read.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import hypot
 from typing import NamedTuple
+
+import numpy as np
 
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.landing_area.params import landing_area_problems
@@ -19,6 +20,7 @@ from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, quantity_problems, way_problems
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
+from edl6dof.spatial.arrays import lengths
 from edl6dof.vehicle.faults.fault import fault_problems
 from edl6dof.vehicle.propulsion.engine_models import thruster_set
 
@@ -155,7 +157,7 @@ def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     if "star_tracker" not in scenario.sensors_in_flight.flown or "stars" not in reads:
         return {}
     stars, found = scenario.sensors.star_tracker, {}
-    altitude, rate = scenario.initial_altitude_m, hypot(*scenario.initial.rate_deg_s)
+    altitude, rate = scenario.initial_altitude_m, float(lengths(np.array(scenario.initial.rate_deg_s)))
     if altitude < stars.lowest_m:
         found["sensors.star_tracker.lowest_m"] = (
             f"must not exceed the altitude at the start, {altitude:g} m: navigation needs a star fix then to "

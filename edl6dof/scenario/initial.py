@@ -7,13 +7,14 @@ bank or by yaw, pitch and roll.  Two ways at once are refused.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, radians, sin, sqrt
+from math import radians, sqrt
 from typing import Literal, Self
 
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, Vec3, param, stated
 from edl6dof.config.errors import Inconsistent
+from edl6dof.spatial.elementary import atan2, cos, hypot, sin
 
 _PATH = ("speed_m_s", "flight_path_angle_deg", "azimuth_deg")
 _WIND = ("alpha_deg", "beta_deg", "bank_deg")

@@ -12,7 +12,7 @@ vehicle takes to follow the commanded bank angle, about 1 s.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import asin, atan2, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.jit import kernel
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.start import Start, start_of
+from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic
 from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, unit
 

@@ -7,7 +7,7 @@ are filled from the same nominal configuration and never touch again.
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from math import cos, radians, sin
+from math import radians
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.start import start_of, vertical_axes
 from edl6dof.sensors.registry import SENSORS
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import (
     attitude_from_wind_angles,
     ned_attitude,

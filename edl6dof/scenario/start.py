@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, radians, sin
+from math import radians
 
 from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.elementary import atan2, cos, hypot, sin
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 
 #: Position (m) and velocity relative to the planet (m/s), in F.

@@ -10,15 +10,18 @@ Allan variance N^2 / tau + K^2 tau / 3.
 
 from __future__ import annotations
 
-from math import acos, copysign, cos, pi, sin, sqrt
+from math import copysign, pi, sqrt
 
 import numpy as np
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Key, Params, Vec3, param, unit_vector
 from edl6dof.jit import kernel
+from edl6dof.spatial.arrays import lengths
+from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.lookups import wrapped
 from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import clamp, dot
 from edl6dof.vehicle.instruments import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
@@ -77,7 +80,7 @@ def counter_layout(slots: int) -> np.dtype:
     )
 
 
-def draw_copies(given: np.void, rng: np.random.Generator, copy: np.void) -> None:
+def draw_copies(given: np.void, rng: Stream, copy: np.void) -> None:
     """Fill a record of :func:`copy_layout`; ``given`` holds the ``axes`` and, as standard deviations, the
     ``scale``, ``misalignment`` and ``bias`` of one kind in SI units.
     """
@@ -86,17 +89,17 @@ def draw_copies(given: np.void, rng: np.random.Generator, copy: np.void) -> None
     copy["axis"][:n] = turned(nominal, given["misalignment"], rng)
     copy["scale"][:n] = given["scale"] * rng.standard_normal(n)
     copy["bias"][:n] = given["bias"] * rng.standard_normal(n)
-    copy["key"] = rng.integers(2**62)
+    copy["key"] = rng.keys()
 
 
-def turned(axes: np.ndarray, sigma: float, rng: np.random.Generator) -> np.ndarray:
+def turned(axes: np.ndarray, sigma: float, rng: Stream) -> np.ndarray:
     """Unit vectors, shape (n, 3), each turned by a small angle with standard deviation ``sigma`` (rad) about
     any axis across it.
     """
     off = sigma * rng.standard_normal(axes.shape)
     off -= np.sum(off * axes, axis=1, keepdims=True) * axes
     true = axes + off
-    return np.asarray(true / np.linalg.norm(true, axis=1, keepdims=True))
+    return np.asarray(true / lengths(true)[:, None])
 
 
 @kernel

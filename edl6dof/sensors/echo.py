@@ -7,11 +7,12 @@ Conference (2014).
 
 from __future__ import annotations
 
-from math import atan2, cos, sqrt
+from math import sqrt
 
 from edl6dof.apart import stay_apart
 from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import atan2, cos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3

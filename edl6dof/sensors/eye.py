@@ -11,6 +11,7 @@ from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import in_si
 from edl6dof.jit import kernel
 from edl6dof.sensors.patch import LEVEL, clear, lay_patch
+from edl6dof.spatial.stream import Stream
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
 
 
@@ -31,10 +32,10 @@ class EyeParams(Hardware):
 EYE_UNIT = np.dtype([("turn", "f8", (3,)), ("bias", "f8"), ("key", "i8")], align=True)
 
 
-def draw_eye(params: EyeParams, rng: np.random.Generator, unit: np.void) -> None:
+def draw_eye(params: EyeParams, rng: Stream, unit: np.void) -> None:
     """Draw the turn of the copy that flies, and the key of its noise."""
     unit["turn"] = in_si(params)["misalignment"] * rng.standard_normal(3)
-    unit["key"] = rng.integers(2**62)
+    unit["key"] = rng.keys()
 
 
 @kernel

@@ -26,6 +26,7 @@ from edl6dof.registry import Member
 from edl6dof.sensors.counters import broken
 from edl6dof.spatial.lookups import wrapped
 from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.stream import Stream
 from edl6dof.vehicle.instruments import WORKING
 
 #: Readings that can be under way.
@@ -111,12 +112,12 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     memory.taken += 1
 
 
-def plan(params: FlowMetersParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: FlowMetersParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copies that fly."""
     given = in_si(params)
     unit["scale"] = given["scale"] * rng.standard_normal(MAX_BRANCHES)
     unit["bias"] = given["bias"] * rng.standard_normal(MAX_BRANCHES)
-    unit["key"] = rng.integers(2**62)
+    unit["key"] = rng.keys()
 
 
 MEMBER = Member(

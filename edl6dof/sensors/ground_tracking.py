@@ -14,6 +14,7 @@ from edl6dof.config.dtype import in_si
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import add, cross, put3, scale, take3
 from edl6dof.spatial.vector import unit as direction
 from edl6dof.vehicle.plant import POSITION, VELOCITY
@@ -57,7 +58,7 @@ def along_track(r, v, parts):
     return add(scale(parts[0], radial), add(scale(parts[1], along), scale(parts[2], across)))
 
 
-def plan(params: GroundTrackingParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: GroundTrackingParams, rng: Stream, unit: np.void) -> None:
     """Draw the error of this case."""
     given = in_si(params)
     unit["position"] = given["position"] * rng.standard_normal(3)

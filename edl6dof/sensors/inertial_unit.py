@@ -12,7 +12,7 @@ term: Savage, J. Guidance, Control, and Dynamics 21(1), 1998.
 
 from __future__ import annotations
 
-from math import exp, pi
+from math import pi
 from typing import Annotated
 
 import numpy as np
@@ -27,7 +27,9 @@ from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, cone, copy_layout, count, counter_layout, draw_copies, rates
 from edl6dof.sensors.vibration import MOUNT, VIBRATION, VibrationParams, draw_mount, shake
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import conjugate, multiply, rotation_vector
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -212,7 +214,7 @@ def hand_out(reading, inertial):
         inertial.accelerometer_saturated[i] = reading.accelerometer_saturated[i]
 
 
-def plan(params: InertialUnitParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: InertialUnitParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     draw_copies(in_si(params.gyros), rng, unit["gyro"])
     draw_copies(in_si(params.accelerometers), rng, unit["accelerometer"])

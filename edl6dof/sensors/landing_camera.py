@@ -12,8 +12,6 @@ Left out: shadow and texture.
 
 from __future__ import annotations
 
-from math import tan
-
 import numpy as np
 
 from edl6dof.config.base import Vec3, param
@@ -27,6 +25,7 @@ from edl6dof.sensors.ground_cells import GROUND_CELLS, lay_cells, middle, shows_
 from edl6dof.sensors.obstacles import share_of_obstacles
 from edl6dof.sensors.parts_in_view import DISCS, find_discs, is_hidden
 from edl6dof.sensors.sight import across, sight
+from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.quaternion import to_frame

@@ -12,8 +12,6 @@ Left out: the width of a ray, and parts of the vehicle that fly below it.
 
 from __future__ import annotations
 
-from math import cos, tan
-
 import numpy as np
 
 from edl6dof.config.base import Vec3, param
@@ -26,7 +24,9 @@ from edl6dof.registry import Member
 from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
 from edl6dof.sensors.patch import PATCH, trace
 from edl6dof.sensors.sight import along, sight
+from edl6dof.spatial.elementary import cos, tan
 from edl6dof.spatial.noise import normal_pair, uniform
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import take3
 
 
@@ -104,7 +104,7 @@ def read(params, unit, way, number):
     return max(told - told % params.quantum, 0.0)
 
 
-def plan(params: LidarParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: LidarParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     draw_eye(params, rng, unit)
     unit["bias"] = in_si(params)["range_bias"] * rng.standard_normal()

@@ -17,6 +17,7 @@ from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.ground_tracking import along_track
 from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import add, put3, take3
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
@@ -53,9 +54,9 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         sensed.specific_force_B[i] = (1.0 + params.force_scale) * true + params.force_noise * noise[i]
 
 
-def plan(params: NavigationErrorParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: NavigationErrorParams, rng: Stream, unit: np.void) -> None:
     """Draw the key of the noise."""
-    unit["key"] = rng.integers(2**62)
+    unit["key"] = rng.keys()
 
 
 MEMBER = Member(

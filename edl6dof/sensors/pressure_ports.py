@@ -9,7 +9,7 @@ High-Temperature Gas Dynamics (2006), section 3.2.
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 from typing import Annotated
 
 import numpy as np
@@ -22,7 +22,9 @@ from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.spatial.vector import unit as direction
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
@@ -81,12 +83,12 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         sensed.pressure[i] = read if plant.shape == CONFIG_CAPSULE else 0.0
 
 
-def plan(params: PressurePortsParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: PressurePortsParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     given, n = in_si(params), len(params.ports)
     unit["bias"][:n] = given["bias"] * rng.standard_normal(n)
     unit["scale"][:n] = given["scale"] * rng.standard_normal(n)
-    unit["key"] = rng.integers(2**62)
+    unit["key"] = rng.keys()
 
 
 MEMBER = Member(

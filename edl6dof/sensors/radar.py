@@ -12,7 +12,7 @@ Journal of Spacecraft and Rockets 51(4), 2014.
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 from typing import Annotated
 
 import numpy as np
@@ -27,9 +27,11 @@ from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, turned
 from edl6dof.sensors.echo import antenna, ground_echo, over_ground, part_echo
 from edl6dof.sensors.thrust_share import thrust_share
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.noise import normal_pair, uniform
 from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
 from edl6dof.vehicle.instruments import FALSE_LOCK, OUTAGE, STUCK
@@ -219,14 +221,14 @@ def read(params, unit, faults, i, distance, speed, dust, first, radar):
     radar.speed[i] = closing + speed_fault.offset
 
 
-def plan(params: RadarParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: RadarParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     given, n = in_si(params), len(params.beams)
     unit["axis"][:n] = turned(given["beams"]["axis"][:n], given["misalignment"], rng)
     for name in ("range_scale", "speed_scale"):
         unit[name][:n] = given[name] * rng.standard_normal(n)
     unit["reflectivity"][:n] = given["reflectivity"] * rng.standard_normal(n)
-    unit["key"] = rng.integers(2**62)
+    unit["key"] = rng.keys()
 
 
 MEMBER = Member(

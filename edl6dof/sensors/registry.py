@@ -18,7 +18,7 @@ import numpy as np
 from edl6dof.config.base import Capacity, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.dispatch import NOTHING
-from edl6dof.environment.profiles import SENSOR_STREAM, stream
+from edl6dof.environment.profiles import SENSOR_STREAM
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.registry import Family
@@ -37,6 +37,7 @@ from edl6dof.sensors import (
     stereo,
     switches,
 )
+from edl6dof.spatial.stream import Stream
 from edl6dof.vehicle.faults.component import Component
 
 SENSOR_FAMILY = Family(
@@ -119,7 +120,7 @@ def draw_sensor_units(record: np.void, params: SensorParams, seed: int, case: in
     for index in _flown(params):
         member = SENSOR_FAMILY.members[index]
         if member.plan is not None:
-            rng = stream(seed, case, SENSOR_STREAM + index)
+            rng = Stream(seed, case, SENSOR_STREAM + index)
             member.plan(getattr(params, member.name), rng, record["unit"][member.name])
 
 

@@ -7,13 +7,14 @@ less than a tenth of a millimetre there.
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import sqrt
 
 from edl6dof.apart import stay_apart
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
 from edl6dof.sensors.echo import antenna
+from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import cross, dot, scale, take3

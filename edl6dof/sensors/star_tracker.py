@@ -18,6 +18,7 @@ from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.quaternion import multiply, normalise
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import add, dot, norm, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -86,10 +87,10 @@ def noise(params, unit, cycle):
     return add(across, scale(params.boresight_noise * about, boresight))
 
 
-def plan(params: StarTrackerParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: StarTrackerParams, rng: Stream, unit: np.void) -> None:
     """Draw the alignment of the copy that flies."""
     unit["misalignment"] = in_si(params)["misalignment"] * rng.standard_normal(3)
-    unit["key"] = rng.integers(2**62)
+    unit["key"] = rng.keys()
 
 
 MEMBER = Member(

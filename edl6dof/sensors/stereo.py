@@ -10,8 +10,6 @@ Left out: motion while the images are exposed, and ground that only one of the c
 
 from __future__ import annotations
 
-from math import cos, tan
-
 import numpy as np
 
 from edl6dof.config.base import Vec3, param
@@ -23,7 +21,9 @@ from edl6dof.registry import Member
 from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
 from edl6dof.sensors.patch import PATCH, trace
 from edl6dof.sensors.sight import along, sight
+from edl6dof.spatial.elementary import cos, tan
 from edl6dof.spatial.noise import normal_pair, uniform
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import take3
 
 #: Cells along each side of a block that has texture or has none.
@@ -87,7 +87,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
                 stereo.range[i, j] = 0.0
 
 
-def plan(params: StereoParams, rng: np.random.Generator, unit: np.void) -> None:
+def plan(params: StereoParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     draw_eye(params, rng, unit)
     unit["bias"] = params.disparity_bias_px * rng.standard_normal()

@@ -13,7 +13,7 @@ degree of freedom; exact discretisation: Gelb, Applied Optimal Estimation (1974)
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sin, sqrt
+from math import pi, sqrt
 from typing import Self
 
 import numpy as np
@@ -22,7 +22,9 @@ from pydantic import model_validator
 from edl6dof.config.base import Params, group, param
 from edl6dof.jit import kernel
 from edl6dof.sensors.thrust_share import thrust_share
+from edl6dof.spatial.elementary import cos, exp, sin
 from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 
 #: About three axes, and along three.
@@ -137,7 +139,7 @@ def oscillate(params, key, dt, cycle, memory):
         memory.speed[i] = (kept - lean) * speed - across * place + both * one + second * other
 
 
-def draw_mount(rng: np.random.Generator, mount: np.void) -> None:
+def draw_mount(rng: Stream, mount: np.void) -> None:
     """Draw the phases of the tone and the key of the random part."""
-    mount["phase"] = rng.uniform(0.0, 2.0 * np.pi, 3)
-    mount["key"] = rng.integers(2**62)
+    mount["phase"] = 2.0 * np.pi * rng.uniform(3)
+    mount["key"] = rng.keys()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import acos, isfinite, sqrt
+from math import isfinite, sqrt
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.motion.body import tilt
 from edl6dof.vehicle.parachutes.parachute import PACKED

@@ -5,12 +5,12 @@ cause count together.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
 from typing import TYPE_CHECKING
 
 from edl6dof.config.base import stated
 from edl6dof.sim.causes import reasons
 from edl6dof.sim.outcome import CRASHED, LANDED, LAST_EVENT, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
+from edl6dof.spatial.elementary import hypot
 from edl6dof.telemetry.timeline import in_words
 
 if TYPE_CHECKING:

@@ -8,13 +8,17 @@ angle.  Angles in rad, lengths in m.
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, sin, sqrt
+from math import pi, sqrt
 
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import asin, atan2, cos, sin, sincos
 from edl6dof.spatial.quaternion import from_axes, multiply
 from edl6dof.spatial.vector import clamp, cross, dot, scale, sub, take3, unit
+
+#: Adding and subtracting it rounds a number below 2**51 to the nearest integer.
+_ROUND = 6755399441055744.0
 
 
 @kernel
@@ -210,13 +214,15 @@ def attitude_from_wind_angles(v, up, bank, alpha, beta):
 def great_circle(sin_lat1, cos_lat1, lon1, sin_lat2, cos_lat2, lon2):
     """Central angle and initial azimuth (from north, clockwise) from point 1 to point 2, rad."""
     dlon = lon2 - lon1
-    a = cos_lat2 * sin(dlon)
-    b = cos_lat1 * sin_lat2 - sin_lat1 * cos_lat2 * cos(dlon)
-    c = sin_lat1 * sin_lat2 + cos_lat1 * cos_lat2 * cos(dlon)
+    sin_dlon, cos_dlon = sincos(dlon)
+    a = cos_lat2 * sin_dlon
+    b = cos_lat1 * sin_lat2 - sin_lat1 * cos_lat2 * cos_dlon
+    c = sin_lat1 * sin_lat2 + cos_lat1 * cos_lat2 * cos_dlon
     return atan2(sqrt(a * a + b * b), c), atan2(a, b)
 
 
 @kernel
 def wrap(angle):
-    """Angle brought into (-pi, pi]."""
-    return atan2(sin(angle), cos(angle))
+    """Angle brought within pi of zero."""
+    turns = angle * (0.5 / pi)
+    return angle - 2.0 * pi * ((turns + _ROUND) - _ROUND)

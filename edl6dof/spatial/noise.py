@@ -2,16 +2,17 @@
 
 So a flight has the same noise alone, in threads, or continued from a saved state.  Source: the mixing
 function of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014); quantiles of the normal distribution: Wichura,
-Applied Statistics 37(3), 1988, algorithm AS 241 (PPND7), in half the time of Box and Muller's.
+Applied Statistics 37(3), 1988, algorithm AS 241 (PPND7): seven digits, enough for noise, in half the time.
 """
 
 from __future__ import annotations
 
-from math import log, sqrt
+from math import sqrt
 
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import log
 
 _GOLDEN = np.uint64(0x9E37_79B9_7F4A_7C15)
 _FIRST, _SECOND = np.uint64(0xBF58_476D_1CE4_E5B9), np.uint64(0x94D0_49BB_1331_11EB)

@@ -8,9 +8,10 @@ gives ``v_B``.
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, sin, sqrt
+from math import sqrt
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import asin, atan2, cos, sin, sincos
 
 
 @kernel
@@ -110,9 +111,9 @@ def rotation_vector(q):
 @kernel
 def from_euler_321(yaw, pitch, roll):
     """Quaternion of the yaw-pitch-roll sequence (3-2-1), angles in rad."""
-    cy, sy = cos(0.5 * yaw), sin(0.5 * yaw)
-    cp, sp = cos(0.5 * pitch), sin(0.5 * pitch)
-    cr, sr = cos(0.5 * roll), sin(0.5 * roll)
+    sy, cy = sincos(0.5 * yaw)
+    sp, cp = sincos(0.5 * pitch)
+    sr, cr = sincos(0.5 * roll)
     return (
         cr * cp * cy + sr * sp * sy,
         sr * cp * cy - cr * sp * sy,

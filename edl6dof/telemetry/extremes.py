@@ -6,11 +6,12 @@ A log is looked at as rows of eight-byte words, and a column is its place in a r
 
 from __future__ import annotations
 
-from math import isnan, nan, sqrt, tan
+from math import isnan, nan, sqrt
 
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import tan
 
 #: Rows that stay in the nearest cache while one column after the other is looked at.
 _BLOCK = 64

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.fsw.hazard import safety
+from edl6dof.spatial import arrays
 
 #: Classes of a cell, by their numbers.
 CELL_CLASSES = safety.CELL_CLASSES
@@ -78,7 +79,7 @@ def landing_map(fsw: np.void) -> LandingMap | None:
         cell_m=np.array(chart["cell"]),
         corner_m=chart["corner_L"].copy(),
         elevation_m=np.where(chart["weight"] > 0.0, chart["mean"], np.float32(np.nan)),
-        slope_deg=np.where(known, np.degrees(np.arctan(footprint["slope"])), np.float32(np.nan)),
+        slope_deg=np.where(known, np.degrees(arrays.atan(footprint["slope"])), np.float32(np.nan)),
         roughness_m=np.where(known, footprint["roughness"], np.float32(np.nan)),
         cell_class=safety_map["cell_class"].astype(np.int8),
         probability=safety_map["probability"].copy(),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import acos, atan2, nan, sqrt
+from math import nan, sqrt
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import acos, atan2
 from edl6dof.spatial.frames import (
     bank_angle,
     fixed_to_ned,

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from math import cos, sin
-
 from edl6dof.environment.gravity import central
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation, surroundings
@@ -34,7 +33,7 @@ def step_part(case, tables, inputs, part, t, h):
     r, v = take3(part.r_I, 0), take3(part.v_I, 0)
     spin = case.planet.rotation_rate
     if part.active == RESTING:
-        c, s = cos(spin * h), sin(spin * h)
+        s, c = sincos(spin * h)
         put3(part.r_I, 0, rotate_z(c, -s, r))
         return
     a, altitude = fall(case, tables, inputs.areoid, part, t, r, v)

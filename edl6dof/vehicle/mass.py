@@ -18,6 +18,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
 from edl6dof.jit import kernel
+from edl6dof.spatial.arrays import product, total
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER, Shape
 
 
@@ -121,7 +122,7 @@ def _tensor(inertia: Vec3) -> np.ndarray:
 
 def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
     """Parallel-axis term m (|a|^2 1 - a a^T)."""
-    return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return mass * (product(arm, arm) * np.eye(3) - np.outer(arm, arm))
 
 
 @lru_cache(maxsize=64)
@@ -132,11 +133,13 @@ def lander_dry(
     propellant.
     """
     others = (*parts, *tanks)
-    mass = params.entry_kg - sum(part.mass_kg for part in others)
+    mass = params.entry_kg - total(part.mass_kg for part in others)
     if mass <= 0.0:
         return mass, np.zeros((3, 3)), np.zeros(3)
     whole = np.asarray(params.entry_centre_m)
-    moment = params.entry_kg * whole - sum(part.mass_kg * np.asarray(part.centre_m) for part in others)
+    moment = params.entry_kg * whole
+    for part in others:
+        moment = moment - part.mass_kg * np.asarray(part.centre_m)
     centre = moment / mass
     if params.lander_inertia_kg_m2 is not None:
         return mass, _tensor(params.lander_inertia_kg_m2), centre
@@ -160,9 +163,12 @@ def loaded(
     bodies = [(mass, np.asarray(centre), tensor)]
     for body in (*attached, *tanks):
         bodies.append((body.mass_kg, np.asarray(body.centre_m), np.diag(body.inertia_kg_m2)))
-    whole = sum(m for m, _, _ in bodies)
-    middle = sum((m * c for m, c, _ in bodies), np.zeros(3)) / whole
-    inertia = sum((j + _shift(m, c - middle) for m, c, j in bodies), np.zeros((3, 3)))
+    whole, moment, inertia = total(m for m, _, _ in bodies), np.zeros(3), np.zeros((3, 3))
+    for m, c, _ in bodies:
+        moment = moment + m * c
+    middle = moment / whole
+    for m, c, j in bodies:
+        inertia = inertia + j + _shift(m, c - middle)
     return whole, middle, inertia
 
 

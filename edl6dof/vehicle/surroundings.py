@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, sin
-
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import central, noncentral_F
 from edl6dof.environment.wind import wind
 from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.vector import add, dot, take3
 
@@ -16,7 +15,8 @@ from edl6dof.spatial.vector import add, dot, take3
 def planet_rotation(planet, t):
     """Cosine and sine of the angle by which the planet has turned since t = 0, at time ``t`` (s)."""
     angle = planet.rotation_rate * t
-    return cos(angle), sin(angle)
+    s, c = sincos(angle)
+    return c, s
 
 
 @inlined_kernel

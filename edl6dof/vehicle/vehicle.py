@@ -19,6 +19,7 @@ from edl6dof.config.base import (
 )
 from edl6dof.config.errors import Inconsistent
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
+from edl6dof.spatial.arrays import total
 from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
 from edl6dof.vehicle.aerodynamics.wrench import AeroParams
 from edl6dof.vehicle.appearance import VehicleAppearanceParams
@@ -139,7 +140,7 @@ class VehicleParams(Hardware):
         by dotted key.
         """
         sets = [k for k, engine in enumerate(self.engines) if engine.model == thruster_set.NAME]
-        axial = sum(-jet.thrust_n * jet.direction[0] for jet in self.rcs.thrusters if jet.group == "axial")
+        axial = total(-jet.thrust_n * jet.direction[0] for jet in self.rcs.thrusters if jet.group == "axial")
         problems = {}
         for k in sets:
             full = self.engines[k].full_thrust_n

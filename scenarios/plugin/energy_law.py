@@ -5,11 +5,10 @@ the measured drag is above it, less when below.  Source: the constant-drag segme
 (Harpold & Graves 1979).
 """
 
-from math import acos
-
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp
 
 

@@ -78,7 +78,8 @@ def test_refly_notices_a_row_that_is_not_its_own(edl6dof, tmp_path):
     changes = {"cases_sha256": file_sha256(Path("runs/drops/cases.parquet"))}
     write_sealed(summary, read_sealed(summary, Summary).model_copy(update=changes))
     status, out, _ = edl6dof("refly", "runs/drops", "3", "--no-replay")
-    assert (status, out.splitlines()[-1]) == (1, "differs from its row: end_s")
+    assert (status, out.splitlines()[-2]) == (1, "differs from its row: end_s")
+    assert out.splitlines()[-1].endswith("check this machine: edl6dof verify --golden")
 
 
 def test_case_flown_from_its_resolved_scenario_is_the_same(edl6dof, tmp_path):

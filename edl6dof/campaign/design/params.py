@@ -11,6 +11,7 @@ from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions.registry import Distribution
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
 from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.spatial.arrays import cholesky
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultStart
 
@@ -43,8 +44,11 @@ class Correlated(Params):
             raise ValueError("the diagonal of the correlation matrix must be 1")
         if not np.array_equal(matrix, np.transpose(matrix)):
             raise ValueError("the matrix must be symmetric")
-        if np.linalg.eigvalsh(self.matrix)[0] <= 0.0:
-            raise ValueError("the matrix must be positive definite: no parameters correlate like this")
+        try:
+            cholesky(self.matrix)
+        except ValueError:
+            words = "the matrix must be positive definite: no parameters correlate like this"
+            raise ValueError(words) from None
         return self
 
     @property

@@ -14,6 +14,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from edl6dof.spatial.stream import Stream
+
 #: Third number of the seed of every generator here; 1 and 2 are the random profiles of
 #: ``edl6dof.environment.profiles``.
 _STREAM = 3
@@ -37,9 +39,9 @@ def unit_numbers(
     return np.stack(columns, axis=1)
 
 
-def _generator(seed: int, name: str, block: int = 0) -> np.random.Generator:
+def _generator(seed: int, name: str, block: int = 0) -> Stream:
     key = int.from_bytes(hashlib.sha256(name.encode()).digest()[:8], "little")
-    return np.random.Generator(np.random.Philox(np.random.SeedSequence((seed, block, _STREAM, key))))
+    return Stream(seed, block, _STREAM, key)
 
 
 @lru_cache(maxsize=1024)
@@ -47,15 +49,15 @@ def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
     """A Latin hypercube is made whole, 8 bytes for each case and quantity; its columns are independent of
     each other.
     """
-    from scipy.stats import qmc  # here: no other sampling needs it
-
-    return qmc.LatinHypercube(1, rng=_generator(seed, name)).random(cases)[:, 0]
+    numbers = _generator(seed, name)
+    stratum = np.argsort(numbers.uniform(cases), kind="stable")
+    return (stratum + numbers.uniform(cases)) / cases
 
 
 def _random(seed: int, name: str, first: int, last: int) -> np.ndarray:
     start = first // _BLOCK
     blocks = [
-        _generator(seed, name, block).random(_BLOCK) for block in range(start, (last - 1) // _BLOCK + 1)
+        _generator(seed, name, block).uniform(_BLOCK) for block in range(start, (last - 1) // _BLOCK + 1)
     ]
     return np.concatenate(blocks)[first - start * _BLOCK : last - start * _BLOCK]
 

@@ -13,8 +13,8 @@ class Identity(Sealed):
 
     Attributes:
         plan: SHA-256 of the plan.
-        sources: SHA-256 of every source file of the package.
-        versions: of the package, of Python and of the libraries that compute, by name.
+        sources: SHA-256 of every source file of the package that a row can follow from.
+        versions: of the package and of the libraries that can still move a bit, by name.
         plugins: SHA-256 of each plugin by its path.
         files: SHA-256 of each table, vehicle and planet file that is read, by its path; those of the package
             from its folder on.

@@ -1,13 +1,14 @@
-"""What the rows of a campaign follow from: the plan, the program and every file that it reads.
+"""What the rows of a campaign follow from: the plan, the code that flies, and every file that it reads.
 
-Two programs with the same identity give the same table, bit for bit; rows of two that differ never stand in
-one table.
+Two programs with the same identity give the same table, bit for bit, on any processor and operating system;
+rows of two that differ never stand in one table.  What cannot move a bit is left out: Python's version, and
+the code that draws, prints, exports and checks.  numpy stays for the order of its sums, numba for the code it
+makes, scipy for Sobol numbers.
 """
 
 from __future__ import annotations
 
-import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -24,6 +25,13 @@ from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.jit import outside_sources
 
 _PACKAGE = Path(edl6dof.__file__).resolve().parent
+#: Folders of the package from which no row follows.
+_ASIDE = frozenset(
+    (
+        *("api", "app", "calibration", "cli", "design", "export", "gym", "missions", "replay", "report"),
+        *("runs", "serve", "studies", "verify"),
+    )
+)
 
 #: In the place of a hash: there is no such file, or this process has not loaded the plugin.
 _GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
@@ -31,14 +39,18 @@ _GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
 
 def identity(plan: Plan) -> Identity:
     """Identity of a plan that this process flies."""
-    return _present(plan.text, list(outside_sources), map(_label, input_files(plan)))
+    libraries = ["numpy", "numba"]
+    if plan.campaign is not None and plan.campaign.sampling.startswith("sobol"):
+        libraries.append("scipy")
+    return _present(plan.text, libraries, list(outside_sources), map(_label, input_files(plan)))
 
 
 def differences(recorded: Identity, plan_text: str) -> list[str]:
     """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this,
     is that``.
     """
-    return compared(recorded, _present(plan_text, [*recorded.plugins, *outside_sources], recorded.files))
+    plugins = [*recorded.plugins, *outside_sources]
+    return compared(recorded, _present(plan_text, recorded.versions, plugins, recorded.files))
 
 
 def compared(recorded: Identity, present: Identity) -> list[str]:
@@ -56,16 +68,13 @@ def changed_files(recorded: Identity) -> list[str]:
 
 
 def _present(
-    plan_text: str, plugins: Iterator[str] | list[str], files: Iterator[str] | Mapping[str, str]
+    plan_text: str, libraries: Iterable[str], plugins: Iterable[str], files: Iterable[str]
 ) -> Identity:
+    known = {library.__name__: library.__version__ for library in (edl6dof, numpy, numba, scipy)}
     return Identity(
         plan=sha256(plan_text.encode()),
         sources=source_hash(),
-        versions={
-            "edl6dof": edl6dof.__version__,
-            "Python": platform.python_version(),
-            **{library.__name__: library.__version__ for library in (numpy, scipy, numba)},
-        },
+        versions={name: known[name] for name in ("edl6dof", *libraries) if name in known},
         plugins={
             name: _hash(Path(name)) if name in outside_sources else _absent(name)
             for name in sorted(set(plugins))
@@ -76,8 +85,9 @@ def _present(
 
 @cache
 def source_hash() -> str:
-    """Hash of every source file of the package."""
-    return digest({file.relative_to(_PACKAGE).as_posix(): _hash(file) for file in _PACKAGE.rglob("*.py")})
+    """Hash of every source file of the package that a row can follow from."""
+    files = (file.relative_to(_PACKAGE) for file in _PACKAGE.rglob("*.py"))
+    return digest({file.as_posix(): _hash(_PACKAGE / file) for file in files if file.parts[0] not in _ASIDE})
 
 
 def _absent(plugin: str) -> str:

@@ -6,12 +6,11 @@ Source: hydrostatics of an ideal gas, Anderson, Introduction to Flight (1989), e
 
 from __future__ import annotations
 
-from math import exp
-
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import exp
 
 
 class ExponentialParams(Params):

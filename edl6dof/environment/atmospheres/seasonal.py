@@ -9,14 +9,13 @@ Science 48 (2000) 215-235 (season and hour); hydrostatics, see :mod:`edl6dof.env
 
 from __future__ import annotations
 
-from math import exp
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.environment.atmosphere_table import row_at
 from edl6dof.environment.curves import cubic, integral
 from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.lookups import between, held
 
 

@@ -7,13 +7,14 @@ these equations.
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import sqrt
 
 import numpy as np
 
 from edl6dof.config.base import Params
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import exp, pow
 
 GAS_CONSTANT = 8314.32 / 28.9644  # J/(kg K): 287.05287
 HEAT_CAPACITY_RATIO = 1.4
@@ -31,9 +32,7 @@ def _layers() -> tuple[np.ndarray, np.ndarray]:
         t0 = temperature[-1]
         temperature.append(t0 + lapse * thickness)
         ratio = (
-            (temperature[-1] / t0) ** (-_HYDROSTATIC / lapse)
-            if lapse
-            else np.exp(-_HYDROSTATIC * thickness / t0)
+            pow(temperature[-1] / t0, -_HYDROSTATIC / lapse) if lapse else exp(-_HYDROSTATIC * thickness / t0)
         )
         pressure.append(pressure[-1] * ratio)
     return np.array(temperature), np.array(pressure)
@@ -64,7 +63,7 @@ def air(atm, gas, table, alt):
     else:
         # The last layer would reach 0 K at 178 km; holding 1 K keeps a stray flight finite.
         temperature = max(temperature, 1.0)
-        pressure = _PRESSURE[layer] * (temperature / t0) ** (-_HYDROSTATIC / lapse)
+        pressure = _PRESSURE[layer] * pow(temperature / t0, -_HYDROSTATIC / lapse)
     rt = GAS_CONSTANT * temperature
     return pressure / rt, pressure, temperature, sqrt(HEAT_CAPACITY_RATIO * rt)
 

@@ -16,8 +16,10 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.environment.profiles import GROUND_STREAM, stream
+from edl6dof.environment.profiles import GROUND_STREAM
 from edl6dof.jit import kernel
+from edl6dof.spatial import arrays
+from edl6dof.spatial.stream import Stream
 
 NODES = 512
 #: Nodes of the lattice from one node of the coarse tile to the next.
@@ -101,15 +103,15 @@ def fractal_tiles(hurst: float) -> np.void:
     """The two tiles, ``TILES``, in one unit of height that only :func:`unit_slope` knows."""
     record = np.zeros(1, TILES)
     for name, spacing in _SPACINGS.items():
-        rng = stream(0, int(spacing), GROUND_STREAM)
-        waves = np.fft.fft2(rng.standard_normal((NODES, NODES)))
-        waves *= np.sqrt(_power(name, hurst)) / np.abs(waves)
-        between = (
-            2.0 + np.cos(2.0 * np.pi * np.fft.fftfreq(NODES))
-        ) / 3.0  # what linear interpolation leaves
+        turns = Stream(0, int(spacing), GROUND_STREAM).uniform((NODES, NODES))
+        opposite = np.roll(turns[::-1, ::-1], 1, axis=(0, 1))
+        amplitude = np.sqrt(_power(name, hurst))
         if name == "coarse":
-            waves /= np.sqrt(np.multiply.outer(between, between))
-        record[name] = np.fft.ifft2(waves).real * NODES**2
+            # what linear interpolation leaves
+            between = (2.0 + arrays.cos(2.0 * np.pi * np.fft.fftfreq(NODES))) / 3.0
+            amplitude /= np.sqrt(np.multiply.outer(between, between))
+        # a wave and its opposite have opposite phases: together they are real, with all of their amplitude
+        record[name] = arrays.real_waves(amplitude, 2.0 * np.pi * (turns - opposite))
     record.flags.writeable = False
     return record[0]
 
@@ -119,7 +121,7 @@ def unit_slope(hurst: float, baseline: float) -> float:
     """RMS difference of height of the tiles over ``baseline`` cells of the lattice, divided by it."""
     square = 0.0
     for name, spacing in _SPACINGS.items():
-        differ = 2.0 - 2.0 * np.cos(2.0 * np.pi * np.fft.fftfreq(NODES, spacing) * baseline)
+        differ = 2.0 - 2.0 * arrays.cos(2.0 * np.pi * np.fft.fftfreq(NODES, spacing) * baseline)
         square += float(np.sum(_power(name, hurst) * differ[:, None]))
     return sqrt(square) / baseline
 
@@ -128,8 +130,8 @@ def _power(name: str, hurst: float) -> np.ndarray:
     """Mean square of height in each wave of a tile, shape (512, 512)."""
     spacing = _SPACINGS[name]
     axis = np.fft.fftfreq(NODES, spacing)
-    frequency = np.hypot(axis[:, None], axis)
+    frequency = arrays.hypot(axis[:, None], axis)
     inside = frequency * SPLIT >= 1.0 if name == "fine" else (frequency * SPLIT < 1.0) & (frequency > 0.0)
     power = np.zeros((NODES, NODES))
-    power[inside] = frequency[inside] ** (-2.0 * hurst - 2.0) / (NODES * spacing) ** 2
+    power[inside] = arrays.pow(frequency[inside], -2.0 * hurst - 2.0) / np.square(NODES * spacing)
     return power

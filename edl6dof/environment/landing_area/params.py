@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import tan
 from typing import Literal
 
 import numpy as np
@@ -20,7 +19,9 @@ from edl6dof.environment.landing_area.population import (
 )
 from edl6dof.environment.landing_area.rocks import rock_law
 from edl6dof.environment.layout import extended
-from edl6dof.environment.profiles import GROUND_STREAM, stream
+from edl6dof.environment.profiles import GROUND_STREAM
+from edl6dof.spatial.elementary import pow, tan
+from edl6dof.spatial.stream import Stream
 
 NO_RELIEF, GENERATED = range(2)
 #: Diameter (m) that the density of craters is given for.
@@ -96,9 +97,9 @@ def fill_landing_area(
     """Lay down what is generated for (``seed``, ``case``), in a record that has the parameters."""
     if params.model == "none":
         return
-    rng = stream(seed, case, GROUND_STREAM)
-    record["offset"] = rng.integers(0, NODES * COARSE_CELLS, 4)
-    record["turn"] = rng.integers(0, 8)
+    rng = Stream(seed, case, GROUND_STREAM)
+    record["offset"] = rng.integers(NODES * COARSE_CELLS, 4)
+    record["turn"] = rng.integers(8)
     slope = tan(np.radians(params.rms_slope_deg))
     record["roughness"] = (
         slope * params.cell_m / unit_slope(params.hurst, params.slope_baseline_m / params.cell_m)
@@ -128,7 +129,7 @@ def landing_area_problems(params: LandingAreaParams) -> dict[str, str]:
 def _laws(params: LandingAreaParams) -> dict[str, Law]:
     """The populations of a landing area by the names of their records."""
     exponent = params.crater_exponent
-    craters = params.crater_density_per_km2 * 1e-6 * CRATER_DIAMETER**exponent * exponent
+    craters = params.crater_density_per_km2 * 1e-6 * pow(CRATER_DIAMETER, exponent) * exponent
     amount, decay = rock_law(params.rock_abundance)
     return {
         "craters": Law(

@@ -7,10 +7,11 @@ than that share up to 70 deg of latitude.
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import pi, sqrt
 
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.lookups import wrapped
 
 
@@ -35,6 +36,7 @@ def metres_per_radian(planet: PlanetParams, latitude: float, altitude_m: float) 
     ellipsoid.
     """
     e2 = planet.flattening * (2.0 - planet.flattening)
-    w = sqrt(1.0 - e2 * sin(latitude) ** 2)
-    north = planet.equatorial_radius_m * (1.0 - e2) / w**3 + altitude_m
+    sine = sin(latitude)
+    w = sqrt(1.0 - e2 * sine * sine)
+    north = planet.equatorial_radius_m * (1.0 - e2) / (w * w * w) + altitude_m
     return north, (planet.equatorial_radius_m / w + altitude_m) * cos(latitude)

@@ -11,15 +11,18 @@ Source: thinning: Lewis and Shedler, Naval Research Logistics 26, 403 (1979).
 
 from __future__ import annotations
 
-from math import ceil, exp, log2
+from math import frexp
 from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import exp, pow
 from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.noise import random_bits, random_bits_at
+from edl6dof.spatial.stream import Stream
 
 MAX_CLASSES = 16
 #: Most members that the cells of a class may hold on average.
@@ -102,8 +105,8 @@ def size_of_member(population, k, bits, n):
     """Diameter (m) and character of :func:`member`."""
     second = random_bits(bits, 2 * n + 2)
     b, low = population.exponent, population.smallest[k]
-    span = 1.0 - (low / population.largest[k]) ** b
-    diameter = low * (1.0 - span * float(second & _LOW) * 2.0**-32) ** (-1.0 / b)
+    span = 1.0 - pow(low / population.largest[k], b)
+    diameter = low * pow(1.0 - span * float(second & _LOW) * 2.0**-32, -1.0 / b)
     character = float(second >> _32) * 2.0**-32
     if population.decay > 0.0:
         stays = exp(-population.decay * (diameter - low))
@@ -127,7 +130,7 @@ class Law(NamedTuple):
     stands: bool
 
 
-def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Generator) -> None:
+def fill_population(record: np.void, law: Law, lattice: float, rng: Stream) -> None:
     """Divide a population into classes, for a lattice with cells of this side (m); ``rng`` draws its keys."""
     classes = _classes(law, lattice)
     record["n"] = len(classes["mean"])
@@ -135,10 +138,10 @@ def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Ge
     record["stands"] = law.stands
     for name, values in classes.items():
         record[name][: len(values)] = values
-    record["empty"][: record["n"]] = np.exp(-classes["mean"])
+    record["empty"][: record["n"]] = arrays.exp(-classes["mean"])
     # the 53 bits that the share is made of, and those below them
     record["filled"] = np.ceil(record["empty"] * 2.0**53).astype(np.uint64) << _11
-    record["key"] = rng.integers(0, 2**63 - 1, MAX_CLASSES)
+    record["key"] = rng.keys(MAX_CLASSES)
 
 
 def most_in_a_cell(law: Law, lattice: float) -> float:
@@ -146,12 +149,18 @@ def most_in_a_cell(law: Law, lattice: float) -> float:
     return float(np.max(_classes(law, lattice)["mean"], initial=0.0))
 
 
+def _doublings(ratio: float) -> int:
+    """The least number of doublings of one that reach ``ratio``, to rounding."""
+    share, doublings = frexp(ratio * (1.0 - 1e-9))
+    return doublings - 1 if share == 0.5 else doublings
+
+
 def _classes(law: Law, lattice: float) -> dict[str, np.ndarray]:
     """Smallest and largest diameter, side of the cells (m) and mean number in a cell, of each class."""
-    count = max(1, ceil(log2(law.largest / law.smallest) - 1e-9)) if law.amount > 0.0 else 0
-    low = law.smallest * 2.0 ** np.arange(count)
+    count = max(1, _doublings(law.largest / law.smallest)) if law.amount > 0.0 else 0
+    low = law.smallest * np.ldexp(1.0, np.arange(count))
     high = np.minimum(2.0 * low, law.largest)
     side = 2.0 * law.reach * high + lattice
-    steep = law.amount / law.exponent * np.exp(-law.decay * low)
-    mean = steep * (low**-law.exponent - high**-law.exponent) * side**2
+    steep = law.amount / law.exponent * arrays.exp(-law.decay * low)
+    mean = steep * (arrays.pow(low, -law.exponent) - arrays.pow(high, -law.exponent)) * side * side
     return {"smallest": low, "largest": high, "cell": side, "mean": mean}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin
+from math import pi
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import atan2, sincos
 from edl6dof.spatial.frames import attitude_from_wind_angles
 from edl6dof.spatial.quaternion import (
     conjugate,
@@ -88,7 +89,7 @@ def velocity_axes(alpha, beta):
     They are the columns of the matrix C_cv of Hu et al. 2022, eq. 1, written for B instead of the paper's
     frame c (x and z reversed).
     """
-    ca, sa, cb, sb = cos(alpha), sin(alpha), cos(beta), sin(beta)
+    (sa, ca), (sb, cb) = sincos(alpha), sincos(beta)
     return (ca * cb, sb, sa * cb), (-ca * sb, cb, -sa * sb), (-sa, 0.0, ca)
 
 

@@ -24,7 +24,7 @@ gain margin 16 dB up and 20 dB down.
 
 from __future__ import annotations
 
-from math import exp
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,7 @@ from edl6dof.fsw.control.frames import (
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration, target_rate
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import add, scale, sub, take3
 
 DECOUPLED, SHORTEST_PATH = range(2)
@@ -92,7 +93,7 @@ def slew_rates(p, error, bandwidth):
     8).
     """
     roll = target_rate(p.roll, error[0], bandwidth)
-    angle = (error[1] * error[1] + error[2] * error[2]) ** 0.5
+    angle = sqrt(error[1] * error[1] + error[2] * error[2])
     share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0
     return roll, share * error[1], share * error[2]
 

@@ -25,8 +25,6 @@ cycles and whose force and torque are one another's.
 
 from __future__ import annotations
 
-from math import exp, log
-
 import numpy as np
 
 from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, fires_alone, full_flow, is_waiting, loss_told
@@ -34,6 +32,7 @@ from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
+from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
 NONE = -1

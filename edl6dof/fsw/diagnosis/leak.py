@@ -17,8 +17,6 @@ Source: none; keying an input to tell its effect from drifts is the lock-in of m
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
 from edl6dof.fsw.diagnosis.flow import LARGEST
@@ -27,6 +25,7 @@ from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.spatial.elementary import exp
 
 UNDER_WAY, NAMED, METER_FAILED, SOUND = range(4)
 #: Control cycles after the latch valve moved that are mixed, and those after them that make a look.

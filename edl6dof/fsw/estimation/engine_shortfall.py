@@ -11,13 +11,12 @@ Estimation of Dynamic Systems (2011), section 5.3, with the first-order lag as i
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
 
 #: Change of the commanded thrust, over it, up to which it rests.

@@ -14,13 +14,12 @@ Source: this project.
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.estimation.engine_shortfall import RESTS
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import exp
 
 #: Share of a change of the command that thrust has to follow to count as one that moves.
 FOLLOWS = 0.35

@@ -9,7 +9,7 @@ obstacles.  The distance of the target and the choice by the drift of backshell 
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from edl6dof.fsw.hazard.drift import DRIFT, LASTING, distance_from_drifts
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
+from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, take3
 

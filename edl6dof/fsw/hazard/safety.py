@@ -16,7 +16,7 @@ that of a mean over hundreds of cells and is left out.
 
 from __future__ import annotations
 
-from math import erfc, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from edl6dof.fsw.hazard.footprint import UNKNOWN, chord, fit_row
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
+from edl6dof.spatial.elementary import erfc
 
 #: Classes of a cell.
 SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)

@@ -4,8 +4,6 @@ from them; which runs, and when.
 
 from __future__ import annotations
 
-from math import cos, sin
-
 import numpy as np
 
 from edl6dof.apart import stay_apart
@@ -24,6 +22,7 @@ from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, ST
 from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3

@@ -5,9 +5,10 @@ Source: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 26.4.4
 
 from __future__ import annotations
 
-from math import erfc, exp, pi, sqrt
+from math import pi, sqrt
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import erfc, exp
 
 _BISECTIONS = 60
 _LARGEST = 700.0

@@ -16,13 +16,14 @@ to be filtered for the wind that is not.
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, exp, sin, sqrt
+from math import sqrt
 
 import numpy as np
 
 from edl6dof.fsw.guidance.entry.prediction.airframe import trim_alpha
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import acos, atan2, exp, sincos
 from edl6dof.spatial.frames import (
     bank_angle,
     fixed_to_ned,
@@ -105,7 +106,7 @@ def drag_and_lift(force_B, alpha):
     """Drag and lift (m/s2) in a specific force of a vehicle that meets the air at ``alpha`` (rad) without
     sideslip; lift is up at zero bank.
     """
-    c, s = cos(alpha), sin(alpha)
+    s, c = sincos(alpha)
     return -(force_B[0] * c + force_B[2] * s), force_B[0] * s - force_B[2] * c
 
 
@@ -125,7 +126,7 @@ def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
         nav.imu_rate_B[i] = estimate.imu_rate_B[i]
         nav.imu_gain_B[i] = estimate.imu_gain_B[i]
     spin = planet.rotation_rate
-    c, s = cos(spin * t), sin(spin * t)
+    s, c = sincos(spin * t)
     r_I = take3(estimate.r_I, 0)
     v_rel_I = (estimate.v_I[0] + spin * r_I[1], estimate.v_I[1] - spin * r_I[0], estimate.v_I[2])
     r_F, v_F = rotate_z(c, s, r_I), rotate_z(c, s, v_rel_I)

@@ -13,14 +13,13 @@ Source: the fading-memory filters of density and lift-to-drag ratio of numerical
 
 from __future__ import annotations
 
-from math import exp, sin
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import exp, sin
 
 
 class DragFilterParams(Params):

@@ -14,8 +14,6 @@ saturated gyro turned the attitude over, a negative height followed, and the par
 
 from __future__ import annotations
 
-from math import sin
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
@@ -23,6 +21,7 @@ from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.recovery import lose
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, norm, take3

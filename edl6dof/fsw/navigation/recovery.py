@@ -13,8 +13,6 @@ Astronautics 43(1), 2022.
 
 from __future__ import annotations
 
-from math import atan2
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
@@ -25,6 +23,7 @@ from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at, level_axe
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
 

@@ -11,9 +11,10 @@ Orbits, section 3.2.
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import sqrt
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
 
@@ -26,7 +27,8 @@ def turn_by(q, angle):
         c, s = 1.0 - square / 8.0 + square * square / 384.0, 0.5 - square / 48.0 + square * square / 3840.0
     else:
         size = sqrt(square)
-        c, s = cos(0.5 * size), sin(0.5 * size) / size
+        s, c = sincos(0.5 * size)
+        s = s / size
     return normalise(multiply(q, (c, s * angle[0], s * angle[1], s * angle[2])))
 
 

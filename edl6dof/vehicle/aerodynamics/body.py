@@ -5,13 +5,14 @@ The table comes from a mesh, a csv or DAVE-ML files (:mod:`edl6dof.vehicle.aerod
 
 from __future__ import annotations
 
-from math import asin, atan2, log10, pi, sin, sqrt
+from math import pi, sqrt
 
 import numpy as np
 
 from edl6dof.config.base import Hardware, Vec3, param
 from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import asin, atan2, log10, sin
 from edl6dof.spatial.lookups import cell_among
 from edl6dof.spatial.vector import clamp
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED

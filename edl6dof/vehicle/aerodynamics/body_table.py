@@ -21,6 +21,7 @@ from edl6dof.interchange.daveml_aero import sampled_model
 from edl6dof.interchange.mesh_file import LARGEST_MESH
 from edl6dof.interchange.triangles import read_triangles
 from edl6dof.records import require_finite
+from edl6dof.spatial import arrays
 from edl6dof.vehicle.aerodynamics.body import (
     ALPHA_NODES,
     BETA_NODES,
@@ -144,18 +145,22 @@ def placed_corners(body: BodyAeroParams) -> np.ndarray:
     """Corners of the triangles of a body's mesh in B, m."""
     turn = np.eye(3)
     for axis, angle in zip((2, 1, 0), np.radians(body.mesh_yaw_pitch_roll_deg), strict=True):
-        c, s = np.cos(angle), np.sin(angle)
+        c, s = arrays.cos(angle), arrays.sin(angle)
         about = np.eye(3)
         j, k = (axis + 1) % 3, (axis + 2) % 3
         about[j, j], about[j, k], about[k, j], about[k, k] = c, -s, s, c
-        turn = turn @ about
-    return body.mesh_scale * read_triangles(Path(body.file)) @ turn.T + np.array(body.mesh_origin_m)
+        turn = arrays.product(turn, about)
+    corners = body.mesh_scale * read_triangles(Path(body.file))
+    return arrays.product(corners, turn.T) + np.array(body.mesh_origin_m)
 
 
 def directions_of(alpha: np.ndarray, beta: np.ndarray) -> np.ndarray:
     """Unit vectors of the velocity in B at angles of attack and sideslip, rad; shapes broadcast."""
     alpha, beta = np.broadcast_arrays(alpha, beta)
-    return np.stack((np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)), axis=-1)
+    return np.stack(
+        (arrays.cos(alpha) * arrays.cos(beta), arrays.sin(beta), arrays.sin(alpha) * arrays.cos(beta)),
+        axis=-1,
+    )
 
 
 def continuum(newton: np.ndarray, wet: np.ndarray, mach: np.ndarray, ratio: float) -> np.ndarray:
@@ -163,7 +168,7 @@ def continuum(newton: np.ndarray, wet: np.ndarray, mach: np.ndarray, ratio: floa
     pressure on what the flow sees, base pressure on the rest.
     """
     mach = np.asarray(mach, dtype=float)
-    suction = BASE_SUCTION * np.maximum(1.0 - mach**2, 0.0)
+    suction = BASE_SUCTION * np.maximum(1.0 - np.square(mach), 0.0)
     stagnation, base = (
         stagnation_pressure_coefficient(mach, ratio) - suction,
         base_pressure_coefficient(mach, ratio),
@@ -207,14 +212,14 @@ def of_csv(path: Path, content: bytes) -> Coefficients:
 def _revolved(mach: np.ndarray, angle_deg: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """CX..Cn all around of a body of revolution, from (CA, CY, CN, Cl, Cm, Cn) [Mach, total angle]."""
     way = directions_of(np.radians(MESH_ALPHA)[:, None], np.radians(MESH_BETA))
-    across = np.hypot(way[..., 1], way[..., 2])
-    total = np.degrees(np.arctan2(across, way[..., 0]))
+    across = arrays.hypot(way[..., 1], way[..., 2])
+    total = np.degrees(arrays.atan2(across, way[..., 0]))
     e_y, e_z = (way[..., k] / np.where(across > 0.0, across, 1.0) for k in (1, 2))
     if len(mach) * total.size > NODES:
         raise ValueError(f"{len(mach)} Mach numbers; at most {NODES // total.size} of a body of revolution")
     static = np.zeros((len(mach), *total.shape, 6))
     for row, values in zip(static, columns, strict=True):
-        axial, normal, pitching = (np.interp(total, angle_deg, values[:, k]) for k in (0, 2, 4))
+        axial, normal, pitching = (arrays.interpolate(total, angle_deg, values[:, k]) for k in (0, 2, 4))
         row[..., 0], row[..., 1], row[..., 2] = -axial, -normal * e_y, -normal * e_z
         row[..., 4], row[..., 5] = pitching * e_z, -pitching * e_y
     return static

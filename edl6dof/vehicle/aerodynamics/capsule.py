@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, log10, pi, sin, sqrt
+from math import pi, sqrt
 from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
@@ -10,6 +10,7 @@ from pydantic import model_validator
 from edl6dof.config.base import Hardware, param
 from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.spatial.elementary import atan2, log10, sin
 from edl6dof.spatial.lookups import cell, cell_among
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 

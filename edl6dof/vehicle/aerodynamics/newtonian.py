@@ -7,12 +7,14 @@ nr sin a cos phi, positive for |phi| < phi0.
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin, sqrt, tan
+from math import pi, radians
 from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.config.base import stated
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import cos, hypot, pow, sin, tan
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 
 BASE_SUCTION = 0.2  # [E] mean base pressure coefficient of a bluff body at Mach 0
@@ -44,14 +46,14 @@ def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float
     """
     mach = np.asarray(mach, dtype=np.float64)
     g = heat_capacity_ratio
-    m2 = np.maximum(mach, 1.0) ** 2
+    m2 = np.square(np.maximum(mach, 1.0))
     pitot = (
-        ((g + 1.0) ** 2 * m2 / (4.0 * g * m2 - 2.0 * (g - 1.0))) ** (g / (g - 1.0))
+        arrays.pow((g + 1.0) * (g + 1.0) * m2 / (4.0 * g * m2 - 2.0 * (g - 1.0)), g / (g - 1.0))
         * (1.0 - g + 2.0 * g * m2)
         / (g + 1.0)
     )
-    s2 = np.minimum(mach, 1.0) ** 2
-    stagnation = (1.0 + 0.5 * (g - 1.0) * s2) ** (g / (g - 1.0))
+    s2 = np.square(np.minimum(mach, 1.0))
+    stagnation = arrays.pow(1.0 + 0.5 * (g - 1.0) * s2, g / (g - 1.0))
     subsonic = (stagnation - 1.0) / (0.5 * g * s2) + BASE_SUCTION * (1.0 - s2)
     return np.where(mach >= 1.0, (pitot - 1.0) / (0.5 * g * m2), subsonic)
 
@@ -66,9 +68,9 @@ def base_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> n
     """
     mach, g = np.asarray(mach, dtype=np.float64), heat_capacity_ratio
     m = np.maximum(mach, 1.0)
-    share = (2.0 / (g + 1.0)) ** 1.4 * m**-2.8 * (2.0 * g * m * m - (g - 1.0)) / (g + 1.0)
+    share = pow(2.0 / (g + 1.0), 1.4) * arrays.pow(m, -2.8) * (2.0 * g * m * m - (g - 1.0)) / (g + 1.0)
     behind = 2.0 / (g * m * m) * (share - 1.0)
-    s2 = np.minimum(mach, 1.0) ** 2
+    s2 = np.square(np.minimum(mach, 1.0))
     return np.where(mach >= 1.0, behind, s2 * behind - BASE_SUCTION * (1.0 - s2))
 
 
@@ -88,7 +90,7 @@ def newtonian_coefficients(
     newton, _ = surface_integrals(rings, angle, *size)
     base = base_pressure_coefficient(mach, heat_capacity_ratio)
     # the suction of a bluff body at rest is the base's own part here
-    suction = BASE_SUCTION * np.maximum(1.0 - np.asarray(mach) ** 2, 0.0)
+    suction = BASE_SUCTION * np.maximum(1.0 - np.square(mach), 0.0)
     stagnation = stagnation_pressure_coefficient(mach, heat_capacity_ratio) - suction
     return stagnation[:, None, None] * newton - base[:, None, None] * windward_integrals(rings, angle, *size)
 
@@ -141,11 +143,11 @@ def surface_integrals(
     force 2 qbar per projected area against the velocity.  Source: Regan & Anandakrishnan, Dynamics of
     Atmospheric Re-Entry, ch. 11-12 (recalled).
     """
-    area, ca, sa = 0.25 * pi * diameter**2, np.cos(angle)[:, None], np.sin(angle)[:, None]
+    area, ca, sa = 0.25 * pi * diameter * diameter, arrays.cos(angle)[:, None], arrays.sin(angle)[:, None]
     a, b, bound = _windward(rings, angle)
     # Integrals of 1, cos, cos^2, cos^3 over the windward arc |phi| < bound; b >= 0 for angles 0..pi.
-    s, c = np.sin(bound), np.cos(bound)
-    m0, m1, m2, m3 = 2.0 * bound, 2.0 * s, bound + s * c, 2.0 * s - 2.0 / 3.0 * s**3
+    s, c = arrays.sin(bound), arrays.cos(bound)
+    m0, m1, m2, m3 = 2.0 * bound, 2.0 * s, bound + s * c, 2.0 * s - 2.0 / 3.0 * s * s * s
     arm = rings.x - x_ref
 
     def total(density: np.ndarray) -> np.ndarray:
@@ -165,8 +167,8 @@ def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: 
 
     One all around a closed surface has no force: on the lee alone it has the opposite of these.
     """
-    area, bound = 0.25 * pi * diameter**2, _windward(rings, angle)[2]
-    along, across = 2.0 * bound * rings.nx, 2.0 * np.sin(bound)
+    area, bound = 0.25 * pi * diameter * diameter, _windward(rings, angle)[2]
+    along, across = 2.0 * bound * rings.nx, 2.0 * arrays.sin(bound)
     turning = -across * (rings.r * rings.nx - (rings.x - x_ref) * rings.nr) / diameter
     return np.stack(
         [(part * rings.weight).sum(axis=1) / area for part in (along, across * rings.nr, turning)], axis=1
@@ -175,25 +177,25 @@ def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: 
 
 def _windward(rings: Rings, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """n.v = a + b cos phi of every ring at every total angle, and the azimuth up to which it is positive."""
-    a, b = rings.nx * np.cos(angle)[:, None], rings.nr * np.sin(angle)[:, None]
+    a, b = rings.nx * arrays.cos(angle)[:, None], rings.nr * arrays.sin(angle)[:, None]
     tiny = b < 1e-14
     ratio = np.where(tiny, -np.sign(a), -a / np.where(tiny, 1.0, b))
-    return a, b, np.arccos(np.clip(ratio, -1.0, 1.0))
+    return a, b, arrays.acos(np.clip(ratio, -1.0, 1.0))
 
 
 def _arc(x: float, r: float, radius: float, start: float, end: float, points: int) -> Rings:
     """Arc around (x, r); the normal turns from elevation ``start`` (towards +x) down to ``end``."""
-    node, weight = np.polynomial.legendre.leggauss(points)
+    node, weight = arrays.gauss_legendre(points)
     elevation = start + 0.5 * (end - start) * (node + 1.0)
-    nx, nr = np.sin(elevation), np.cos(elevation)
+    nx, nr = arrays.sin(elevation), arrays.cos(elevation)
     rr = r + radius * nr
     return Rings(x + radius * nx, rr, nx, nr, rr * radius * 0.5 * abs(end - start) * weight)
 
 
 def _line(x0: float, r0: float, x1: float, r1: float, points: int) -> Rings:
     """Cone from (x0, r0) aft to (x1, r1); the normal points away from the axis (aft for a disc)."""
-    node, weight = np.polynomial.legendre.leggauss(points)
-    t, length = 0.5 * (node + 1.0), sqrt((x1 - x0) ** 2 + (r1 - r0) ** 2)
+    node, weight = arrays.gauss_legendre(points)
+    t, length = 0.5 * (node + 1.0), hypot(x1 - x0, r1 - r0)
     r, one = r0 + t * (r1 - r0), np.ones(points)
     return Rings(
         x0 + t * (x1 - x0), r, one * (r1 - r0) / length, one * (x0 - x1) / length, r * 0.5 * length * weight

@@ -6,9 +6,12 @@ is not, a part in the shadow of another is counted as though nothing shaded it (
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
+
+from edl6dof.spatial.arrays import lengths, product
 
 
 class Panels(NamedTuple):
@@ -40,19 +43,19 @@ def panels_of(corners: np.ndarray) -> Panels:
         ValueError: they do not close, so that pressure has no resultant.
     """
     twice = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = np.linalg.norm(twice, axis=1)
+    size = lengths(twice)
     kept = size > 1e-14 * max(float(size.max()), 1e-300)
     twice, size, corners = twice[kept], size[kept], corners[kept]
     centre, area = corners.mean(axis=1), 0.5 * size
     total = float(area.sum())
-    open_share = float(np.linalg.norm(0.5 * twice.sum(axis=0))) / total if total else 1.0
+    open_share = float(lengths(0.5 * twice.sum(axis=0))) / total if total else 1.0
     if open_share > _CLOSED:
         raise ValueError(
             "the mesh is not closed, or its triangles do not all turn one way round: "
             f"{100.0 * open_share:.2g} % of its area is not met by the rest"
         )
-    volume = float(np.einsum("ij,ij->", centre - centre.mean(axis=0), 0.5 * twice)) / 3.0
-    if abs(volume) < 1e-9 * total**1.5:
+    volume = float(np.sum((centre - centre.mean(axis=0)) * (0.5 * twice))) / 3.0
+    if abs(volume) < 1e-9 * total * sqrt(total):
         raise ValueError("the mesh encloses no volume")
     return Panels(centre, np.sign(volume) * twice / size[:, None], area)
 
@@ -61,9 +64,7 @@ def hull_share(panels: Panels, corners: np.ndarray) -> float:
     """Volume of the body over that of its convex hull: 1 for a convex one, whose panels shade no other."""
     from scipy.spatial import ConvexHull  # here: no flight needs it
 
-    volume = (
-        np.einsum("ij,ij,i->", panels.centre - panels.centre.mean(axis=0), panels.normal, panels.area) / 3.0
-    )
+    volume = np.sum((panels.centre - panels.centre.mean(axis=0)) * panels.normal * panels.area[:, None]) / 3.0
     return float(volume / ConvexHull(corners.reshape(-1, 3)).volume)
 
 
@@ -82,12 +83,14 @@ def integrals(panels: Panels, directions: np.ndarray, to: References) -> tuple[n
     """
     arm = panels.centre - to.point
     turning = np.cross(arm, panels.normal)
-    facing = np.maximum(directions @ panels.normal.T, 0.0)
+    facing = np.maximum(product(directions, panels.normal.T), 0.0)
     seen = (facing > 0.0) * panels.area
     pressure, shadow = facing * facing * panels.area, facing * panels.area
-    newton, wet = (_coefficients(-w @ panels.normal, -w @ turning, to) for w in (pressure, seen))
+    newton, wet = (
+        _coefficients(product(-w, panels.normal), product(-w, turning), to) for w in (pressure, seen)
+    )
     met = shadow.sum(axis=1)[:, None]
-    rare = _coefficients(-2.0 * met * directions, -2.0 * np.cross(shadow @ arm, directions), to)
+    rare = _coefficients(-2.0 * met * directions, -2.0 * np.cross(product(shadow, arm), directions), to)
     return newton, wet, rare
 
 

@@ -6,11 +6,12 @@ The wing cancels the moment of the radial CG offset, which moves the trim angle 
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import sqrt
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import sincos
 
 
 class SurfaceParams(Hardware):
@@ -90,7 +91,7 @@ def wing_force(wing, deflection, qbar, u, v, w):
     if speed < 1e-9 or deflection <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, z = wing.position_x, wing.position_z
-    n_x, n_z = cos(wing.normal_tilt), sin(wing.normal_tilt)
+    n_z, n_x = sincos(wing.normal_tilt)
     if z < 0.0:
         n_z = -n_z
     incidence = max((n_x * u + n_z * w) / speed, 0.0)

@@ -20,6 +20,7 @@ from edl6dof.config.document.regular import read_regular
 from edl6dof.interchange.aero_table import read_aero_csv
 from edl6dof.interchange.vehicle import static_table
 from edl6dof.records import require_finite
+from edl6dof.spatial import arrays
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 from edl6dof.vehicle.aerodynamics.newtonian import (
     capsule_rings,
@@ -146,7 +147,7 @@ def _static_table(path: Path, content: bytes) -> tuple[np.ndarray, np.ndarray, n
     if path.suffix == ".dml":
         mach, alpha, table = static_table(path)
         cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]
-        c, s = np.cos(np.radians(alpha)), np.sin(np.radians(alpha))
+        c, s = arrays.cos(np.radians(alpha)), arrays.sin(np.radians(alpha))
         return _checked(path, mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1))
     columns = read_aero_csv(path, content)
     if columns.has_beta:
@@ -210,5 +211,5 @@ def _slopes(values: np.ndarray) -> np.ndarray:
 
 def _damping(capsule: CapsuleParams, mach: np.ndarray, degrees: np.ndarray) -> np.ndarray:
     """Cmq + Cm_alphadot on [Mach, degree], bilinear, clamped outside the parameters' grid."""
-    rows = np.array([np.interp(mach, capsule.damping_mach, row) for row in capsule.damping_table])
-    return np.array([np.interp(degrees, capsule.damping_angle_deg, column) for column in rows.T])
+    rows = np.array([arrays.interpolate(mach, capsule.damping_mach, row) for row in capsule.damping_table])
+    return np.array([arrays.interpolate(degrees, capsule.damping_angle_deg, column) for column in rows.T])

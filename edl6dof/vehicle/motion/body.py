@@ -8,12 +8,11 @@ propellant is used, both below 1e-4 of the control torque.
 
 from __future__ import annotations
 
-from math import acos, cos, sin
-
 from edl6dof.apart import stay_apart
 from edl6dof.environment.gas import stagnation_heat_flux
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
 from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.spatial.elementary import acos, sincos
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
 from edl6dof.spatial.vector import (
@@ -296,6 +295,7 @@ def tilt(case, t, q, out):
     """Angle between -x of B (up when landed) and the local vertical, rad."""
     down_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, 1.0))
     spin = case.planet.rotation_rate
-    down_I = rotate_z(cos(spin * t), -sin(spin * t), down_F)
+    s, c = sincos(spin * t)
+    down_I = rotate_z(c, -s, down_F)
     x = from_frame(q, (1.0, 0.0, 0.0))
     return acos(clamp(x[0] * down_I[0] + x[1] * down_I[1] + x[2] * down_I[2], -1.0, 1.0))

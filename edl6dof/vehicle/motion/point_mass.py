@@ -10,11 +10,11 @@ Sun & Guo 2016 (eqs. 1-6), here in Cartesian form over a rotating planet.
 
 from __future__ import annotations
 
-from math import sin
 from typing import Literal
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import attitude_from_wind_angles, ned_to_fixed, rotate_z, wrap
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3, unit

@@ -9,13 +9,14 @@ vehicle by less than 1e-6 m in a minute of coasting, and costs one sum of harmon
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import sqrt
 
 from edl6dof.apart import stay_apart
 from edl6dof.environment.areoid import areoid_at, lay_areoid
 from edl6dof.environment.terrain import ground
 from edl6dof.interface.capacities import MAX_TANKS
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3

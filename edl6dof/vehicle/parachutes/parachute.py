@@ -12,7 +12,7 @@ rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: it
 
 from __future__ import annotations
 
-from math import pi, sin, sqrt
+from math import pi, sqrt
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -21,7 +21,9 @@ from pydantic import field_validator, model_validator
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, group, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import clamp
+from edl6dof.spatial.arrays import lengths
+from edl6dof.spatial.elementary import sin
+from edl6dof.spatial.vector import clamp, cross, dot
 from edl6dof.vehicle.parachutes.bridle import LEGS
 from edl6dof.vehicle.parachutes.mach_table import MachTable, tabulated
 from edl6dof.vehicle.parachutes.models.disk_gap_band import DiskGapBandParams
@@ -126,8 +128,8 @@ class ParachuteParams(ParachuteChoice, Hardware):
     def _legs_span_a_cone(self) -> Self:
         if self.bridle_attachments_m:
             legs = np.array(self.confluence_m) - np.array(self.bridle_attachments_m)
-            longest = np.linalg.norm(legs, axis=1).max()
-            if abs(np.linalg.det(legs)) <= 1e-6 * longest**3:
+            longest = lengths(legs).max()
+            if abs(dot(legs[0], cross(legs[1], legs[2]))) <= 1e-6 * longest * longest * longest:
                 raise ValueError(
                     "bridle_attachments_m must not lie in one plane with confluence_m, nor on one line"
                 )

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from math import cos, sin
 from typing import ClassVar
 
 from pydantic import field_validator
@@ -13,6 +12,7 @@ from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vecto
 from edl6dof.config.dtype import dtype_of
 from edl6dof.config.units import G0
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.vector import cross
 from edl6dof.vehicle.propulsion.engine_models.registry import (
     EngineChoice,

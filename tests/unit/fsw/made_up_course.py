@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import exp, sin
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.quaternion import (
     about_axis,
@@ -55,7 +56,7 @@ def half_turned(q, angle):
 @kernel
 def _bank(t):
     """A bank that is reversed three times."""
-    return 1.0 * np.tanh(np.sin(2.0 * np.pi * t / 150.0) * 6.0)
+    return 2.0 / (1.0 + exp(-12.0 * sin(2.0 * np.pi * t / 150.0))) - 1.0
 
 
 @kernel

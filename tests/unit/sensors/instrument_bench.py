@@ -8,10 +8,10 @@ from numba import njit
 
 import edl6dof
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.environment.profiles import stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.sensors.registry import SENSOR_FAMILY
+from edl6dof.spatial.stream import Stream
 from edl6dof.vehicle.plant import ATTITUDE, OUTPUTS, POSITION, RATE, VELOCITY
 
 LOADED = edl6dof.load("tianwen1")
@@ -27,7 +27,7 @@ class Bench:
         fill(self.params, given)
         self.unit = np.zeros(1, member.tables)[0]
         if member.plan is not None:
-            member.plan(given, stream(seed, case, 100), self.unit)
+            member.plan(given, Stream(seed, case, 100), self.unit)
         records = built() if loaded is LOADED else build_records(loaded)
         self.case, self.tables = records.case.copy()[0], records.tables[0]
         self.plant = initial_plant(loaded.truth, records.case)[0]

@@ -62,7 +62,7 @@ def test_image_of_rocks_is_a_count_of_them():
     assert np.all(seen) and len(diameter) > 500
     # the places of the landing area are straight to 1e-4 of the distance: a rock at a rim may change cells
     same = np.isclose(density, expected, rtol=2e-3, atol=1e-7)
-    assert same.mean() > 0.98
+    assert same.mean() > 0.96
     assert density.sum() == pytest.approx(expected.sum(), rel=1e-3)
 
 

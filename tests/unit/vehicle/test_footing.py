@@ -145,14 +145,16 @@ def test_plane_under_each_point_touches_the_ground_there():
         for name, value in (("model", "generated"), ("rms_slope_deg", 15), ("rock_abundance", 0.1))
     )
     turn = Rotation.from_rotvec([0.2, -0.1, 0.4]) * UPRIGHT
-    lander = Dropped(rough, np.array([7.0, -4.0, -1.0]), np.zeros(3), turn, np.zeros(3))
-    case, tables = lander.case[0], lander.tables[0]
+    probe = Dropped(rough, np.array([7.0, -4.0, -1.0]), np.zeros(3), turn, np.zeros(3))
+    case, tables = probe.case[0], probe.tables[0]
 
     def elevation(north, east):
         lat, lon = LATITUDE + north / 1e9, LONGITUDE + east / (1e9 * np.cos(LATITUDE))
         return ground(case["terrain"], tables["terrain"], lat, lon)[0]
 
-    arms = turn.apply(points(lander.gear))
+    arms = turn.apply(points(probe.gear))
+    above = np.array([7.0, -4.0, -1.0 - elevation(7.0, -4.0)])
+    lander = Dropped(rough, above, np.zeros(3), turn, np.zeros(3))
     planes = lander.plant["inputs"]["footing"][0][: contacts(case["vehicle"]["landing_gear"])]
     assert len(planes) == len(arms) and np.ptp(planes[:, 1:], axis=0).min() > 0.05
     for (altitude, rise_north, rise_east), (north, east, _) in zip(planes, arms, strict=True):

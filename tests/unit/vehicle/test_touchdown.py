@@ -215,16 +215,26 @@ def heights(case, tables, places):
     return np.array(found)
 
 
+def moving(drop):
+    """Whether a lander still moves by more than the last swing of its legs."""
+    _, v, _, w = drop.state()
+    return np.linalg.norm(v) > 0.15 or np.linalg.norm(w) > 0.1
+
+
 @pytest.fixture(scope="module")
 def landers():
-    """Of each seed: the lander after eight seconds or once it has tipped over, the slope that it was dropped
-    on, and the heights of its points.
+    """Of each seed: the lander at rest, after eight seconds at least, or once it has tipped over; the slope
+    that it was dropped on; and the heights of its points.
     """
     found = []
     for seed in range(DROPS):
         drop, slope = dropped_on(20.0, seed)
-        while drop.plant["t"][0] < 8.0 and drop.peak <= TIPPED:
+        quiet = 0
+        while (
+            drop.peak <= TIPPED and (drop.plant["t"][0] < 8.0 or 0 < quiet < 5) and drop.plant["t"][0] < 40.0
+        ):
             drop.to(drop.plant["t"][0] + 0.2)
+            quiet = 1 if moving(drop) else quiet + 1
         r, _, attitude, _ = drop.state()
         arms = attitude.apply(points(GEAR))
         found.append((drop, slope, arms, heights(drop.case, drop.tables, r + arms)))
@@ -236,8 +246,7 @@ def test_standing_lander_is_at_rest_with_its_centre_of_mass_above_the_hull_of_it
     standing = [one for one in landers if one[0].peak <= TIPPED]
     assert len(standing) > DROPS / 2
     for drop, _, arms, height in standing:
-        _, v, _, w = drop.state()
-        assert np.linalg.norm(v) < 0.15 and np.linalg.norm(w) < 0.1
+        assert not moving(drop)
         touching = arms[height < 0.0]
         assert len(touching) >= 3
         assert np.max(ConvexHull(touching[:, :2]).equations[:, 2]) < 0.05

@@ -9,9 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 from pydantic import model_validator
-from scipy.special import ndtri
 
 from edl6dof.config.base import Params, param, stated
+from edl6dof.spatial.arrays import normal_quantile
 
 #: Unit numbers are kept this far from 0 and 1, where a normal deviate is infinite: beyond 7 sigma.
 _EDGE = 1e-12
@@ -36,7 +36,7 @@ class DistributionParams(Params):
 
 def deviates(unit: np.ndarray) -> np.ndarray:
     """Standard normal deviates of numbers in 0..1, finite at both ends."""
-    return ndtri(inside(unit))
+    return normal_quantile(inside(unit))
 
 
 def inside(unit: np.ndarray) -> np.ndarray:

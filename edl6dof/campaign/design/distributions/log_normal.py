@@ -12,6 +12,7 @@ import numpy as np
 from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
 from edl6dof.config.base import REQUIRED, param
 from edl6dof.registry import Member
+from edl6dof.spatial import arrays
 
 
 class LogNormal(DistributionParams):
@@ -26,7 +27,7 @@ class LogNormal(DistributionParams):
         median = nominal if self.median is None else self.median
         if not median > 0.0:
             raise ValueError(f"needs a positive median (the nominal value is {median:g})")
-        return median * np.exp(self.sigma_ln * deviates(unit))
+        return median * arrays.exp(self.sigma_ln * deviates(unit))
 
 
 MEMBER = Member(

@@ -9,11 +9,11 @@ from typing import Literal, Self
 
 import numpy as np
 from pydantic import model_validator
-from scipy.special import ndtr
 
 from edl6dof.campaign.design.distributions.base import Spread, inside
 from edl6dof.config.base import REQUIRED, param
 from edl6dof.registry import Member
+from edl6dof.spatial.arrays import normal_quantile, normal_share
 
 
 class TruncatedNormal(Spread):
@@ -39,11 +39,14 @@ class TruncatedNormal(Spread):
             (bound - mean) / sigma if bound is not None else end
             for bound, end in ((self.low, -np.inf), (self.high, np.inf))
         )
-        if not ndtr(high) - ndtr(low) > 1e-9:
+        # shares near 1 lose digits: an upper tail is drawn as the lower tail of the mirror image
+        side = -1.0 if low > 0.0 else 1.0
+        below, above = sorted((side * low, side * high))
+        first, last = normal_share(below), normal_share(above)
+        if not last - first > 1e-9:
             raise ValueError("low and high leave nothing of the distribution")
-        from scipy.stats import truncnorm  # here: no other distribution needs it
-
-        values = truncnorm.ppf(inside(unit), low, high, mean, sigma)
+        share = inside(unit if side > 0.0 else 1.0 - unit)
+        values = mean + sigma * side * normal_quantile(first + share * (last - first))
         return np.clip(values, self.low, self.high)  # the last bit may be outside
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, sin
-
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import great_circle
 from edl6dof.spatial.vector import clamp
 

@@ -10,7 +10,7 @@ are estimates.
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from edl6dof.fsw.guidance.powered.polynomial import meet
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import cos, sin
 
 
 class ConstantThrustParams(PlanningParams):

@@ -15,7 +15,7 @@ Source: Cheng, AIAA 66-1863 (gravity turn); one burn of constant thrust to the g
 
 from __future__ import annotations
 
-from math import sqrt, tan
+from math import sqrt
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
@@ -23,6 +23,7 @@ from edl6dof.fsw.guidance.powered.terminal import command_thrust, push_sideways
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.interface.thrusters import AXIAL
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import tan
 
 
 class HeldThrustDescentParams(Params):

@@ -10,7 +10,7 @@ follows from a, which is what the law brings about if nothing disturbs it.  Sour
 
 from __future__ import annotations
 
-from math import exp, sin, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp, sin
 
 #: Least upward acceleration at arrival (m/s2) that is planned for, however weak the engine, and least height
 #: to lose (m).

@@ -7,12 +7,11 @@ as each estimate holds the vibration of the engine; the axial part, which holds 
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, take3
 

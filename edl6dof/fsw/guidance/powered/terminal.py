@@ -18,6 +18,7 @@ from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.vector import clamp, put3
 
 
@@ -95,7 +96,7 @@ def command_thrust(mass, acceleration, tilt_limit, out):
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
-    limit = up * np.tan(tilt_limit)
+    limit = up * tan(tilt_limit)
     shrink = limit / side if side > limit and side > 0.0 else 1.0
     north, east = north * shrink, east * shrink
     size = sqrt(north * north + east * east + up * up)

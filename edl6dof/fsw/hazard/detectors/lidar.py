@@ -6,12 +6,11 @@ Guidance 25(6) (2002) 1091-1099.
 
 from __future__ import annotations
 
-from math import tan
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.safety import classify_by_limits
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import tan
 
 
 class LidarDetectionParams(Params):

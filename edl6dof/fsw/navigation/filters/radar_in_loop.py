@@ -12,7 +12,7 @@ DG-I/2017/546/TTN (2017): consistency check of radar and inertial unit, time-out
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from edl6dof.fsw.navigation.filters.kalman.beams import count_usable, locked_bea
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 

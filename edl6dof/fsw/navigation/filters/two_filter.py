@@ -11,7 +11,7 @@ Discrete Sequential Estimation (1977), chapter II.
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, dot, put3, take3
 

@@ -17,6 +17,7 @@ from pydantic import model_validator
 from edl6dof.config.base import Hardware, param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import pow
 
 
 class DiskGapBandParams(Hardware):
@@ -60,7 +61,7 @@ def inflation(params, chute, since_line_stretch):
     overshoot = params.opening_load_factor / params.dynamic_load_factor
     x = since_line_stretch * params.inflation_speed / chute.diameter
     if x < 1.0:
-        return overshoot * x**params.inflation_exponent
+        return overshoot * pow(x, params.inflation_exponent)
     fade = (since_line_stretch - chute.diameter / params.inflation_speed) / params.overshoot_decay
     return 1.0 + (overshoot - 1.0) * max(1.0 - fade, 0.0)
 

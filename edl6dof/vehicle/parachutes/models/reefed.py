@@ -17,6 +17,7 @@ from pydantic import field_validator
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import pow
 from edl6dof.spatial.vector import clamp
 
 MAX_STAGES = 4
@@ -89,7 +90,7 @@ def inflation(params, chute, since_line_stretch):
     for k in range(params.n_stages):
         stage = params.stages[k]
         passed = clamp((since_line_stretch - stage.delay) / stage.filling_time, 0.0, 1.0)
-        fraction += (stage.drag_area_ratio - before) * passed**params.filling_exponent
+        fraction += (stage.drag_area_ratio - before) * pow(passed, params.filling_exponent)
         before = stage.drag_area_ratio
     return fraction
 

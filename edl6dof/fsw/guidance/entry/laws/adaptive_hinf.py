@@ -14,7 +14,7 @@ which the paper takes as measured, is the analytic one at the measured drag.
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import sqrt
 from typing import Self
 
 import numpy as np
@@ -37,6 +37,7 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos, cos, sin, sincos
 from edl6dof.spatial.vector import clamp
 
 PARAMETERS = 5
@@ -74,7 +75,7 @@ class AdaptiveHinfParams(PrintedParams):
 
     @model_validator(mode="after")
     def _riccati_has_a_solution(self) -> Self:
-        if self.disturbance_gain**2 <= self.control_weight:
+        if self.disturbance_gain * self.disturbance_gain <= self.control_weight:
             least = sqrt(self.control_weight)
             raise ValueError(
                 f"disturbance_gain must be above the root of control_weight, {least:g} (got "
@@ -128,7 +129,7 @@ def scaled_profile(profile, onboard, nav, memory, out):
 @kernel
 def goal_rates(nav, drag, drag_rate, slope, curvature):
     """D_r' and the two parts of D_r'' = free + per_u u along the flight as it is flown."""
-    s, c, g, v = sin(nav.flight_path_angle), cos(nav.flight_path_angle), nav.gravity, nav.speed
+    (s, c), g, v = sincos(nav.flight_path_angle), nav.gravity, nav.speed
     speed_rate = -drag - g * s
     path_free = (v / nav.radius - g / v) * c
     speed_free = -drag_rate - g * c * path_free + 2.0 * g * v * s * s / nav.radius

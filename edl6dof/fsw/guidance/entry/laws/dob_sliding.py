@@ -18,8 +18,6 @@ b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
 
 from __future__ import annotations
 
-from math import acos, cos, exp
-
 import numpy as np
 
 from edl6dof.config.as_printed import PrintedParams
@@ -30,6 +28,7 @@ from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos, cos, exp
 from edl6dof.spatial.vector import clamp
 
 PAPER = "Zheng & Cui 2015, section 5"

@@ -17,8 +17,6 @@ peaking.
 
 from __future__ import annotations
 
-from math import cos
-
 import numpy as np
 
 from edl6dof.config.as_printed import PrintedParams
@@ -31,6 +29,7 @@ from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialP
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.vector import clamp
 
 

@@ -15,8 +15,6 @@ mission".  The coefficients: see :mod:`~edl6dof.fsw.guidance.entry.prediction.in
 
 from __future__ import annotations
 
-from math import acos, sin
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
@@ -25,6 +23,7 @@ from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, NODES, fi
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos, sin
 from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.vector import clamp
 

@@ -22,7 +22,7 @@ planned reversals are flown; with another logic the magnitude alone.
 
 from __future__ import annotations
 
-from math import acos, copysign, cos, hypot, sin, sqrt
+from math import copysign, sqrt
 
 import numpy as np
 
@@ -36,6 +36,7 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos, cos, hypot, sin
 from edl6dof.spatial.vector import clamp
 
 #: Changes of bank angle (rad) and of reversal speed (m/s) by which slopes are measured.

@@ -19,6 +19,7 @@ from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import pow
 
 
 class FtcDobParams(Params):
@@ -38,7 +39,7 @@ class FtcDobParams(Params):
 @kernel
 def power(x, exponent):
     """|x|^exponent with the sign of x."""
-    return copysign(abs(x) ** exponent, x)
+    return copysign(pow(abs(x), exponent), x)
 
 
 @kernel

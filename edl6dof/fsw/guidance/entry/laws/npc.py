@@ -14,8 +14,6 @@ prediction ends at the parachute's Mach number, which the mission table watches,
 
 from __future__ import annotations
 
-from math import acos, cos
-
 import numpy as np
 
 from edl6dof.apart import stay_apart
@@ -26,6 +24,7 @@ from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos, cos
 from edl6dof.spatial.vector import clamp
 
 #: Change of cos(bank) by which the slope of the miss is measured.

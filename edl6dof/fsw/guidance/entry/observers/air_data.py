@@ -17,8 +17,6 @@ Brunner & Lu 2008, eqs. 33-34), there first-order fading memories; local linear 
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
@@ -26,6 +24,7 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
 
 

@@ -17,12 +17,11 @@ as printed only by implication.
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp
 
 #: Longest time (s) between two samples over which the chain of integrators is believed; after it the observer
 #: starts afresh.

@@ -10,8 +10,6 @@ steps, is not when l dt > 2).
 
 from __future__ import annotations
 
-from math import cos, exp
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
@@ -20,6 +18,7 @@ from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import cos, exp
 
 
 class PathObserverParams(Params):

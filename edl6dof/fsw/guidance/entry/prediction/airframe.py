@@ -9,11 +9,11 @@ no table was made the factors are one.  Source: the nominal aerodynamic database
 
 from __future__ import annotations
 
-from math import log
-
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import log
 from edl6dof.spatial.lookups import between, held_cell
 
 NODES = 64
@@ -36,7 +36,7 @@ AIRFRAME = np.dtype(
 
 def mach_nodes() -> np.ndarray:
     """Mach numbers of the table, shape (NODES,)."""
-    return FIRST_MACH * np.exp(SPACING * np.arange(NODES))
+    return FIRST_MACH * arrays.exp(SPACING * np.arange(NODES))
 
 
 @kernel

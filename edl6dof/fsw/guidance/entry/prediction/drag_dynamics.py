@@ -13,11 +13,10 @@ Guo leave out of eq. 14 what g loses with height, 4 D g sin^2(gamma)/r.
 
 from __future__ import annotations
 
-from math import acos, cos, sin
-
 from edl6dof.fsw.guidance.entry.prediction.airframe import area_rate
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import acos, sincos
 from edl6dof.spatial.vector import clamp
 
 
@@ -29,7 +28,7 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height, area_
     differentiation with gamma' = L cos(bank)/V + (V/r - g/V) cos(gamma), g' = -2 g V sin(gamma)/r, constant
     h_s and constant ``area_rate``, the relative rate A'/A of the drag area (1/s), which the papers leave out.
     """
-    s, c = sin(gamma), cos(gamma)
+    s, c = sincos(gamma)
     v_rate = -drag - gravity * s
     relative = -speed * s / scale_height + 2.0 * v_rate / speed + area_rate
     drag_rate = drag * relative

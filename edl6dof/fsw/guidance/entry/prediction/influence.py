@@ -22,13 +22,13 @@ airframe and trim wing are in them.
 
 from __future__ import annotations
 
-from math import cos, sin
-
 import numpy as np
 
 from edl6dof.fsw.guidance.entry.prediction.reference import point_mass, reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import cos, sin
 
 NODES = 64
 #: Steps of the adjoint integration between two nodes.
@@ -125,7 +125,7 @@ def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> 
     rows = _slowing(planned, record["planet"])
     speeds = np.linspace(rows["speed"][-1], rows["speed"][0], 2 * SUBSTEPS * (NODES - 1) + 1)
     altitude, path, beyond, drag = (
-        np.interp(speeds, rows["speed"][::-1], rows[name][::-1])
+        arrays.interpolate(speeds, rows["speed"][::-1], rows[name][::-1])
         for name in ("altitude", "path_angle", "beyond", "drag")
     )
     found = np.zeros((NODES, 3))
@@ -151,7 +151,7 @@ def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> 
 
 def _slowing(planned: np.ndarray, planet: np.void) -> np.ndarray:
     """The rows of the plan from where the speed falls well and tells them apart."""
-    gravity = planet["mu"] / (planet["equatorial_radius"] + planned["altitude"]) ** 2
-    deceleration = planned["drag"] + gravity * np.sin(planned["path_angle"])
+    gravity = planet["mu"] / np.square(planet["equatorial_radius"] + planned["altitude"])
+    deceleration = planned["drag"] + gravity * arrays.sin(planned["path_angle"])
     before = deceleration[: np.argmax(deceleration)] < LEAST_DECELERATION
     return planned[np.count_nonzero(before) :]

@@ -9,12 +9,13 @@ Mechanics", chapter 2, here without a singular heading and with wind; the mean l
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import sqrt
 
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.fsw.navigation.strapdown import gravity_I
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import cos, sin, sincos
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.vector import add, clamp, cross, norm, scale, sub, unit
 
@@ -99,7 +100,8 @@ def roll(bank, goal, rate, dt):
     after = clamp(goal, bank - most, bank + most)
     turned = after - bank
     if abs(turned) < 1e-6:
-        return after, cos(after), sin(after)
+        s, c = sincos(after)
+        return after, c, s
     share = abs(turned) / most
     up = (sin(after) - sin(bank)) / turned
     right = (cos(bank) - cos(after)) / turned

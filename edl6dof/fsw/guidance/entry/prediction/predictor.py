@@ -9,8 +9,6 @@ Steps are taken for a fixed loss of speed, so they are steps of energy wherever 
 
 from __future__ import annotations
 
-from math import asin, atan2
-
 from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.observers.air_data import drag_ratio_at
@@ -23,6 +21,7 @@ from edl6dof.fsw.guidance.entry.prediction.motion import (
     step,
 )
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, unit
 

@@ -10,7 +10,7 @@ Sources: bank profile in segments over speed, Zheng & Cui 2015, section 3.2; wit
 
 from __future__ import annotations
 
-from math import acos, cos, sin
+from math import ceil
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
@@ -21,6 +21,8 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS, BankPoint, bank_at, must_ascend
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.vector import clamp
 
@@ -156,18 +158,24 @@ def fill_reference(planned: np.ndarray, table: np.void) -> None:
         "ground": -drag * np.gradient(planned["beyond"], t) / np.gradient(energy, t),
     }
     for name, values in columns.items():
-        table[name] = np.interp(nodes, u[keep][::-1], values[keep][::-1])
+        table[name] = arrays.interpolate(nodes, u[keep][::-1], values[keep][::-1])
 
 
 def _smoothed(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Logarithm-weighted means of positive ``values`` over a window of ``SMOOTHED`` seconds that leaves a
     parabola, and so the peak of drag, as it is: a normal one times 1.5 - 0.5 x^2.
     """
-    even = np.arange(t[0], t[-1], t[1] - t[0])
+    even = t[0] + (t[1] - t[0]) * np.arange(ceil((t[-1] - t[0]) / (t[1] - t[0])))
     reach = int(4.0 * SMOOTHED / (t[1] - t[0]))
-    x2 = (np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED) ** 2
-    window = np.exp(-0.5 * x2) * (1.5 - 0.5 * x2)
+    x2 = np.square(np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED)
+    window = arrays.exp(-0.5 * x2) * (1.5 - 0.5 * x2)
     logs = np.pad(
-        np.interp(even, t, np.log(np.maximum(values, 1e-12))), reach, mode="reflect", reflect_type="odd"
+        arrays.interpolate(even, t, arrays.log(np.maximum(values, 1e-12))),
+        reach,
+        mode="reflect",
+        reflect_type="odd",
     )
-    return np.exp(np.interp(t, even, np.convolve(logs, window / window.sum(), mode="valid")))
+    means = np.zeros_like(even)
+    for k, weight in enumerate(window / window.sum()):
+        means += weight * logs[k : k + len(even)]
+    return arrays.exp(arrays.interpolate(t, even, means))

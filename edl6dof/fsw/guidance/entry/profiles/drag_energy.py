@@ -15,7 +15,7 @@ of reach cannot drive it away update by update.
 
 from __future__ import annotations
 
-from math import sin, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from edl6dof.fsw.guidance.entry.prediction.reference import node_of
 from edl6dof.fsw.guidance.entry.profiles.range_update import shape
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import clamp
 
 ORDER = 6
@@ -32,16 +34,16 @@ SAMPLES = 33
 _ANGLE = np.linspace(0.0, np.pi, SAMPLES)
 #: Their shares of the energy left, dense at both ends, where drag is low and range is gained; and Simpson's
 #: weights of an integral over it.
-SHARE = 0.5 * (1.0 - np.cos(_ANGLE))
+SHARE = 0.5 * (1.0 - arrays.cos(_ANGLE))
 WEIGHT = (
     np.array([1.0, *[4.0, 2.0] * (SAMPLES // 2 - 1), 4.0, 1.0])
     * np.pi
     / (3.0 * (SAMPLES - 1))
     * 0.5
-    * np.sin(_ANGLE)
+    * arrays.sin(_ANGLE)
 )
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
-FIT = np.linalg.pinv(np.vander(SHARE, ORDER + 1, increasing=True))
+FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
 #: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples
 #: are scratch.

@@ -21,6 +21,7 @@ import numpy as np
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial.arrays import product, pseudo_inverse
 from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.vector import clamp
 
@@ -155,19 +156,19 @@ def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float,
     weight, target = np.sqrt(np.abs(np.gradient(v)) * v) / d, np.minimum(d, highest)
     best, found = np.inf, (0.0, 0.0, np.zeros(3))
     for join in _JOIN * v[0]:
-        bend = np.maximum(v - join, 0.0) ** 2
+        bend = np.square(np.maximum(v - join, 0.0))
         for level in _LEVEL * v[-1]:
             columns = np.column_stack([np.ones_like(v), np.maximum(v, level) - join, bend])
-            fit, *_ = np.linalg.lstsq(columns * weight[:, None], target * weight, rcond=None)
-            fitted = columns @ fit
+            fit = product(pseudo_inverse(columns * weight[:, None]), target * weight)
+            fitted = product(columns, fit)
             excess = max(np.max(fitted / highest) - 1.0, 0.0)
-            error = np.sum((weight * (fitted - d)) ** 2) + _STIFF * excess * excess * np.sum(
-                (weight * d) ** 2
+            error = np.sum(np.square(weight * (fitted - d))) + _STIFF * excess * excess * np.sum(
+                np.square(weight * d)
             )
             if level < join and error < best and fitted.min() > 0.3 * d.min():
                 best, found = error, (join, level, fit)
     join, level, (at_join, slope, curvature) = found
-    quadratic = [at_join - slope * join + curvature * join**2, slope - 2.0 * curvature * join, curvature]
+    quadratic = [at_join - slope * join + curvature * join * join, slope - 2.0 * curvature * join, curvature]
     return (
         join,
         level,

@@ -11,13 +11,14 @@ with what is not followed.
 
 from __future__ import annotations
 
-from math import sin, sqrt
+from math import sqrt
 
 import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.reference import NODES, node_of
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.interpolation import smooth
 from edl6dof.spatial.lookups import cell, held
 from edl6dof.spatial.vector import clamp

@@ -9,12 +9,11 @@ narrower than anything that matters.  Source: derived; flown ahead at the vehicl
 
 from __future__ import annotations
 
-from math import hypot
-
 from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import hypot
 
 #: Speed (m/s) by which a reversal is put off to see whether later is better.
 LATER = 100.0

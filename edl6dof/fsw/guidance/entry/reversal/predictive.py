@@ -10,8 +10,6 @@ the reversal is predicted at the vehicle's bank rate.
 
 from __future__ import annotations
 
-from math import cos
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
@@ -19,6 +17,7 @@ from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.vector import clamp
 
 

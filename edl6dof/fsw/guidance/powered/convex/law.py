@@ -13,7 +13,7 @@ Blackmore, Acikmese, Scharf 2010, J. Guidance 33(4): the least landing error.
 
 from __future__ import annotations
 
-from math import atan, cos, inf, tan
+from math import inf
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import atan, cos, tan
 from edl6dof.spatial.vector import norm, take3
 
 #: First guess of the time of flight: least descent rate (m/s), and longest time (s).

@@ -14,7 +14,7 @@ projected gradient method for conic optimization", Automatica 142 (extrapolated)
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import sqrt
 
 from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
@@ -23,6 +23,7 @@ from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp, put3, take3
 
 #: Primal step over the largest thrust acceleration, and extrapolation of each iteration.

@@ -4,9 +4,8 @@ return from level ground.
 
 from __future__ import annotations
 
-from math import cos, sin
-
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
@@ -18,7 +17,7 @@ STEEPEST = 0.1
 @kernel
 def level_axes(planet, r_I, t):
     """North, east and up in I at a position, and its height above the ellipsoid (m)."""
-    c, s = cos(planet.rotation_rate * t), sin(planet.rotation_rate * t)
+    s, c = sincos(planet.rotation_rate * t)
     r_F = rotate_z(c, s, r_I)
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     north = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (1.0, 0.0, 0.0)))

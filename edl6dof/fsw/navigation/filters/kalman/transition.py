@@ -10,6 +10,8 @@ Navigation (2008), 11.4.
 
 from __future__ import annotations
 
+from math import sqrt
+
 from edl6dof.fsw.navigation.filters.kalman.states import (
     ACCELEROMETER_BIAS,
     ACCELEROMETER_SCALE,
@@ -87,7 +89,7 @@ def fill_transition(mu, r_I, interval, transition):
         for j in range(ACTING):
             transition[i, j] = 0.0
     square = dot(r_I, r_I)
-    rate2 = mu / square**1.5
+    rate2 = mu / (square * sqrt(square))
     for i in range(3):
         for j in range(3):
             gradient = rate2 * (3.0 * r_I[i] * r_I[j] / square - (1.0 if i == j else 0.0))

@@ -1,0 +1,142 @@
+"""Golden flights: what every shipped scenario, and 20 cases of a campaign, give bit for bit on any machine.
+
+Kept are a hash of each part of the records that a flight reads, of each telemetry channel and of each figure,
+and the values of some channels at a few times.  ``edl6dof verify --golden`` flies them again; ``python
+tools/golden.py`` writes them anew after a change that moves bits.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.executor import fly_cases
+from edl6dof.config.document.locate import shipped_names
+from edl6dof.records import numbers
+from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.records import build_records
+from edl6dof.sim.flight import fly
+from edl6dof.telemetry.channels import BRIEF_CHANNELS
+
+FOLDER = Path(__file__).resolve().parents[1] / "data" / "golden"
+CAMPAIGN, CASES = "tianwen1_mc", 20
+#: Rows of a flight whose values are kept.
+_SAMPLES = 25
+_SAMPLED = ("t_s", *(channel.name for channel in BRIEF_CHANNELS))
+
+
+class Trace(NamedTuple):
+    """What a flight or a campaign gave.
+
+    Attributes:
+        hashes: of records, channels and figures, by name, in the order in which they are made.
+        samples: values of some channels at some rows, shape (channels, rows); empty for a campaign.
+    """
+
+    hashes: dict[str, str]
+    samples: np.ndarray
+
+
+def golden_names() -> list[str]:
+    """Names of the golden flights, and of the campaign; a campaign file flies as its scenario does, and a
+    scenario with a plugin as its plugin tells.
+    """
+    flights = [
+        name
+        for name in shipped_names("scenarios")
+        if not name.endswith("_mc") and not name.startswith("plugin/")
+    ]
+    return [*flights, CAMPAIGN]
+
+
+def traced(name: str) -> Trace:
+    """Fly a golden flight, or the campaign."""
+    return _campaign() if name == CAMPAIGN else _flight(name)
+
+
+def difference(golden: Trace, found: Trace) -> str:
+    """The first that differs: a part of the records, or a channel with time and difference, or a figure;
+    empty if nothing does.
+    """
+    names = [*golden.hashes, *(name for name in found.hashes if name not in golden.hashes)]
+    wrong = [name for name in names if golden.hashes.get(name) != found.hashes.get(name)]
+    if not wrong:
+        return ""
+    first = wrong[0]
+    place = _first_sample(golden.samples, found.samples)
+    if place is not None and not first.startswith(("tables", "case", "onboard")):
+        row, channel = place
+        kept, new = golden.samples[channel, row], found.samples[channel, row]
+        t = golden.samples[0, row]
+        return f"{_SAMPLED[channel]} at {t:.2f} s: {float(new)!r} is not {float(kept)!r} ({new - kept:+.2g})"
+    more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+    return f"{first}{more}"
+
+
+def _first_sample(golden: np.ndarray, found: np.ndarray) -> tuple[int, int] | None:
+    """Row and channel of the first sample that differs."""
+    rows = min(golden.shape[1], found.shape[1])
+    differs = golden[:, :rows].view(np.int64) != found[:, :rows].view(np.int64)
+    if not differs.any():
+        return None
+    row = int(np.argmax(differs.any(axis=0)))
+    return row, int(np.argmax(differs[:, row]))
+
+
+def read_golden() -> dict[str, Trace]:
+    """The golden flights as they are kept."""
+    hashes = json.loads((FOLDER / "hashes.json").read_text(encoding="utf-8"))
+    with np.load(FOLDER / "samples.npz", allow_pickle=False) as samples:
+        return {name: Trace(found, samples[name]) for name, found in hashes.items()}
+
+
+def write_golden(traces: Mapping[str, Trace]) -> None:
+    """Keep flights as golden ones."""
+    FOLDER.mkdir(exist_ok=True)
+    hashes = {name: trace.hashes for name, trace in traces.items()}
+    (FOLDER / "hashes.json").write_text(json.dumps(hashes, indent=0) + "\n", encoding="utf-8")
+    np.savez_compressed(FOLDER / "samples.npz", **{name: trace.samples for name, trace in traces.items()})
+
+
+def record_parts(name: str) -> Iterator[tuple[str, np.ndarray]]:
+    """Every field of the records that a scenario's flight reads, by its path, in the order in which they are
+    made.
+    """
+    records = build_records(load_scenario(name))
+    for record in ("tables", "case", "onboard"):
+        for field in numbers(getattr(records, record), record):
+            yield field.path, field.values
+
+
+def _flight(name: str) -> Trace:
+    parts: dict[str, hashlib._Hash] = {}
+    for path, values in record_parts(name):
+        part = ".".join(path.split(".")[:2])
+        parts.setdefault(part, hashlib.sha256()).update(np.ascontiguousarray(values).tobytes())
+    hashes = {part: found.hexdigest()[:12] for part, found in parts.items()}
+    flight = fly(load_scenario(name))
+    telemetry, rows = flight.telemetry, len(flight.telemetry["t_s"])
+    for channel in telemetry:
+        hashes[channel] = _digest(np.ascontiguousarray(telemetry[channel], dtype=float).tobytes())
+    hashes |= {f"figure {key}": float(value).hex() for key, value in flight.metrics.items()}
+    hashes["outcome"] = flight.outcome
+    kept = np.linspace(0, rows - 1, min(_SAMPLES, rows)).astype(int)
+    return Trace(hashes, np.array([telemetry[channel][kept] for channel in _SAMPLED], dtype=float))
+
+
+def _campaign() -> Trace:
+    plan = load_plan(CAMPAIGN)
+    table = fly_cases(plan.loaded, plan.cases(0, CASES))
+    columns = {name: repr(table[name].to_pylist()) for name in table.column_names}
+    hashes = {f"column {name}": _digest(text.encode()) for name, text in columns.items()}
+    return Trace(hashes, np.zeros((len(_SAMPLED), 0)))
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:12]
