@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from edl6dof.config.document.yamltree import Path, dotted
+from edl6dof.config.document.yamltree import REPLACE, Path, dotted
+from edl6dof.config.errors import ConfigError
 
 if TYPE_CHECKING:
     from edl6dof.config.document.source import Document
@@ -13,53 +15,107 @@ EXTENDS = "extends"
 
 
 def lay_over(base: Document, top: Document) -> None:
-    """Put everything that ``top`` says into ``base``: mappings are merged, lists and single values replaced.
+    """Put everything that ``top`` says into ``base``: mappings and lists of named items are merged, other
+    lists and single values replaced.
 
-    A mapping over a list of named items changes the items that it names:
-    ``parachutes: {main: {drag_coefficient: 0.7}}``.
+    A list over a list, both of items with names, changes the items of the same names and appends the
+    others: ``parachutes: [{name: main, drag_coefficient: 0.7}]``.  A mapping changes the items that it names:
+    ``parachutes: {main: {drag_coefficient: 0.7}}``.  An empty list, or one tagged ``!replace``, stands in the
+    place of the whole list.
+
+    Raises:
+        ConfigError: a name is given twice in a list that is merged, or a ``!replace`` has no list to replace.
     """
-    _merge(base, top, (), ())
+    unused = set(top.replacing)
+    _merge(base, top, (), (), unused)
+    refuse_replacing(top, unused)
     base.marks[()] = top.mark(())
     base.files = (*top.files, *base.files)
 
 
-def _merge(base: Document, top: Document, path: Path, above_path: Path) -> None:
-    """Merge what ``top`` has at ``above_path`` into what ``base`` has at ``path``."""
-    below, above = _value_at(base.data, path), _value_at(top.data, above_path)
-    for key, value in above.items():
-        place, source = (*path, _place(below, key)), (*above_path, key)
-        if isinstance(value, dict) and _takes(_inside(below, place[-1]), value):
-            _merge(base, top, place, source)
-        else:
-            base.forget(place)
-            below[place[-1]] = value
-            _copy_claims(base, top, place, source)
+def refuse_replacing(document: Document, paths: Iterable[Path]) -> None:
+    """Refuse the tags ``!replace`` at ``paths``, which have no list below them.
 
-
-def _takes(below: Any, above: dict[str, Any]) -> bool:
-    """Whether a mapping changes what stands below: another mapping, or a list that has items of its keys'
-    names.
+    Raises:
+        ConfigError: there is one.
     """
-    return (
-        isinstance(below, dict)
-        or isinstance(below, list)
-        and bool(above)
-        and above.keys() <= _named(below).keys()
-    )
+    message = f"{REPLACE} needs a list to replace, and what this file extends has none here; leave it out"
+    if problems := [document.problem(path, message) for path in sorted(paths, key=dotted)]:
+        raise ConfigError(problems)
+
+
+def _merge(base: Document, top: Document, path: Path, above_path: Path, unused: set[Path]) -> None:
+    """Merge what ``top`` has at ``above_path`` into what ``base`` has at ``path``; a ``!replace`` that finds
+    its list is taken out of ``unused``.
+    """
+    below, above = _value_at(base.data, path), _value_at(top.data, above_path)
+    if isinstance(above, list):
+        _require_single_names(top, above_path, above)
+    for key, value in enumerate(above) if isinstance(above, list) else above.items():
+        place = (*path, _place(below, value["name"] if isinstance(above, list) else key))
+        source, present = (*above_path, key), _inside(below, place[-1])
+        if source not in top.replacing and _takes(present, value):
+            _merge(base, top, place, source, unused)
+            continue
+        if isinstance(present, list):
+            unused.discard(source)
+        base.forget(place)
+        _put(below, place[-1], value)
+        _copy_claims(base, top, place, source)
+
+
+def _require_single_names(top: Document, path: Path, items: list[Any]) -> None:
+    first: dict[str, int] = {}
+    problems = []
+    for k, item in enumerate(items):
+        if (earlier := first.setdefault(item["name"], k)) != k:
+            line = top.mark((*path, earlier)).line
+            message = f"name is given twice (first on line {line}; got {item['name']!r})"
+            problems.append(top.problem((*path, k, "name"), message))
+    if problems:
+        raise ConfigError(problems)
+
+
+def _takes(below: Any, above: Any) -> bool:
+    """Whether a mapping or list changes what stands below, in place of replacing it."""
+    if isinstance(above, list):
+        return _all_named(above) and _all_named(below)
+    if not isinstance(above, dict):
+        return False
+    changes_items = isinstance(below, list) and bool(above) and above.keys() <= _named(below).keys()
+    return isinstance(below, dict) or changes_items
+
+
+def _all_named(items: Any) -> bool:
+    """Whether a value is a list of items that all have a name."""
+    return isinstance(items, list) and bool(items) and all(_has_name(item) for item in items)
+
+
+def _has_name(item: Any) -> bool:
+    return isinstance(item, dict) and isinstance(item.get("name"), str)
 
 
 def _named(items: list[Any]) -> dict[Any, int]:
     """Index of each item of a list by its name."""
-    return {item["name"]: k for k, item in enumerate(items) if isinstance(item, dict) and "name" in item}
+    return {item["name"]: k for k, item in enumerate(items) if _has_name(item)}
 
 
 def _place(below: Any, key: Any) -> Any:
-    """Key or index at which ``below`` has what is called ``key``."""
-    return _named(below)[key] if isinstance(below, list) else key
+    """Key or index at which ``below`` has what is called ``key``; of a new item, that behind the last."""
+    return _named(below).get(key, len(below)) if isinstance(below, list) else key
 
 
 def _inside(below: Any, place: Any) -> Any:
-    return below[place] if isinstance(below, list) else below.get(place)
+    if isinstance(below, list):
+        return below[place] if place < len(below) else None
+    return below.get(place)
+
+
+def _put(below: Any, place: Any, value: Any) -> None:
+    if isinstance(below, list) and place == len(below):
+        below.append(value)
+    else:
+        below[place] = value
 
 
 def _copy_claims(base: Document, top: Document, path: Path, above_path: Path) -> None:

@@ -11,7 +11,7 @@ from pydantic_core import PydanticUndefined, to_jsonable_python
 
 from edl6dof.config.base import Params
 from edl6dof.config.document.source import INCLUDES, Document, Mark, include
-from edl6dof.config.document.yamltree import Path, parse_yaml
+from edl6dof.config.document.yamltree import REPLACE, Path, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, root_slot
 from edl6dof.config.wording import got, nearest, unknown_key
@@ -105,9 +105,12 @@ def _parse(text: str) -> Any:
     if not text.strip():
         raise _Refused("no value after '='; write null for none")
     try:
-        return parse_yaml(text, "").data
+        tree = parse_yaml(text, "")
     except ConfigError as error:
         raise _Refused("; ".join(problem.message for problem in error.problems)) from None
+    if tree.replacing:
+        raise _Refused(f"a list that is set always replaces the whole list; leave out {REPLACE}")
+    return tree.data
 
 
 def _set(

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.config.document import yamltree
-from edl6dof.config.document.extends import EXTENDS, lay_over
+from edl6dof.config.document.extends import EXTENDS, lay_over, refuse_replacing
 from edl6dof.config.document.locate import find_include, find_shipped, near_names, resolve_scenario, shown
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.yamltree import Mark, dotted, parse_yaml
@@ -55,6 +55,7 @@ class Document:
         status: dotted path to status name, where a mark such as ``# [P] S1 section 7`` stands.
         sources: dotted path to the text behind that mark.
         files: every file read, the scenario first.
+        replacing: lists tagged ``!replace``, until the document is laid over its base.
     """
 
     data: dict[str, Any]
@@ -62,11 +63,12 @@ class Document:
     status: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
+    replacing: set[yamltree.Path] = field(default_factory=set)
 
     def copy(self) -> Document:
         """One that may be changed without changing this."""
         places = dict(self.marks), dict(self.status), dict(self.sources)
-        return Document(_copied(self.data), *places, self.files)
+        return Document(_copied(self.data), *places, self.files, set(self.replacing))
 
     def mark(self, path: yamltree.Path) -> Mark:
         """Place of a value, or of the nearest parent that has one."""
@@ -114,6 +116,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
     if problems:
         raise ConfigError(problems)
     if base is None:
+        refuse_replacing(document, document.replacing)
         return document
     lay_over(base, document)
     _name_after(path, base, document)
@@ -171,7 +174,7 @@ def _parsed(text: str, file: str) -> Document:
         raise ConfigError(
             [Problem(file, 1, 1, "", "must be a mapping of keys (lines of the form 'key: value')")]
         )
-    return Document(tree.data, tree.marks, tree.status, tree.sources)
+    return Document(tree.data, tree.marks, tree.status, tree.sources, replacing=tree.replacing)
 
 
 def include(document: Document, key: str, value: str, kind: str) -> None:
@@ -191,7 +194,9 @@ def include(document: Document, key: str, value: str, kind: str) -> None:
                 )
             ]
         )
-    _adopt(document, key, parse_document(_read_text(found), shown(found)))
+    part = parse_document(_read_text(found), shown(found))
+    refuse_replacing(part, part.replacing)
+    _adopt(document, key, part)
     document.files += (found,)
 
 

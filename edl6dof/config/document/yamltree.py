@@ -20,6 +20,8 @@ Path = tuple[str | int, ...]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 40
+#: Tag of a list that stands in the place of the one in the base of its file.
+REPLACE = "!replace"
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SURROGATE = re.compile("[\ud800-\udfff]")
@@ -38,12 +40,13 @@ class Mark(NamedTuple):
 
 @dataclass
 class Tree:
-    """Plain data of one text with the place of every key, and status and source of values with a ``# [P]
-    source`` mark.
+    """Plain data of one text with the place of every key, the lists tagged ``!replace``, and status and
+    source of values with a ``# [P] source`` mark.
     """
 
     data: Any = None
     marks: dict[Path, Mark] = field(default_factory=dict)
+    replacing: set[Path] = field(default_factory=set)
     status: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
 
@@ -57,8 +60,8 @@ def parse_yaml(text: str, file: str) -> Tree:
     """Read one YAML document; an empty one gives ``None``.
 
     Raises:
-        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags, several documents,
-            NaN, ...).
+        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags other than
+            ``!replace``, several documents, NaN, ...).
     """
     if bad := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, bad.start()) + 1
@@ -138,7 +141,7 @@ class _Builder:
             self._problem(event, path, "aliases (*name) are not supported; write the value out")
             return None
         if event.tag:
-            self._problem(event, path, f"tags ({event.tag}) are not supported")
+            self._tag(path, event)
         flow = isinstance(event, yaml.ScalarEvent) or event.flow_style
         self.claim_lines[path] = (event.end_mark.line, *key_lines) if flow else key_lines
         if isinstance(event, yaml.MappingStartEvent):
@@ -146,6 +149,16 @@ class _Builder:
         if isinstance(event, yaml.SequenceStartEvent):
             return self._sequence(path, flow, key_lines)
         return self._scalar(path, event)
+
+    def _tag(self, path: Path, event: yaml.Event) -> None:
+        if event.tag != REPLACE:
+            self._problem(
+                event, path, f"tags ({event.tag}) are not supported, except {REPLACE} before a list"
+            )
+        elif not isinstance(event, yaml.SequenceStartEvent):
+            self._problem(event, path, f"{REPLACE} stands before a list only")
+        else:
+            self.tree.replacing.add(path)
 
     def _scalar(self, path: Path, event: yaml.ScalarEvent) -> Any:
         if _SURROGATE.search(event.value):

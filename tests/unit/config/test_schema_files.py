@@ -21,8 +21,16 @@ FILES = {
     "vehicle": sorted((ROOT / "vehicles").rglob("*.yaml")),
     "planet": sorted((ROOT / "edl6dof/data/planets").glob("*.yaml")),
 }
+
+
+class Editor(yaml.SafeLoader):
+    """The older YAML of many editors, told of the tag ``!replace``."""
+
+
+Editor.add_constructor("!replace", lambda loader, node: loader.construct_sequence(node, deep=True))
+
 #: How text is read: by the older YAML of many editors, and by the newer one of this package.
-READERS = {"1.1": yaml.safe_load, "1.2": lambda text: parse_yaml(text, "").data}
+READERS = {"1.1": lambda text: yaml.load(text, Editor), "1.2": lambda text: parse_yaml(text, "").data}
 
 
 @pytest.fixture(scope="module")
