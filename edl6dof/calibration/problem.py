@@ -104,7 +104,9 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
     own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
     params = validate(CalibrationFile, own).calibration
     loaded = load_document(document, sets)
-    beside = {b.figure.name: b for b in published_figures(loaded.scenario.published) if b.published.sigma}
+    beside = {
+        b.figure.name: b for b in published_figures(loaded.scenario.published) if b.published.explainable
+    }
     wrong = [
         own.problem(
             (CALIBRATION, "figures", k),

@@ -21,6 +21,8 @@ from edl6dof.spatial.elementary import hypot
 
 _KINDS = ("value", "magnitude", "at_most", "at_least")
 _ONE = "one of value, magnitude, at_most and at_least"
+#: What a published number is evidence of.  Only ``flown`` counts when predictions are counted.
+Evidence = Literal["flown", "planned", "commanded", "duplicate"]
 
 
 class PublishedFigure(Params):
@@ -37,6 +39,12 @@ class PublishedFigure(Params):
     sigma: float | None = param(
         None, "standard deviation of the flown value, from its digits or its reading", record=False, gt=0.0
     )
+    evidence: Evidence = param(
+        "flown",
+        "flown: it counts; planned: printed before the flight; commanded: a setting of this scenario chooses "
+        "it; duplicate: a setting fixes its difference to another published figure",
+        record=False,
+    )
     because: str | None = param(
         None, "why flights of this model differ from it, where they do; validate tells it", record=False
     )
@@ -51,6 +59,8 @@ class PublishedFigure(Params):
             problems[given[-1]] = f"must not stand beside {given[0]}: give {_ONE}"
         if self.sigma is not None and self.required:
             problems["sigma"] = "a requirement has none: leave it out"
+        if self.evidence != "flown" and self.required:
+            problems["evidence"] = "a requirement is never counted: leave it out"
         if problems:
             raise Inconsistent(problems)
         return self
@@ -59,6 +69,21 @@ class PublishedFigure(Params):
     def required(self) -> bool:
         """Whether it is a requirement and not a flown value."""
         return self.at_most is not None or self.at_least is not None
+
+    @property
+    def planned(self) -> bool:
+        """Whether it was printed before the flight and not measured in it."""
+        return self.evidence == "planned"
+
+    @property
+    def counted(self) -> bool:
+        """Whether it is a flown value that a flight can predict."""
+        return not self.required and self.evidence == "flown"
+
+    @property
+    def explainable(self) -> bool:
+        """Whether a calibration may explain it: a flown value that says how well it is known."""
+        return self.sigma is not None and not self.planned
 
     @property
     def number(self) -> float:

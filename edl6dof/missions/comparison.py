@@ -4,7 +4,8 @@ deviations the flown value lies from them.
 The standard deviation is that of one flight, as the real one was one draw, with that of the flown value where
 it is published.  A figure counts as predicted within three of them: the statistic that the authors of POST2
 give of Mars 2020, about nine in ten.  How many flights lie below the flown value is told beside it, whatever
-their distribution.
+their distribution.  A value that was planned, that the scenario commands, or that repeats another is
+shown and not counted.
 """
 
 from __future__ import annotations
@@ -49,9 +50,9 @@ class Predicted(NamedTuple):
     below: float
 
     @property
-    def flown(self) -> bool:
-        """Whether a flown value is published, and not a requirement."""
-        return not self.published.required
+    def counted(self) -> bool:
+        """Whether it is a flown value that the flights can predict."""
+        return self.published.counted
 
     @property
     def sigmas(self) -> float:
@@ -82,9 +83,9 @@ class Compared(NamedTuple):
     predicted: tuple[Predicted, ...]
 
     @property
-    def flown(self) -> list[Predicted]:
-        """Figures with a flown value."""
-        return [one for one in self.predicted if one.flown]
+    def counted(self) -> list[Predicted]:
+        """Figures with a flown value that counts."""
+        return [one for one in self.predicted if one.counted]
 
 
 def compare(mission: Mission, rows: Sequence[Row]) -> Compared:
@@ -119,9 +120,9 @@ def _share(values: np.ndarray, published: PublishedFigure) -> float:
 
 
 def inside(predicted: Sequence[Predicted]) -> Proportion:
-    """How many flown values are predicted."""
-    flown = [one for one in predicted if one.flown]
-    return Proportion(sum(one.inside for one in flown), len(flown))
+    """How many of the flown values that count are predicted."""
+    counted = [one for one in predicted if one.counted]
+    return Proportion(sum(one.inside for one in counted), len(counted))
 
 
 def reached_goal(missions: Sequence[Compared]) -> bool:

@@ -1,4 +1,4 @@
-"""One picture of all missions: how many standard deviations each flown value lies from its prediction."""
+"""One picture of all missions: standard deviations from each counted flown value to its prediction."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def drawing(missions: Sequence[Compared]) -> Figure:
 
 def _known(mission: Compared) -> list[Predicted]:
     """Figures that have a place in the picture."""
-    return [one for one in mission.flown if one.flights]
+    return [one for one in mission.counted if one.flights]
 
 
 def _panel(mission: Compared, weight: float) -> Panel:

@@ -112,7 +112,7 @@ def _fitted(document: Document, figures: Sequence[Beside]) -> frozenset[str]:
         return frozenset()
     own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
     named = validate(CalibrationFile, own).calibration.figures
-    return frozenset(named or (b.figure.name for b in figures if b.published.sigma is not None))
+    return frozenset(named or (b.figure.name for b in figures if b.published.explainable))
 
 
 def figure_values(rows: Sequence[Row], name: str, published: PublishedFigure) -> list[float]:

@@ -21,7 +21,7 @@ from edl6dof.report.matplotlib_figure import write_figure
 #: Columns of the CSV, a row for each published figure.
 COLUMNS = (
     *("mission", "figure", "unit", "mean", "deviation", "flights", "published", "kind", "published_sigma"),
-    *("status", "calibrated_on", "sigmas", "share_below", "inside", "because"),
+    *("status", "evidence", "calibrated_on", "sigmas", "share_below", "inside", "because"),
 )
 
 
@@ -96,9 +96,10 @@ def _plain(one: Predicted) -> dict[str, Any]:
         "kind": next(kind for kind in kinds if getattr(published, kind) is not None),
         "published_sigma": published.sigma,
         "status": one.status,
+        "evidence": None if published.required else published.evidence,
         "calibrated_on": one.fitted,
-        "sigmas": one.sigmas if one.flown else None,
+        "sigmas": None if published.required or published.planned else one.sigmas,
         "share_below": one.below,
-        "inside": one.inside if one.flown else None,
+        "inside": one.inside if one.counted else None,
         "because": published.because or "",
     }

@@ -11,6 +11,7 @@ import pytest
 from in_process import called
 
 import edl6dof
+from edl6dof.calibration.problem import load_calibration
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.config.errors import ConfigError
@@ -18,6 +19,7 @@ from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.missions.comparison import compare, inside, reached_goal
 from edl6dof.missions.mission import Mission, load_mission, shipped_missions
 from edl6dof.missions.words import causes, cells, failures, outcome
+from edl6dof.missions.write import to_csv
 
 #: A dropped body: the campaign draws its entry mass and the density; true speed after 2 s is about 52 m/s.
 DROP = """\
@@ -84,6 +86,58 @@ def test_figures_that_a_scenario_was_calibrated_on_are_told():
     assert load_mission("mars2020_mc").fitted == frozenset()
 
 
+def test_shipped_missions_count_no_value_that_was_planned_or_commanded_or_that_repeats_another():
+    what = {
+        name: {figure.name: published.evidence for figure, published in load_mission(name, 2).beside}
+        for name in ("insight_mc", "msl_landing_mc", "mars2020_mc", "phoenix_mc", "tianwen1_mc")
+    }
+    assert what["insight_mc"]["powered_duration_s"] == "planned"
+    assert what["msl_landing_mc"]["parachute_height_m"] == "planned"
+    assert what["phoenix_mc"]["parachute_height_m"] == "planned"
+    for name in ("msl_landing_mc", "mars2020_mc"):
+        assert (what[name]["backshell_s"], what[name]["engines_start_s"]) == ("flown", "duplicate")
+        assert (what[name]["four_engines_s"], what[name]["rover_release_s"]) == ("flown", "duplicate")
+    # the balance masses of MSL go by the speed of 13.1 s before its mortar, those of Mars 2020 by their own
+    assert what["msl_landing_mc"]["ballast_1_s"] == "duplicate"
+    assert what["mars2020_mc"]["ballast_1_s"] == "flown"
+    assert what["tianwen1_mc"]["parachute_mach"] == "commanded"
+    assert what["tianwen1_mc"]["parachute_s"] == "flown"
+
+
+def test_what_is_no_evidence_is_shown_and_not_counted(drop):
+    path = drop(9.7)
+    text = path.read_text()
+    path.write_text(text.replace("touchdown_s: 100.0 ", "parachute_mach: {value: 5.0, evidence: commanded} "))
+    rows = [{"peak_dynamic_pressure_pa": 19.0, "parachute_mach": 0.2, "success": True, "cause": ""}] * 2
+
+    def told(evidence):
+        path.write_text(path.read_text().replace("sigma: 0.5", f"sigma: 0.5, evidence: {evidence}"))
+        return compare(load_mission(str(path)), rows)
+
+    planned = told("planned")
+    pressure, mach, required = planned.predicted
+    assert cells(pressure)[2:] == ("", "9.7 +- 0.5", "[P]", "", "planned")
+    assert cells(mach)[2:] == ("5", "", "[R]", "-inf", "commanded")
+    assert cells(required)[2:4] == ("<= 1000", "")
+    assert planned.counted == [] and causes(planned) == [] and inside(planned.predicted).trials == 0
+    assert outcome([planned]) == "no flown value counts; not counted: 1 planned, 1 commanded"
+    table = list(csv.DictReader(to_csv([planned]).splitlines()))
+    assert [one["evidence"] for one in table] == ["planned", "commanded", ""]
+    assert {one["inside"] for one in table} == {""} and table[0]["sigmas"] == ""
+
+
+def test_a_requirement_is_no_evidence():
+    own = "published={heat_load_j_cm2: {at_most: 5.0, evidence: planned}}"
+    with pytest.raises(ConfigError, match="a requirement is never counted: leave it out"):
+        edl6dof.load("earth_drop", [own])
+
+
+def test_a_calibration_explains_no_plan():
+    plan = "published={lift_start_s: {value: 67.9, sigma: 0.1, evidence: planned}}"
+    with pytest.raises(ConfigError, match="is no flown value with a sigma"):
+        load_calibration("tianwen1", (plan,))
+
+
 def test_distance_to_a_flown_value_counts_its_own_sigma_and_that_of_one_flight():
     assert PublishedFigure(value=10.0, sigma=0.3).away(12.0, 0.4) == pytest.approx(4.0)
     assert PublishedFigure(value=10.0).away(12.0, 0.5) == pytest.approx(4.0)
@@ -101,7 +155,7 @@ def test_a_value_is_predicted_within_three_standard_deviations(drop):
     assert pressure.sigmas == pytest.approx(0.3 / (2.0 + 0.25) ** 0.5)
     assert not far.predicted[0].inside and cells(far.predicted[0])[-1] == "outside"
     # a figure that no flight reached is not predicted; a requirement is no flown value
-    assert [one.inside for one in near.flown] == [True, False] and inside(near.predicted).trials == 2
+    assert [one.inside for one in near.counted] == [True, False] and inside(near.predicted).trials == 2
     assert cells(near.predicted[2])[-1] == "50 % keep"
     assert not reached_goal([near])
     assert "1 of 2 flown values within 3 sigma, 50 %" in outcome([near])
