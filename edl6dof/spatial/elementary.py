@@ -12,7 +12,8 @@ Sources.  Algorithms and coefficients: fdlibm 5.3, "Copyright (C) 1993 by Sun Mi
 reserved. Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
 distribute this software is freely granted, provided that this notice is preserved", and its continuation in
 FreeBSD's msun (``log10``, ``tan``).  Reduction of large angles: Payne and Hanek, ACM SIGNUM Newsletter 18(1),
-1983.  ``hypot``: Borges, "An Improved Algorithm for hypot(a,b)", arXiv:1904.09481 (2019).
+1983.  ``exp`` and ``log`` by tables: Tang, ACM TOMS 15(2), 1989, and 16(4), 1990.  ``hypot``: Borges, "An
+Improved Algorithm for hypot(a,b)", arXiv:1904.09481 (2019).
 """
 
 from __future__ import annotations
