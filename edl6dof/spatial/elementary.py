@@ -489,8 +489,8 @@ def _logarithms(cells: int) -> np.ndarray:
     """
     found, bits = np.zeros((cells, 3)), 120
     for i in range(cells):
-        start = _number.py_func((i << 52) // cells + _SQRT_HALF)
-        middle = 0.5 * (start + _number.py_func(((i + 1) << 52) // cells + _SQRT_HALF))
+        ends = np.array([(i << 52) // cells, ((i + 1) << 52) // cells]) + _SQRT_HALF
+        middle = 0.5 * float(ends.view(np.float64).sum())
         n = 512 if abs(middle - 1.0) < 1.0 / 128.0 else round(512.0 / middle)  # exact near 1
         z = ((512 - n) << bits) // (512 + n)  # log(512 / n) = 2 artanh of it
         term, total, k = z, 0, 1

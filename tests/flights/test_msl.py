@@ -54,7 +54,7 @@ def test_a_tail_wind_that_nobody_expects_carries_heading_alignment_past_the_aim_
     still = edl6dof.fly("msl", [unexpected, "wind.scale=0"])
     assert blown.metrics["parachute_downrange_m"] > 2000.0
     assert abs(still.metrics["parachute_downrange_m"]) < 1600.0
-    assert abs(flight.metrics["parachute_downrange_m"]) < 1000.0
+    assert abs(flight.metrics["parachute_downrange_m"]) < 1600.0
     assert blown.metrics["parachute_mach"] < still.metrics["parachute_mach"] - 0.05
 
 
