@@ -100,11 +100,12 @@ def renewed(text: str, chosen: str, run: Callable[[str], str] | None) -> str:
 
 
 def output_of(command: str) -> str:
-    """What a command prints to standard output, 100 columns wide, in an empty folder."""
+    """What a command prints to standard output, 100 columns wide, in a folder with the tools and no runs."""
     environment = os.environ | {"COLUMNS": "100", "NO_COLOR": "1", "PYTHONPATH": str(ROOT)}
     environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
     print(f"$ {command}", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "tools").symlink_to(ROOT / "tools")
         done = subprocess.run(
             ["bash", "-c", command], cwd=folder, env=environment, stdout=subprocess.PIPE, text=True
         )

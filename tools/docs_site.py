@@ -22,7 +22,6 @@ COPIES = {
     "contributing.md": "CONTRIBUTING.md",
     "changelog.md": "CHANGELOG.md",
     "assets/modulation.png": ".assets/modulation.png",
-    "assets/replay.png": ".assets/replay.png",
 }
 
 #: First and last letter of alphabets, and where their bold ones begin.
