@@ -20,6 +20,13 @@ DWELL, ARRIVAL, GLIDE_SLOPE, TILT, TARGET, EVERYTHING = range(1, len(CONSTRAINTS
 RELAXED = np.dtype([("t", "f8", (EVERYTHING,)), ("landing_error", "f8", (EVERYTHING,))], align=True)
 
 
+def in_words(relaxed: int) -> str:
+    """What guidance does with so many constraints relaxed."""
+    if relaxed == EVERYTHING:
+        return "braking at full thrust"
+    return f"constraints relaxed up to the {CONSTRAINTS[relaxed - 1]}"
+
+
 @kernel
 def note_relaxed(t, goal, memory):
     """Note in a ``RELAXED`` record what the ``GUIDE`` record ``goal`` gives up at time ``t`` (s)."""

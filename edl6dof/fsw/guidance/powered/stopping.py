@@ -3,8 +3,8 @@
 In each call the height is worked out at which a gravity turn at full thrust would bring the lander to rest.
 While that is above the least height of the target, the law has its way, whichever it is.  Where it is not,
 every limit of the law gives way to a gravity turn at full thrust, which leaves the least speed at the ground,
-until the throttle band alone stops the lander above that height.  The axial thrusters, which burn at full
-thrust, are left out: they make up for the lag of the engine.
+until the throttle band alone stops the lander above that height, or full thrust above the target.  The axial
+thrusters, which burn at full thrust, are left out: they make up for the lag of the engine.
 
 Source: Cheng, AIAA 66-1863 (gravity turn); to brake with full thrust as late as possible takes the least
 propellant (Meditch, IEEE Trans. Automatic Control 9 (1964) 477-484), so that no later moment would do.
@@ -61,23 +61,9 @@ def stop_height(tilt_limit, stop_speed, thrust, flow, mass, gravity, height, sid
 
 
 @kernel
-def brake_in_time(wanted, engine, nav, mass, target, braking, out):
-    """The acceleration that the law wants (north, east, up, m/s2, gravity included), or a gravity turn at full
-    thrust; and whether it is that.
-
-    Args:
-        wanted: of the law, with its tilt limit (rad) as the last.
-        engine: ``ENGINE_ABILITY`` record of those that burn.
-        nav: ``NAV`` record.
-        mass: kg.
-        target: ``POWERED_TARGET`` record.
-        braking: whether it was full thrust before.
-        out: ``GUIDE`` record, written: full level, time to go, and what is given up.
-    """
-    north, east, up, tilt_limit = wanted
-    thrust = engine.throttle_max if braking else engine.full_thrust
-    v_n, v_e, descent = nav.v_N[0], nav.v_N[1], nav.v_N[2]
-    stop = stop_height(
+def stop_at(thrust, tilt_limit, engine, nav, mass):
+    """Height (m) at which a gravity turn with this ``thrust`` (N) stops the lander from where it is."""
+    return stop_height(
         tilt_limit,
         STOPPED,
         thrust,
@@ -85,14 +71,36 @@ def brake_in_time(wanted, engine, nav, mass, target, braking, out):
         mass,
         nav.gravity,
         nav.height,
-        sqrt(v_n * v_n + v_e * v_e),
-        descent,
+        sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1]),
+        nav.v_N[2],
     )
-    if descent <= STOPPED or stop >= target.least_height:
+
+
+@kernel
+def brake_in_time(wanted, engine, nav, mass, target, braking, out):
+    """The acceleration (north, east, up, m/s2, gravity included) of the law or of a gravity turn at full
+    thrust, and whether it is the latter.
+
+    Args:
+        wanted: of the law, with its tilt limit (rad) as the last.
+        engine: ``ENGINE_ABILITY`` record of those that burn.
+        nav: ``NAV`` record.
+        mass: kg.
+        target: ``POWERED_TARGET`` record.
+        braking: whether it was the latter before.
+        out: ``GUIDE`` record, written: full level, time to go, and what is relaxed.
+    """
+    north, east, up, tilt_limit = wanted
+    descent = nav.v_N[2]
+    stop = stop_at(engine.full_thrust, tilt_limit, engine, nav, mass)
+    enough = descent <= STOPPED or stop >= (target.height if braking else target.least_height)
+    if braking and not enough:
+        enough = stop_at(engine.throttle_max, tilt_limit, engine, nav, mass) >= target.least_height
+    if enough:
         return (north, east, up), False
     size = engine.full_thrust / mass
-    out.full_wanted, out.relaxed, out.landing_error = 1, EVERYTHING, target.least_height - stop
+    out.full_wanted, out.relaxed, out.landing_error = 1, EVERYTHING, max(target.least_height - stop, 0.0)
     out.time_to_go = max(out.time_to_go, descent / max(size - nav.gravity, 1.0))
-    upward = max(descent, LEAST_DESCENT)
+    v_n, v_e, upward = nav.v_N[0], nav.v_N[1], max(descent, LEAST_DESCENT)
     scale = size / sqrt(v_n * v_n + v_e * v_e + upward * upward)
     return (-scale * v_n, -scale * v_e, scale * upward), True

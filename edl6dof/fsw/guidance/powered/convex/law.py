@@ -91,7 +91,6 @@ MEMORY = np.dtype(
         ("start", "f8"),  # s, flight time of the start of the plan
         ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
         ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
-        ("throttled", "f8"),  # s, shortest time in the throttle band
         ("landing", LANDING),  # the state that the plan begins in
         ("plan", PLAN),
         ("other", PLAN),
@@ -102,8 +101,8 @@ MEMORY = np.dtype(
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem that the present state poses, without a constraint relaxed: what the engine is believed to lack is taken
-    from the thrust that is held back.
+    """Write the landing problem that the present state poses, with no constraint relaxed: what the engine is
+    believed to lack is taken from the thrust that is held back.
     """
     left = 1.0 - state.thrust_lost
     landing.mass = state.mass
@@ -128,7 +127,6 @@ def describe(p, state, nav, target, landing):
 def relax(p, nav, target, memory):
     """Take the constraints that are relaxed out of the landing problem."""
     landing, relaxed = memory.landing, memory.relaxed
-    memory.throttled = LEAST_THROTTLED if relaxed >= DWELL else p.throttled
     if relaxed >= ARRIVAL:
         landing.position[2] = nav.height - target.least_height
     if relaxed >= GLIDE_SLOPE:
@@ -140,12 +138,20 @@ def relax(p, nav, target, memory):
 
 
 @kernel
-def first_plan(p, landing, memory):
-    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity."""
+def least_throttled(p, memory):
+    """Shortest time in the throttle band, s."""
+    return LEAST_THROTTLED if memory.relaxed >= DWELL else p.throttled
+
+
+@kernel
+def first_plan(p, landing, throttled, memory):
+    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and
+    ``throttled`` s in the throttle band at least.
+    """
     stay_apart()
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
-    plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * memory.throttled), LONGEST_GUESS)
+    plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * throttled), LONGEST_GUESS)
     plan.full_time = 0.0
     plan.u[:] = 0.0
     plan.glide[:] = 0.0
@@ -154,7 +160,7 @@ def first_plan(p, landing, memory):
         plan.u[k, 2] = landing.gravity
     plan.primer_end[0] = plan.primer_end[1] = 0.0
     plan.primer_end[2] = -1.0
-    search_times(landing, memory.throttled, p.iterations, plan, memory.other)
+    search_times(landing, throttled, p.iterations, plan, memory.other)
 
 
 @kernel
@@ -186,7 +192,7 @@ def next_plan(p, landing, elapsed, memory):
         return
     search_time(landing, throttled, REACH, p.iterations, plan)
     if error_of(landing, plan) > TOLERATED and throttled < inf:
-        refine_throttled(landing, throttled, memory.throttled, FACTOR, p.iterations, plan, other)
+        refine_throttled(landing, throttled, least_throttled(p, memory), FACTOR, p.iterations, plan, other)
     if error_of(landing, plan) > TOLERATED:
         landing.low_now = landing.high = landing.high_now
         search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
@@ -200,18 +206,20 @@ def make_plan(p, state, nav, target, memory):
     describe(p, state, nav, target, landing)
     relax(p, nav, target, memory)
     if memory.plans == 0 or weaker:
-        first_plan(p, landing, memory)
+        first_plan(p, landing, least_throttled(p, memory), memory)
     else:
         next_plan(p, landing, nav.t - memory.start, memory)
         if state.thrust_lost > 0.0 and error_of(landing, plan) > TOLERATED:
             describe(p, state, nav, target, landing)
             relax(p, nav, target, memory)
-            first_plan(p, landing, memory)
+            first_plan(p, landing, least_throttled(p, memory), memory)
     while error_of(landing, plan) > UNACCEPTABLE and memory.relaxed < TARGET:
         memory.relaxed += 1
         describe(p, state, nav, target, landing)
         relax(p, nav, target, memory)
-        first_plan(p, landing, memory)
+        first_plan(p, landing, p.throttled, memory)
+        if error_of(landing, plan) > UNACCEPTABLE:
+            first_plan(p, landing, LEAST_THROTTLED, memory)
     memory.plans += 1
     memory.start = nav.t
     memory.landing_error = error_of(landing, plan)
