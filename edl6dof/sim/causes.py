@@ -12,6 +12,9 @@ from collections.abc import Sequence
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from edl6dof.fsw.guidance.powered.relaxation import in_words
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.sim.outcome import CRASHED
@@ -121,10 +124,12 @@ def _done(flight: Flight, actions: Sequence[str], things: Sequence[str]) -> floa
 
 
 def _consequences(flight: Flight) -> list[Consequence]:
-    """Propellant used up, an engine cut off in the air, and before a crash no parachute or no engine."""
+    """Propellant used up, an engine cut off in the air, and before a crash no parachute, no engine, or no
+    landing that keeps the constraints of powered guidance.
+    """
     found = [*_empty_tanks(flight), *_cut_off(flight)]
     if flight.code == CRASHED:
-        found += _left_undone(flight)
+        found += [*_left_undone(flight), *_relaxed(flight)]
     return found
 
 
@@ -149,6 +154,17 @@ def _cut_off(flight: Flight) -> list[Consequence]:
     (height,) = flight.telemetry.at(t, "truth.height_m")
     words = "engine cut off {}above the ground"
     return [Consequence(t, words.format(""), words.format(f"{height:.1f} m ") + f" at {t:.1f} s")]
+
+
+def _relaxed(flight: Flight) -> list[Consequence]:
+    """The most constraints that powered guidance relaxed, which it does not do while it can land."""
+    times = flight.fsw[0]["guidance"]["relaxed"]["t"]
+    noted = np.flatnonzero(times > 0.0)
+    if not len(noted):
+        return []
+    t, words = float(times[noted[-1]]), in_words(int(noted[-1]) + 1)
+    (height,) = flight.telemetry.at(t, "truth.height_m")
+    return [Consequence(t, words, f"{words} from {height:.0f} m at {t:.1f} s")]
 
 
 def _engines(flight: Flight) -> list[str]:
