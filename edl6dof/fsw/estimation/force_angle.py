@@ -4,8 +4,8 @@ A body of revolution feels air that meets it along its axis as a force along tha
 force across it shows an angle of attack, or a thruster that fires without a command.  The angle of attack
 that navigation works out shows these only as far as the wind is known.
 
-Source: the flow angles of an entry reconstructed from ratios of accelerations, as for the Viking and Mars
-Exploration Rover entries (normal over axial force against the aerodynamic database).
+Source: the acceleration ratios technique of entry reconstruction (Withers et al. 2003, Planetary and Space
+Science 51, 541-561), without its aerodynamic table.
 """
 
 from __future__ import annotations
