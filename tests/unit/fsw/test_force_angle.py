@@ -27,4 +27,4 @@ def test_the_angle_follows_with_its_lag_at_any_rate():
 
 def test_a_leak_of_four_control_cycles_stays_below_the_threshold_of_the_guard():
     """250 N across at the drag of the mortar."""
-    assert after(4 * DT, (-7600.0, 250.0, 0.0)) < radians(0.4)
+    assert after(4 * DT, (-7600.0, 250.0, 0.0)) < radians(0.5)
