@@ -41,6 +41,7 @@ Quantity = Literal[
     "wing_open",
     "wing_time_s",  # since the trim wing was commanded; 0 before
     "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
+    "force_angle_deg",  # between the body axis and the force that thrusters do not explain, smoothed
     "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
     "spot_chosen",  # by hazard detection: the spot to land on
     "held_thrust_n",  # of a throttle that is believed to stand; 0: it moves
@@ -62,6 +63,7 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_WING_OPEN,
     Q_WING_TIME,
     Q_TOTAL_ALPHA,
+    Q_FORCE_ANGLE,
     Q_DOWNRANGE_TO_GO,
     Q_SPOT_CHOSEN,
     Q_HELD_THRUST,
