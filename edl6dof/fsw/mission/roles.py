@@ -9,22 +9,11 @@ them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, get_args
 
 import numpy as np
 
-Role = Literal[
-    "none",
-    "trim",
-    "lift",
-    "parachute",
-    "powered_deceleration",
-    "hover_imaging",
-    "hazard_avoidance",
-    "slow_descent",
-    "landed",
-]
-ROLES: tuple[Role, ...] = get_args(Role)
+from edl6dof.interface.roles import ROLES
+
 (
     NO_ROLE,
     TRIM,
