@@ -11,7 +11,7 @@ from edl6dof.campaign.design.params import FaultMatrixParams
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.fsw.mission.roles import (
+from edl6dof.interface.roles import (
     HAZARD_AVOIDANCE,
     HOVER_IMAGING,
     LIFT,

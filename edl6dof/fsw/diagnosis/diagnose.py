@@ -4,7 +4,8 @@ The confidence is the posterior probability of a hypothesis among all others and
 whose prior is the price of a false alarm; it is wanted in several cycles on end.  A dead thruster is then
 taken out of the allocation, one that has lost little is named and used on.  One that stays open is shut off
 by the latch valve of its branch, which costs the others on it (:mod:`edl6dof.fsw.diagnosis.leak`).  Without a
-meter the latch valve is moved for either: a thruster that does not respond may be open as well as shut.
+meter the latch valve is moved for either, unless the slow part speaks against it: a thruster that does not
+respond may be open as well as shut.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
@@ -37,6 +38,7 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     forget_all,
     kind_of,
     weigh,
+    weights,
 )
 from edl6dof.fsw.diagnosis.leak import (
     LEAK,
@@ -48,10 +50,10 @@ from edl6dof.fsw.diagnosis.leak import (
     leaking_branch,
     open_leak,
 )
-from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
+from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
 from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import DEGRADED, STUCK_ON, THRUSTER_FAILURES
+from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
 
@@ -195,10 +197,10 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
     elif found == SOUND:
         give_back(vehicle.n_thrusters, leak, healthy, shut)
         leak.branch = NONE
-        if best.kind == STUCK_ON:
-            restart(memory)
-        else:
+        if best.kind == STUCK_OFF or best.kind == DEGRADED:
             isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
+        else:  # suspected of leaking, or an event has made all evidence void
+            restart(memory)
 
 
 @kernel
@@ -209,6 +211,16 @@ def follow_streak(params, before, memory):
         memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
     else:
         memory.streak = 0
+
+
+@kernel
+def may_leak(params, b, load, residual, kind):
+    """Whether a thruster of effectiveness ``b`` without a meter, in which a fault of ``kind`` is seen, may be
+    open: the slow part holds what it does, or air and riser may have taken that up.
+    """
+    weight = weights(params, residual.slow, 0.0)
+    held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
+    return kind == STUCK_ON or held or params.load_noise * load > params.force_noise
 
 
 @kernel
@@ -269,7 +281,11 @@ def diagnose(
         compare(params, vehicle, metered, healthy, flow, best)
         follow_streak(params, before, memory)
         suspected = vehicle.branches.of[best.thruster]
-        if memory.streak >= params.streak and not is_read(metered, suspected, flow):
+        if (
+            memory.streak >= params.streak
+            and not is_read(metered, suspected, flow)
+            and may_leak(params, effectiveness[best.thruster], load, memory.residual, best.kind)
+        ):
             leaking, told = suspected, False
     if leaking != NONE:
         open_leak(

@@ -161,7 +161,7 @@ def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow,
         for i in range(vehicle.n_thrusters):
             memory.idle[i] = 1.0
         confidence = likeliest(vehicle.n_thrusters, memory)
-        if memory.told == 0 and memory.looks >= LEAST_LOOKS and confidence < 1.0 - params.confidence:
+        if memory.told == 0 and confidence < 1.0 - params.confidence:
             return SOUND, confidence
         if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
             if memory.told == 0 and confidence < params.confidence:
