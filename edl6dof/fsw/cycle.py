@@ -16,7 +16,7 @@ from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import pair_to_test
-from edl6dof.fsw.diagnosis.hypotheses import NONE
+from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
 from edl6dof.fsw.estimation.force_angle import force_angle

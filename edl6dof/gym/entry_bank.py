@@ -9,8 +9,8 @@ from math import pi
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.gym.task import Feature, StepResult, Task, guide, nav
+from edl6dof.interface.roles import LIFT
 
 #: Miss of the aim point at the mortar that counts as done, m.
 NEAR_M = 10_000.0

@@ -10,8 +10,8 @@ import numpy as np
 
 from edl6dof.fsw.guidance.powered import relaxation
 from edl6dof.fsw.mission.phases import Event, MissionParams
-from edl6dof.fsw.mission.roles import NO_ROLE, begun
 from edl6dof.fsw.navigation.guard import CHECKS
+from edl6dof.interface.roles import NO_ROLE, begun
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 

@@ -19,6 +19,7 @@ from edl6dof.interface.capacities import (
     MAX_TANKS,
     MAX_THRUSTERS,
 )
+from edl6dof.interface.thrusters import THRUSTER_FAILURES
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
@@ -49,9 +50,6 @@ STATE_NAMES = (
 
 #: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99
-#: Faults of one thruster, by the number that ``valves.fault`` and the telemetry carry; 0 is a thruster that
-#: works.
-THRUSTER_KINDS = ("stuck_off", "stuck_on", "degraded")
 
 VALVES = np.dtype(
     [
@@ -62,8 +60,8 @@ VALVES = np.dtype(
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
         ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow, likewise
         ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
-        # which fault each thruster has, 0 for none
-        ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),
+        # how each thruster fails, 0 for one that works
+        ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
     ],
     align=True,
 )

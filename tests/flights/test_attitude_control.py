@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import edl6dof
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.scenario.records import build_onboard
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly

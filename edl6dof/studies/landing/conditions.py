@@ -7,7 +7,7 @@ from typing import Any
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.fsw.mission.roles import PARACHUTE, POWERED_DECELERATION
+from edl6dof.interface.roles import PARACHUTE, POWERED_DECELERATION
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.scenario.schema import Scenario
 
