@@ -16,7 +16,7 @@ from edl6dof.sim.simulation import SteppedFlight
 _LOOK = 5
 #: Flights in a row that may end before the task begins.
 _PATIENCE = 20
-#: Cases that an episode can ask for.  The case that replaces one that ends before the task begins is this many
+#: Cases that an episode can ask for.  One that ends before the task begins is replaced by the case this many
 #: further on, so that it is in no pool.
 _CASES = 2**26
 
