@@ -41,7 +41,7 @@ GUIDANCE = np.dtype(
         ("entry", ENTRY_MEMORY),
         ("target", POWERED_TARGET),
         ("powered", POWERED_LAWS.memory),
-        ("braking", FLAG),  # at full thrust, whatever the law wants
+        ("at_full_thrust", FLAG),  # whatever the law wants
         ("relaxed", RELAXED),
         ("terminal", TERMINAL),
     ],
@@ -97,9 +97,9 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
         goal.full_wanted = goal.relaxed = 0
         wanted = powered_guidance(p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
         acceleration, braking = brake_in_time(
-            wanted, engine, nav, mass, memory.target, memory.braking != 0, goal
+            wanted, engine, nav, mass, memory.target, memory.at_full_thrust != 0, goal
         )
-        memory.braking = 1 if braking else 0
+        memory.at_full_thrust = 1 if braking else 0
         note_relaxed(nav.t, goal, memory.relaxed)
         command_thrust(mass, acceleration, wanted[3], goal)
         elapsed, weak = nav.t - state.ignition_time, state.thrust_lost > 0.0
