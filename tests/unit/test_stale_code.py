@@ -44,10 +44,13 @@ def test_a_kernel_that_is_cached_notes_its_plugins_and_clears_those_of_others(tm
     plugin = tmp_path / "plugin.py"
     plugin.write_text("")
     cache = tmp_path / "cache"
-    program = f"import edl6dof.jit as jit; jit.called_from = lambda path: [{str(plugin)!r}]; import mine; mine.twice(1.5)"
+    program = (
+        f"import edl6dof.jit as jit; jit.called_from = lambda path: [{str(plugin)!r}]; "
+        "import mine; mine.twice(1.5)"
+    )
 
     def flies():
-        ran = small_programs.run(program, cwd=tmp_path, env={"NUMBA_CACHE_DIR": str(cache)})
+        ran = small_programs.run(program, cwd=tmp_path, NUMBA_CACHE_DIR=str(cache))
         assert ran.returncode == 0, ran.stderr
         return list(cache.glob("*/plugins-*"))
 
@@ -63,9 +66,8 @@ def test_machine_code_beside_a_file_from_outside_is_neither_read_nor_written(tmp
     (tmp_path / "mine.py").write_text(
         "from edl6dof.jit import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
     )
-    env = {"XDG_CACHE_HOME": str(tmp_path / "user"), "NUMBA_CACHE_DIR": ""}
     program = "import mine; mine.twice(1.5); print(mine.twice._cache.cache_path)"
-    ran = small_programs.run(program, cwd=tmp_path, env=env)
+    ran = small_programs.run(program, cwd=tmp_path, XDG_CACHE_HOME=str(tmp_path / "user"))
     assert ran.returncode == 0, ran.stderr
     assert not list((tmp_path / "__pycache__").glob("*.nb*"))
     assert not Path(ran.stdout.strip()).is_relative_to(tmp_path / "__pycache__")
