@@ -224,7 +224,7 @@ def _new_fsw(layout: np.dtype) -> np.ndarray:
     """What every flight computer begins with."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
-    for name in INSTRUMENT_HEALTH.names:
+    for name in INSTRUMENT_HEALTH.names or ():
         fsw["navigation"]["health"][name] = 1
     fsw["diagnosis"]["leak"]["branch"] = fsw["diagnosis"]["hypotheses"]["meter"] = NONE
     for name in ("image_t", "scan_t", "spot_t"):

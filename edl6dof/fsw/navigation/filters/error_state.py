@@ -130,8 +130,8 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _carry_forward(params, onboard, health, radar, solution, memory):
-    """Bring the covariance up to the time of the solution; where the ``radar`` sees the ground, its height below,
-    too.
+    """Bring the covariance up to the time of the solution, with the height of the ground where the ``radar``
+    sees it.
     """
     planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
     mind_exclusions(instruments, health, memory)
