@@ -91,7 +91,9 @@ def trust(
     ],
     yes: Annotated[bool, typer.Option("--yes", help="Accept without asking.")] = False,
 ) -> None:
-    """Show the source of plugins and accept it: it may run on this account until it changes.
+    """Show the source of plugins and accept it.
+
+    It may then run on this account, until it changes.
 
     Exit status: 0 accepted, 1 not accepted, 2 bad input.
     """
