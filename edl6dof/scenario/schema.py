@@ -35,7 +35,12 @@ class SimulationParams(Params):
     contact_step_s: float = param(0.0025, "longest step once the ground was touched", ge=1e-4, le=0.1)
     log_every: int = param(1, "base cycles of the flight software per row of telemetry", ge=1, le=1000)
     time_limit_s: float = param(900.0, "flight time after which the run ends", gt=0.0, le=20000.0)
-    settle_s: float = param(3.0, "time flown on after first ground contact", ge=0.0, le=60.0)
+    rest_s: float = param(
+        2.0,
+        "time at rest on the ground after which a flight has landed; 0: it lands at contact",
+        ge=0.0,
+        le=60.0,
+    )
 
 
 class LimitParams(Params):

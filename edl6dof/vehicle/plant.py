@@ -128,9 +128,12 @@ DEBRIS = np.dtype(
 PEAKS = np.dtype(
     [
         ("entry_load", "f8"),  # up to the first deployment of a parachute
+        ("entry_load_time", "f8"),
         ("parachute_load", "f8"),  # while a parachute is out
         ("dynamic_pressure", "f8"),
+        ("dynamic_pressure_time", "f8"),
         ("heat_flux", "f8"),
+        ("heat_flux_time", "f8"),
         ("riser_tension", "f8"),
     ],
     align=True,
@@ -195,6 +198,7 @@ STATE = np.dtype(
         ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),
+        ("moved_time", "f8"),  # when it was last seen moving relative to the ground
         ("exhausted_time", TIME_IF_EVER, (MAX_TANKS,)),  # when each tank ran empty
         ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
         ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
