@@ -57,7 +57,7 @@ def termination(flight: Flight) -> Termination:
         words = in_words(mission.events[stated(mission.goal_event)])
     missed = [check for check in flight.checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
-        return Termination(True, True, words + within, "")
+        return Termination(True, True, words + (within if flight.checks else ""), "")
     told, plain = reasons(flight, missed)
     if missed:
         limits = ", ".join(check.label for check in missed)

@@ -203,3 +203,12 @@ def test_a_goal_reached_outside_limits_is_a_warning_whatever_the_words_say(nomin
         "bold yellow",
         "bold red",
     ]
+
+
+def test_a_mission_is_judged_by_no_limit_that_it_does_not_set():
+    """The limits of Tianwen-1 are no one else's: a probe on Titan is not held to its parachute."""
+    assert {LimitParams().model_dump()[figure.limit] for figure in LIMITS} == {None}
+    landing = edl6dof.load("titan_probe", ["mission.goal=landing"]).scenario
+    assert checks(landing.limits, dict.fromkeys(DECLARED, 1e9)) == []
+    free = [f"limits.{figure.limit}=null" for figure in LIMITS]
+    assert edl6dof.fly("tianwen1", free).outcome == "landed"
