@@ -152,8 +152,9 @@ class VehicleParams(Hardware):
         """What the vehicle does not say of the shapes that it flies, by dotted key: a default would be that
         of another vehicle.
         """
-        flown = [shape for shape in (self.aero.model, "backshell", "lander") if shape in STATED]
-        flown = [shape for shape in flown if shape == self.aero.model or self.showing(shape)]
+        flown = [self.aero.model] if self.aero.model in STATED else []
+        flown += ["backshell"] if self.showing("backshell") else []
+        flown += ["lander"] if self.aero.model == "capsule" and self.engines else []
         return {
             f"aero.{shape}.{key}": "required key is missing"
             for shape in flown
