@@ -152,7 +152,7 @@ class VehicleParams(Hardware):
         """What the vehicle does not say of the shapes that it flies, by dotted key: a default would be that
         of another vehicle.
         """
-        flown = [self.aero.model] if self.aero.model in STATED else []
+        flown: list[str] = [self.aero.model] if self.aero.model in STATED else []
         flown += ["backshell"] if self.showing("backshell") else []
         flown += ["lander"] if self.aero.model == "capsule" and self.engines else []
         return {

@@ -1,6 +1,4 @@
-"""What makes a vehicle what it is has no default: a file that leaves it out is refused, and does not fly another
-vehicle's part.
-"""
+"""What makes a vehicle what it is has no default: a file that leaves it out is refused."""
 
 import pytest
 
