@@ -214,7 +214,15 @@ class ChosenTreeLocator(_TreeStamp, caching.UserProvidedCacheLocator):
 
 
 class TreeLocator(_TreeStamp, caching.InTreeCacheLocator):
-    """Cache in ``__pycache__`` beside the source."""
+    """Cache in ``__pycache__`` beside the source, for files of the package alone: machine code beside a file
+    from somebody else is not loaded.
+    """
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> TreeLocator | None:
+        """The locator, or none for a file outside the package."""
+        inside = Path(py_file).resolve().is_relative_to(PACKAGE)
+        return super().from_function(py_func, py_file) if inside else None
 
 
 class UserTreeLocator(_TreeStamp, caching.UserWideCacheLocator):

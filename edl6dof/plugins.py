@@ -10,29 +10,27 @@ The families, their records and the compiled loop are made once in a process, so
 commands that fly and ``edl6dof.load`` do that for the scenario they are given; other programs call
 :func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
 
-A plugin runs with all rights of the user.  It is loaded for a scenario that the user flies, which is the
-user's own; a folder of results may come from anybody, so the plugins that it names are loaded only when the
-user trusts it, or has accepted their very content before (:mod:`edl6dof.config.accepted`).  What only shows
-results loads none.
+A plugin runs with all rights of the user.  So it runs only if the user has accepted its very content
+(``edl6dof trust``), or names it in ``EDL6DOF_PLUGINS``, or it was installed with the package; where the file
+lies, and which scenario names it, does not matter.  The bytes that were checked are the bytes that run.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
-import importlib.util
 import inspect
 import sys
 from collections.abc import Iterable
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
-from edl6dof.config.accepted import accept, is_accepted
-from edl6dof.config.base import stated
-from edl6dof.config.document.locate import shown
+from edl6dof.config.accepted import is_accepted
+from edl6dof.config.document.locate import shipped_folders, shown
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, files_naming_plugins, is_result
+from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, files_naming_plugins
 from edl6dof.jit import PACKAGE, outside_sources
 from edl6dof.registry import Member, is_built, join
 
@@ -111,55 +109,74 @@ FAMILIES: dict[str, Place] = {
     "wind": Place("mean wind", "environment/winds/registry.py", {"mean": ("wind", "table", "alt")}),
 }
 
-_ASK = (
-    "is code that would run with your rights, and this folder may come from anybody; read it, then say "
-    "--trust (once)"
-)
-
 #: Plugins of this process by absolute path: key of the family, and the member.
 ACTIVE: dict[Path, tuple[str, Member]] = {}
 
 
-def activate(scenarios: Iterable[str | Path], trust: bool = False) -> None:
+class _Plugin(NamedTuple):
+    """A plugin file as it was read, once: what is checked is what runs."""
+
+    path: Path
+    content: bytes
+    document: Document | None  #: the scenario that names it; ``None`` for the environment
+
+
+def activate(scenarios: Iterable[str | Path]) -> None:
     """Load the plugins that the scenarios (files, names, campaign folders) and the environment name.
 
-    Args:
-        scenarios: what the user has asked to fly.
-        trust: whether plugins that a folder of results names may be loaded.
-
     Raises:
-        ConfigError: a plugin cannot be used, comes too late, or stands in a folder that is not trusted.
+        ConfigError: plugins cannot be used, come too late, or were not accepted by the user; all of them are
+            named, and none has run.
     """
-    named = {path: document for operand in scenarios for path, document in _named_by(operand, trust).items()}
-    new = {
-        path: document
-        for path, document in {**dict.fromkeys(files_from_environment()), **named}.items()
-        if path not in ACTIVE
+    from_environment = files_from_environment()
+    named: dict[Path, Document | None] = {
+        path: document for operand in scenarios for path, document in named_by(operand).items()
     }
-    accept(path for path in new if path in named)
-    for path in new:
-        if place := FAMILIES.get(said_family(path)):
-            outside_sources[str(path)] = str(PACKAGE / place.file)
-    for path, document in new.items():
-        _load(path, document)
+    new = [
+        _read(path, document)
+        for path, document in {**named, **dict.fromkeys(from_environment)}.items()
+        if path not in ACTIVE
+    ]
+    if refused := [plugin for plugin in new if not (plugin.path in from_environment or _may_run(plugin))]:
+        raise ConfigError([problem for plugin in refused for problem in _not_accepted(plugin).problems])
+    for plugin in new:
+        if place := FAMILIES.get(said_family(plugin.content)):
+            outside_sources[str(plugin.path)] = str(PACKAGE / place.file)
+    for plugin in new:
+        _load(plugin)
 
 
-def _named_by(operand: str | Path, trust: bool) -> dict[Path, Document]:
-    """Plugins that an operand names, each with the document that names it.
-
-    Raises:
-        ConfigError: one stands in a folder of results, which is not trusted, and has not been accepted
-            before.
-    """
+def named_by(operand: str | Path) -> dict[Path, Document]:
+    """Absolute paths of the plugins that an operand names, each with the document that names it."""
     found: dict[Path, Document] = {}
     for file in files_naming_plugins(operand):
         document = parse_document(file.read_text(encoding="utf-8-sig", errors="replace"), shown(file))
         document.files = (file,)
-        for path in named_plugins(document):
-            if (is_result(file) or Path(operand).is_dir()) and not (trust or is_accepted(path)):
-                raise _problem(path, document, _ASK)
-            found[path] = document
+        found |= dict.fromkeys(named_plugins(document), document)
     return found
+
+
+def _read(path: Path, document: Document | None) -> _Plugin:
+    if not path.is_file():
+        raise _problem(path, document, "is no such file")
+    if path.suffix != ".py":
+        raise _problem(path, document, "must be a Python file (.py)")
+    try:
+        return _Plugin(path, path.read_bytes(), document)
+    except OSError as error:
+        raise _problem(path, document, f"cannot be read: {error.strerror or error}") from error
+
+
+def _may_run(plugin: _Plugin) -> bool:
+    installed = any(
+        plugin.path.resolve().is_relative_to(folder.resolve()) for folder in shipped_folders("scenarios")
+    )
+    return installed or is_accepted(plugin.content)
+
+
+def _not_accepted(plugin: _Plugin) -> ConfigError:
+    how = f"read and accept it: edl6dof trust {shown(plugin.path)}"
+    return _problem(plugin.path, plugin.document, f"is code that would run with your rights; {how}")
 
 
 def require(document: Document) -> None:
@@ -201,14 +218,11 @@ def _problem(path: Path, document: Document | None, message: str) -> ConfigError
     return ConfigError([document.problem(("plugins", index), f"plugin {shown(path)} {message}")])
 
 
-def _load(path: Path, document: Document | None) -> None:
-    """Import one plugin file and let its member join its family."""
-    if not path.is_file():
-        raise _problem(path, document, "is no such file")
-    if path.suffix != ".py":
-        raise _problem(path, document, "must be a Python file (.py)")
-    module = _imported(path, document)
-    key, member = said_family(path), getattr(module, "MEMBER", None)
+def _load(plugin: _Plugin) -> None:
+    """Run one plugin file and let its member join its family."""
+    path, _, document = plugin
+    module = _run(plugin)
+    key, member = said_family(plugin.content), module.get("MEMBER")
     if key not in FAMILIES:
         raise _problem(path, document, f"must say FAMILY = one of {', '.join(FAMILIES)} (got {key!r})")
     if not isinstance(member, Member):
@@ -231,11 +245,11 @@ def _load(path: Path, document: Document | None) -> None:
     ACTIVE[path] = (key, member)
 
 
-def said_family(path: Path) -> str:
-    """The FAMILY of a plugin file as it stands there, read before anything of it runs; empty for none."""
+def said_family(content: bytes) -> str:
+    """The FAMILY of a plugin as its source says, read before anything of it runs; empty for none."""
     try:
-        statements = ast.parse(path.read_bytes()).body
-    except (OSError, SyntaxError, ValueError):
+        statements = ast.parse(content).body
+    except (SyntaxError, ValueError):
         return ""
     for statement in statements:
         match statement:
@@ -244,19 +258,20 @@ def said_family(path: Path) -> str:
     return ""
 
 
-def _imported(path: Path, document: Document | None) -> Any:
+def _run(plugin: _Plugin) -> dict[str, Any]:
+    """Run the bytes that were checked as a module: no file beside them, such as a ``.pyc``, takes part."""
+    path = plugin.path
     name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
-    spec = stated(importlib.util.spec_from_file_location(name, path))  # there is one for every .py file
-    module = importlib.util.module_from_spec(spec)
+    module = ModuleType(name)
+    module.__file__ = str(path)
     sys.modules[name] = module  # compiled code finds its globals by this name
     try:
-        stated(spec.loader).exec_module(module)
+        exec(compile(plugin.content, str(path), "exec"), module.__dict__)
     except Exception as error:  # whatever the user's code raises belongs to the user, in one line
         del sys.modules[name]
-        raise _problem(
-            path, document, f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}"
-        ) from error
-    return module
+        message = f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}"
+        raise _problem(path, plugin.document, message) from error
+    return module.__dict__
 
 
 def _line(error: BaseException, path: Path) -> str:

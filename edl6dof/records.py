@@ -8,6 +8,7 @@ metadata of its dtype; so does a float that need not be finite.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,6 +66,32 @@ def offset(layout: np.dtype, field: str) -> int:
     if layout.fields is None:
         raise KeyError(field)
     return int(layout.fields[field][1])
+
+
+def finite_words(layout: np.dtype, start: int = 0) -> list[tuple[int, int]]:
+    """Eight-byte words of a record that hold floats which should be finite: first word and end of each run of
+    them, in the order of declaration.  Floats of four bytes, which images are made of, are left out.
+
+    Args:
+        layout: of the record, every float of eight bytes in a word of its own.
+        start: bytes before the record.
+    """
+    runs: list[tuple[int, int]] = []
+    for first, end in _doubles(layout, start):
+        before = runs.pop()[0] if runs and runs[-1][1] == first else first
+        runs.append((before, end))
+    return runs
+
+
+def _doubles(layout: np.dtype, start: int) -> Iterator[tuple[int, int]]:
+    """First word and end of each field of a record that holds floats which should be finite."""
+    one, count = layout.base, prod(layout.shape)
+    if one.names is not None:
+        for k in range(count):
+            for name in one.names:
+                yield from _doubles(one[name], start + k * one.itemsize + offset(one, name))
+    elif one == np.float64 and "if_ever" not in (one.metadata or {}):
+        yield start // 8, start // 8 + count
 
 
 def first_not_finite(record: np.ndarray) -> str | None:

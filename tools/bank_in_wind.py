@@ -16,7 +16,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 
 ENTRY = "flight_software.guidance.entry"
 WIND_M_S = 60.0

@@ -17,7 +17,7 @@ import numpy as np
 from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
-from edl6dof.fsw.mission.roles import POWERED_DECELERATION
+from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.jit import kernel
 from edl6dof.sim.outcome import FLYING
 from edl6dof.sim.underway import Underway

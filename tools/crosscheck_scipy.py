@@ -19,7 +19,7 @@ import time
 import numpy as np
 
 import edl6dof
-from edl6dof.fsw.mission.roles import (
+from edl6dof.interface.roles import (
     HAZARD_AVOIDANCE,
     HOVER_IMAGING,
     LIFT,

@@ -24,6 +24,10 @@ COPIES = {
     "assets/modulation.png": ".assets/modulation.png",
 }
 
+#: The page about the reference, and a link to the program of a notebook.
+_REFERENCE = "reference/index.md"
+_NOTEBOOK = re.compile(rf"(\]\((?:[./]*notebooks/)?(?:{'|'.join(NAMES)}))\.py\)")
+
 #: First and last letter of alphabets, and where their bold ones begin.
 _ALPHABETS = (("A", "Z", 0x1D400), ("a", "z", 0x1D41A), ("\u03b1", "\u03c9", 0x1D6C2))
 _BOLD = re.compile(r'<m[in] mathvariant="bold[a-z-]*">(&#x[0-9A-F]+;|.)</m[in]>')
@@ -52,10 +56,25 @@ def _from_root(content: bytes) -> str:
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
-    """Turn links that lead out of docs/ into links to the copies."""
+    """Let links to files of the repository lead to what the site has of them: the copies, the pages of the
+    notebooks and, from the page about the reference, its generated pages.
+    """
+    up = "../" * page.file.src_uri.count("/")
     for path, source in COPIES.items():
-        markdown = markdown.replace(f"](../{source})", f"]({path})")
-    return markdown
+        markdown = re.sub(rf"\]\((?:\.\./)+{re.escape(source)}(?=[#)])", f"]({up}{path}", markdown)
+    if page.file.src_uri == _REFERENCE:
+        links = (f"- [{_title(text)}]({path.removeprefix('reference/')})" for path, text in _made().items())
+        markdown += "\n" + "\n".join(links) + "\n"
+    return _NOTEBOOK.sub(r"\1.md)", markdown)
+
+
+def _made() -> dict[str, str]:
+    return {path: text for path, text in pages().items() if path.startswith("reference/")}
+
+
+def _title(text: str) -> str:
+    """What stands in the heading of a page."""
+    return text.partition("\n")[0].lstrip("# ")
 
 
 def on_page_content(content: str, page: Any, config: Any, files: Any) -> str:

@@ -25,7 +25,7 @@ from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.fault_response import fault_response
 from edl6dof.campaign.rows import Row
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
+from edl6dof.interface.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 
 HORIZONTAL = [f"D{i}" for i in range(1, 9)]

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 import edl6dof
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, SLOW_DESCENT, begun
+from edl6dof.interface.roles import HOVER_IMAGING, SLOW_DESCENT, begun
 from edl6dof.jit import kernel
 from edl6dof.sim.flight import fly
 from edl6dof.sim.loop import fly as fly_cycles

@@ -16,7 +16,7 @@ from typing import Any
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.rows import Row
-from edl6dof.fsw.mission.roles import POWERED_DECELERATION
+from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.hazards.conditions import SCENARIO as AMONG_ROCKS

@@ -37,7 +37,6 @@ def campaign(
     force: bool = False,
     resume: bool = False,
     progress: Progress | None = None,
-    trust: bool = False,
 ) -> CampaignResult:
     """Fly many dispersed flights, or a grid of them, as ``edl6dof campaign`` does.
 
@@ -55,13 +54,12 @@ def campaign(
         force: whether a campaign that is there may be replaced.
         resume: go on with a campaign that was interrupted.
         progress: called with how many cases have flown, and with how many there are.
-        trust: as of :func:`load`.
 
     Raises:
         ConfigError: the campaign is wrong, or its folder must not be replaced.
     """
     scenario = scenario_name(scenario)
-    activate(scenario, trust=trust)
+    activate(scenario)
     from edl6dof.api.public import EngineChoice, fly_campaign
 
     return fly_campaign(
@@ -97,7 +95,6 @@ def faults(
     out: str | Path | None = None,
     force: bool = False,
     progress: Progress | None = None,
-    trust: bool = False,
 ) -> CampaignResult:
     """Fail every thruster, or instrument, at every moment, one flight each, as ``edl6dof faults`` does.
 
@@ -117,13 +114,12 @@ def faults(
         out: as of :func:`campaign`.
         force: as of :func:`campaign`.
         progress: as of :func:`campaign`.
-        trust: as of :func:`campaign`.
 
     Raises:
         ConfigError: everything that is wrong with what is wanted.
     """
     scenario = scenario_name(scenario)
-    activate(scenario, trust=trust)
+    activate(scenario)
     from edl6dof.api.public import faults as fly_faults
 
     return fly_faults(
@@ -153,7 +149,6 @@ def refly(
     out: str | Path | None = None,
     replay: bool = True,
     force: bool = False,
-    trust: bool = False,
 ) -> Flight:
     """Fly one case of a campaign again with all its telemetry, as ``edl6dof refly`` does.
 
@@ -163,7 +158,6 @@ def refly(
         out: as of :func:`fly`.
         replay: as of :func:`fly`.
         force: as of :func:`fly`.
-        trust: as of :func:`fly`.
 
     Returns:
         The flight; its ``differences`` name the columns in which it is not as its row, by as much as a bit.
@@ -172,7 +166,7 @@ def refly(
         ConfigError: there is no such case.
     """
     if isinstance(campaign, str | Path):
-        activate(campaign, trust=trust)
+        activate(campaign)
     from edl6dof.api.public import refly as refly_case
 
     return refly_case(campaign, case, out, replay, force)
@@ -187,7 +181,6 @@ def calibrate(
     out: str | Path | None = None,
     force: bool = False,
     progress: Progress | None = None,
-    trust: bool = False,
 ) -> Findings:
     """Fit the uncertain parameters of a scenario to its published figures, as ``edl6dof calibrate`` does.
 
@@ -198,13 +191,12 @@ def calibrate(
         out: folder for what was found; none if not given.
         force: as of :func:`campaign`.
         progress: as of :func:`campaign`.
-        trust: as of :func:`campaign`.
 
     Raises:
         ConfigError: the section is wrong, or too few flights come to the figures.
     """
     scenario = scenario_name(scenario)
-    activate(scenario, trust=trust)
+    activate(scenario)
     from edl6dof.api.public import calibrate as fit
 
     return fit(scenario, overrides, flights, out, force, progress)

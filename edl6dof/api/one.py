@@ -19,22 +19,20 @@ if TYPE_CHECKING:
 Overrides = Iterable[str] | Mapping[str, Any]
 
 
-def activate(*scenarios: str | Path | LoadedScenario, trust: bool = False) -> None:
+def activate(*scenarios: str | Path | LoadedScenario) -> None:
     """Load the plugins of what is to be flown, before the flight software is imported that they join."""
     from edl6dof.plugins import activate
 
-    activate([one for one in scenarios if isinstance(one, str | Path)], trust)
+    activate([one for one in scenarios if isinstance(one, str | Path)])
 
 
 @in_python()
-def load(name_or_path: str | Path, overrides: Overrides = (), trust: bool = False) -> LoadedScenario:
+def load(name_or_path: str | Path, overrides: Overrides = ()) -> LoadedScenario:
     """Read and validate a scenario file, or a shipped scenario by name.
 
     Args:
         name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
         overrides: texts ``"dotted.path=value"``; or a mapping of dotted paths, or nested as in a file.
-        trust: whether plugins that the scenario of a run folder names may be loaded; those of any other
-            scenario always are.
 
     Raises:
         ConfigError: with every problem found, each with file, line and key, and what was probably meant.
@@ -43,7 +41,7 @@ def load(name_or_path: str | Path, overrides: Overrides = (), trust: bool = Fals
     from edl6dof.api.overrides import texts
 
     name = scenario_name(name_or_path)
-    activate(name, trust=trust)
+    activate(name)
     from edl6dof.scenario.loading import load_scenario
 
     return load_scenario(name, texts(overrides))
@@ -58,7 +56,6 @@ def fly(
     replay: bool = True,
     force: bool = False,
     start: Any = None,
-    trust: bool = False,
     **options: Any,
 ) -> Flight:
     """Fly a scenario and return the flight, as ``edl6dof fly`` does.
@@ -70,7 +67,6 @@ def fly(
         replay: whether the 3D replay is among its files.
         force: whether a run that is there may be replaced.
         start: saved state, or its file, to go on from: it brings its scenario.
-        trust: as of :func:`load`.
         options: ``save_at_s``, ``progress`` and more, of :func:`edl6dof.sim.flight.fly`.
 
     Raises:
@@ -78,14 +74,14 @@ def fly(
         TypeError: an argument is of a wrong kind, or there are overrides of a scenario that is loaded.
     """
     if start is not None and scenario is None:
-        activate(trust=trust)
+        activate()
         from edl6dof.api.public import continued
 
         loaded, options["start"] = continued(start, overrides)
     elif scenario is None:
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     else:
-        loaded = _loaded(scenario, overrides, trust)
+        loaded = _loaded(scenario, overrides)
         options["start"] = start
     from edl6dof.api.public import fly as fly_scenario
 
@@ -95,9 +91,9 @@ def fly(
     return flight
 
 
-def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides, trust: bool) -> LoadedScenario:
+def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> LoadedScenario:
     if isinstance(scenario, str | Path):
-        return load(scenario, overrides, trust)
+        return load(scenario, overrides)
     if not hasattr(scenario, "document"):
         scenario_name(scenario)  # which says what it may be
     if overrides:
@@ -106,18 +102,17 @@ def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides, trust: 
 
 
 @in_python()
-def open_run(folder: str | Path, trust: bool = False) -> RecordedFlight | CampaignResult:
+def open_run(folder: str | Path) -> RecordedFlight | CampaignResult:
     """Open the folder of a flight, or of a campaign: what flying it returned, from its files.
 
     Args:
         folder: of a run or a campaign.
-        trust: whether plugins that a campaign names may be loaded; a run needs none.
 
     Raises:
         ConfigError: it is neither, or a file is missing or damaged.
     """
     if (Path(folder) / "campaign.json").is_file():
-        activate(folder, trust=trust)
+        activate(folder)
     from edl6dof.api.public import open_run as open_folder
 
     return open_folder(folder)
@@ -163,7 +158,6 @@ def replay(
     length_s: float | None = None,
     fps: float = 24.0,
     force: bool = False,
-    trust: bool = False,
 ) -> list[Path]:
     """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; returns what was written.
 
@@ -181,7 +175,6 @@ def replay(
         length_s: how long the film is, s; as long as the flight, or 60 s, if not given.
         fps: its frames per second.
         force: whether files that are there may be replaced.
-        trust: as of :func:`load`.
 
     Raises:
         ConfigError: there is no such replay, or the options do not fit together.
@@ -189,7 +182,7 @@ def replay(
     """
     if not runs:
         raise TypeError("name a run, such as 'runs/tianwen1'")
-    activate(*(one for one in runs[:1] if isinstance(one, str | Path)), trust=trust)
+    activate(*(one for one in runs[:1] if isinstance(one, str | Path)))
     from edl6dof.api.public import replay as show_replay
 
     return show_replay(

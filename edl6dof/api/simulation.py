@@ -99,7 +99,6 @@ class Simulation(SteppedFlight):
             ``campaign`` section, :meth:`reset` draws its dispersions.
         overrides: as of :func:`edl6dof.load`.
         telemetry: whether to keep telemetry, as :meth:`flight` needs it.
-        trust: as of :func:`edl6dof.load`.
 
     Raises:
         ConfigError: the scenario is wrong.
@@ -112,9 +111,8 @@ class Simulation(SteppedFlight):
         overrides: Iterable[str] | Mapping[str, Any] = (),
         *,
         telemetry: bool = True,
-        trust: bool = False,
     ):
-        activate(scenario, trust=trust)
+        activate(scenario)
         with told_in_python():
             self._starts = Starts(scenario, overrides)
         base = self._starts.base

@@ -19,7 +19,7 @@ from edl6dof.design.landing.powered_start import landing_of, powered_rows, state
 from edl6dof.design.landing.rigid_body import RigidLanding
 from edl6dof.design.landing.successive import Converged, land
 from edl6dof.design.landing.transcription import propagate
-from edl6dof.fsw.mission.roles import POWERED_DECELERATION
+from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.scenario.loading import load_scenario

@@ -15,8 +15,8 @@ import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
 from edl6dof.campaign.fault_response import AIR, NOT_BEGUN_YET, POWERED
+from edl6dof.campaign.faults import OF_THRUSTERS
 from edl6dof.campaign.rows import Row
-from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 REGIMES = (AIR, POWERED, NOT_BEGUN_YET)
 
@@ -112,7 +112,7 @@ def _times(times: Sequence[float]) -> dict[str, float] | None:
 
 def required_of(rows: Sequence[Row]) -> tuple[Requirement, ...]:
     """What is required where single thrusters, or two of them, fail; nothing of other components."""
-    if any(row["kind"] not in THRUSTER_KINDS for row in rows):
+    if any(row["kind"] not in OF_THRUSTERS for row in rows):
         return ()
     together = {AND in row["component"] for row in rows}
     return REQUIRED_OF_PAIRS if together == {True} else REQUIRED if together == {False} else ()

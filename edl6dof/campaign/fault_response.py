@@ -12,15 +12,19 @@ import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.rows import Collect
-from edl6dof.metrics.diagnosis import failed_thrusters, kind_of_failure
+from edl6dof.interface.thrusters import ThrusterFailure
+from edl6dof.metrics.diagnosis import failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FaultParams
+from edl6dof.vehicle.faults.registry import failure_of
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 #: Until the backshell is released, and from then on; of a fault that did not begin before touchdown.
 AIR, POWERED, NOT_BEGUN_YET = "air", "powered", "not begun"
+#: The failure of a thruster that shows without a command.
+_OPEN: ThrusterFailure = "stuck_on"
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,7 @@ def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
 
     A weak feed of all thrusters is isolated in none of them; to call one degraded is not wrong.
     """
-    if fault.component == "branch":
+    if fault.component in ("thruster", "branch"):
         return _thrusters(fault, truth)
     said = None if fault.component in INSTRUMENTS else fault.kind
     return [Failure(fault.component, fault.acts_on(truth.components), said)]
@@ -95,9 +99,8 @@ def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
 
 def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
     """Every thruster that a fault makes fail."""
-    kind = kind_of_failure(fault).replace(" ", "_")
     names = failed_thrusters(fault, truth.components, truth.branches)
-    return [Failure("thruster", name, kind) for name in names]
+    return [Failure("thruster", name, failure_of(fault.kind)) for name in names]
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
@@ -115,7 +118,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     """
     truth, named = flight.loaded.truth, isolations(flight)
     begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
-    failed = [(failure, fault, since) for fault, since in begun for failure in failures(fault, truth)]
+    failed = [(failure, since) for fault, since in begun for failure in failures(fault, truth)]
     true = [
         (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
@@ -135,7 +138,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         "sound_named": _list(one for one in wrong if not _has_failed(one, true)),
         "peak_attitude_error_deg": None,
     }
-    if any(since == NOT_BEGUN or since >= end for _, _, since in failed):
+    if any(since == NOT_BEGUN or since >= end for _, since in failed):
         return row
     return row | _columns(flight, [_response(flight, *one, end, named) for one in failed], end)
 
@@ -157,10 +160,10 @@ def _has_failed(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> 
 
 
 def _response(
-    flight: Flight, failure: Failure, fault: FaultParams, since: float, end: float, named: Sequence[Isolation]
+    flight: Flight, failure: Failure, since: float, end: float, named: Sequence[Isolation]
 ) -> _Response:
     t = flight.telemetry["t_s"]
-    used = (t >= since) & (t < end) & _in_use(flight, failure, fault)
+    used = (t >= since) & (t < end) & _in_use(flight, failure)
     first = float(t[used][0]) if used.any() else None
     about = [one for one in named if one.names(failure) and one.t_s >= since]
     right = [one for one in about if one.failure == failure]
@@ -197,10 +200,10 @@ def _columns(flight: Flight, found: Sequence[_Response], end: float) -> dict[str
     }
 
 
-def _in_use(flight: Flight, failure: Failure, fault: FaultParams) -> np.ndarray:
+def _in_use(flight: Flight, failure: Failure) -> np.ndarray:
     """Rows of telemetry in which what fails is used or leaks, shape (rows,), bool."""
     table = flight.telemetry
-    if failure.component == "thruster" and fault.kind != "stuck_on":
+    if failure.component == "thruster" and failure.kind != _OPEN:
         return table[f"valve.{failure.name}"] != 0
     if failure.component == "rcs":
         return np.any([table[f"valve.{name}"] != 0 for name in flight.scenario.thruster_names], axis=0)

@@ -11,7 +11,7 @@ from edl6dof.campaign.design.params import FaultMatrixParams
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.fsw.mission.roles import (
+from edl6dof.interface.roles import (
     HAZARD_AVOIDANCE,
     HOVER_IMAGING,
     LIFT,
@@ -22,8 +22,7 @@ from edl6dof.fsw.mission.roles import (
 )
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
-from edl6dof.vehicle.plant import THRUSTER_KINDS
+from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of, happens_in
 
 #: Kinds of fault of instruments, and of all else that are about one kind of component; of the latter those of
 #: a thruster.
@@ -31,19 +30,18 @@ OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(components_of(k
 KINDS = tuple(
     kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(components_of(kind)) == 1
 )
-OF_THRUSTERS = THRUSTER_KINDS
+OF_THRUSTERS = tuple(kind for kind in KINDS if components_of(kind) == ("thruster",))
 
 #: Roles of the phases, the first of each, a fault begins in unless others are asked for: one of each kind of
 #: attitude control; for instruments all in which the vehicle flies.
 USUAL_ROLES = (TRIM, LIFT, PARACHUTE, POWERED_DECELERATION, HAZARD_AVOIDANCE)
 FLYING_ROLES = (*USUAL_ROLES[:4], HOVER_IMAGING, HAZARD_AVOIDANCE, SLOW_DESCENT)
-#: Those of kinds that happen in one phase only: what saturates all gyros is a parachute that opens.
-OWN_ROLES = {"gyros_saturated": (PARACHUTE,)}
 
 
-def sensor_phases_of(scenario: Scenario, kind: str) -> list[str]:
-    """The usual phases of a kind of fault of instruments."""
-    return phases_of(scenario, OWN_ROLES.get(kind, FLYING_ROLES))
+def usual_phases_of(scenario: Scenario, kind: str) -> list[str]:
+    """The phases in which a kind of fault begins unless others are asked for."""
+    usual = FLYING_ROLES if kind in OF_INSTRUMENTS else USUAL_ROLES
+    return phases_of(scenario, happens_in(kind) or usual)
 
 
 def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[str]:

@@ -14,7 +14,7 @@ from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
 from edl6dof.cli.group import Command, app
 from edl6dof.cli.results import compare, export, plot, replay, report
-from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve
+from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
 
 
 def version() -> None:
@@ -26,7 +26,7 @@ def version() -> None:
 
 #: In the order of the help.
 COMMANDS = (
-    *(fly, check, scenarios, params, schema, replay, report, plot, compare, export),
+    *(fly, check, trust, scenarios, params, schema, replay, report, plot, compare, export),
     *(verify, validate, figures, calibrate, study, campaign, covariance, refly, faults, serve, version),
 )
 for command in COMMANDS:

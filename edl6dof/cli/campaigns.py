@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import Sets, Trust, load_plugins
+from edl6dof.cli.options import Sets, load_plugins
 from edl6dof.config.errors import refusal
 
 
@@ -62,7 +62,6 @@ def campaign(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Fly many dispersed flights, or a grid of them.
 
@@ -72,7 +71,7 @@ def campaign(
     """
     if compare is not None:
         raise refusal("--compare", f"is a command now: edl6dof compare {compare[0]} {compare[1]}")
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.campaign import CampaignOptions, run_campaign
 
     options = CampaignOptions(
@@ -103,14 +102,13 @@ def refly(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
-    trust: Trust = False,
 ) -> None:
     """Fly one case of a campaign again, with all its telemetry.
 
     Exit status: 0 identical to its row, 1 not, 2 bad input.
     """
     if folder.is_dir():
-        load_plugins(folder, trust=trust)
+        load_plugins(folder)
     from edl6dof.app.campaign import run_refly
 
     raise typer.Exit(run_refly(folder, case, out, force, replay))
@@ -197,7 +195,6 @@ def faults(
         bool, typer.Option("--resume", help="Go on with a matrix that was interrupted.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Fail every thruster at every moment, one flight each.
 
@@ -208,7 +205,7 @@ def faults(
 
     Exit status: 0 all within limits, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.campaign import CampaignOptions
     from edl6dof.app.faults.command import Wanted, run_faults
 

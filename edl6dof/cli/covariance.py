@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import Sets, Trust, load_plugins
+from edl6dof.cli.options import Sets, load_plugins
 
 
 def covariance(
@@ -50,7 +50,6 @@ def covariance(
         typer.Option(metavar="FILE", help="Write the error budget (.csv) or the ellipse (.png, .pdf, .svg)."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Spread of an event, and what each dispersion gives to it.
 
@@ -59,7 +58,7 @@ def covariance(
 
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
     """
-    load_plugins(campaign, trust=trust)
+    load_plugins(campaign)
     from edl6dof.app.covariance import CovarianceOptions, run_covariance
 
     options = CovarianceOptions(campaign, at, tuple(sets or ()), pairs, each, seed, workers, out, force)

@@ -9,7 +9,7 @@ import typer
 
 from edl6dof.cli.examples import examples
 from edl6dof.cli.group import Command
-from edl6dof.cli.options import Sets, Trust, load_plugins
+from edl6dof.cli.options import Sets, load_plugins
 
 design = typer.Typer(
     no_args_is_help=True,
@@ -44,7 +44,6 @@ def design_entry(
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Optimise the bank profile of the planned entry.
 
@@ -54,7 +53,7 @@ def design_entry(
 
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.design_entry import DesignOptions, run_design_entry
 
     options = DesignOptions(scenario, tuple(sets or ()), maximise, minimise, points, reserve, out, force)
@@ -83,7 +82,6 @@ def design_landing(
         typer.Option(metavar="FILE", help="Draw them beside the scenario's own (.png, .pdf, .svg)."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Design the powered landing of least propellant.
 
@@ -94,7 +92,7 @@ def design_landing(
     Exit status: 0 designed, 1 no landing within the limits or one that breaks them on its way, 2 bad input,
     69 clarabel is missing, 130 interrupted.
     """
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.design_landing import LandingOptions, run_design_landing
 
     options = LandingOptions(scenario, tuple(sets or ()), divert_m, out, figure, force)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import Sets, Trust, load_plugins
+from edl6dof.cli.options import Sets, load_plugins
 
 
 def verify(
@@ -50,7 +50,6 @@ def figures(
         int | None, typer.Option("-n", "--flights", metavar="N", help="Flights; 30 if not given.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Mean and spread of a scenario's figures over many flights.
 
@@ -59,7 +58,7 @@ def figures(
 
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.figures import run_figures
 
     raise typer.Exit(run_figures(scenario, tuple(sets or ()), flights, as_json))
@@ -85,7 +84,6 @@ def validate(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Compare dispersed flights of missions with what was published.
 
@@ -94,7 +92,7 @@ def validate(
 
     Exit status: 0 nine in ten flown values within three sigma, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(*(names or []), trust=trust)
+    load_plugins(*(names or []))
     from edl6dof.app.validate import ValidateOptions, run_validate
 
     raise typer.Exit(run_validate(ValidateOptions(tuple(names or ()), flights, workers, out, force, as_json)))
@@ -119,7 +117,6 @@ def calibrate(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Fit what is uncertain to what is published of a flight.
 
@@ -127,7 +124,7 @@ def calibrate(
 
     Exit status: 0 every figure explained within two sigma, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.calibrate import CalibrateOptions, run_calibrate
 
     raise typer.Exit(

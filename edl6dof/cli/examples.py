@@ -10,6 +10,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof fly --from runs/first/state.npz --out runs/second",
     ),
     "check": ("edl6dof check my.yaml", "edl6dof check my.yaml my_mc.yaml --set seed=3"),
+    "trust": ("edl6dof trust my_law.py", "edl6dof trust received/scenario.yaml"),
     "scenarios": ("edl6dof scenarios", "edl6dof scenarios tianwen1 > mine.yaml"),
     "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),
     "schema": ("edl6dof schema > edl6dof.schema.json",),

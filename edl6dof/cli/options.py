@@ -14,16 +14,8 @@ Sets = Annotated[
     ),
 ]
 
-Trust = Annotated[
-    bool,
-    typer.Option(
-        "--trust",
-        help=("Load the plugins that a received run or campaign names: their code runs with your rights."),
-    ),
-]
 
-
-def load_plugins(*operands: str | Path | None, trust: bool = False) -> None:
+def load_plugins(*operands: str | Path | None) -> None:
     """Load the plugins of what is to be flown and of the environment, before anything is imported that they
     must join.
     """
@@ -33,4 +25,4 @@ def load_plugins(*operands: str | Path | None, trust: bool = False) -> None:
     if files_from_environment() or any(file for operand in given for file in files_naming_plugins(operand)):
         from edl6dof.plugins import activate
 
-        activate(given, trust)
+        activate(given)

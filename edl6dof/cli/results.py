@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import Trust, load_plugins
+from edl6dof.cli.options import load_plugins
 from edl6dof.config.errors import refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
@@ -68,7 +68,6 @@ def replay(
         float, typer.Option(metavar="N", min=1.0, max=120.0, help="Its frames per second.")
     ] = 24.0,
     force: Annotated[bool, typer.Option("--force", help="Replace files of yours, too.")] = False,
-    trust: Trust = False,
 ) -> None:
     """Show the 3D replay of one flight, or of several in one scene.
 
@@ -79,7 +78,7 @@ def replay(
     if tour and page not in ("", "Tour"):
         raise refusal("--tour", f"is the page Tour; --page names {page}")
     if runs[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
-        load_plugins(runs[0], trust=trust)
+        load_plugins(runs[0])
     from edl6dof.app.replay import FilmOptions, ReplayOptions, run_replay
 
     with refusing_damage(*runs):

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import Sets, Trust, load_plugins
+from edl6dof.cli.options import Sets, load_plugins
 
 
 def fly(
@@ -41,7 +41,6 @@ def fly(
         Path | None,
         typer.Option("--from", metavar="STATE", help="Go on from a saved state, which brings its scenario."),
     ] = None,
-    trust: Trust = False,
 ) -> None:
     """Fly one scenario and write its run folder.
 
@@ -49,7 +48,7 @@ def fly(
     130 interrupted.
     """
     with _uncollected():
-        load_plugins(scenario, trust=trust)
+        load_plugins(scenario)
         from edl6dof.app.fly import FlyOptions, run_fly
 
         options = FlyOptions(
@@ -73,7 +72,6 @@ def _uncollected() -> Iterator[None]:
 def check(
     files: Annotated[list[str], typer.Argument(metavar="SCENARIO", help="Scenario files or names.")],
     sets: Sets = None,
-    trust: Trust = False,
 ) -> None:
     """Check scenario files: each mistake by file, line and key.
 
@@ -81,10 +79,27 @@ def check(
 
     Exit status: 0 no mistake, 2 mistakes.
     """
-    load_plugins(*files, trust=trust)
+    load_plugins(*files)
     from edl6dof.app.inspect import run_check
 
     raise typer.Exit(run_check(files, tuple(sets or ())))
+
+
+def trust(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE", help="Plugins (.py), or scenarios that name plugins.")
+    ],
+    yes: Annotated[bool, typer.Option("--yes", help="Accept without asking.")] = False,
+) -> None:
+    """Show the source of plugins and accept it.
+
+    It may then run on this account, until it changes.
+
+    Exit status: 0 accepted, 1 not accepted, 2 bad input.
+    """
+    from edl6dof.app.trust import run_trust
+
+    raise typer.Exit(run_trust(files, yes))
 
 
 def serve(
@@ -93,7 +108,6 @@ def serve(
     port: Annotated[
         int, typer.Option(metavar="N", min=0, max=65535, help="Port to listen on; any that is free if 0.")
     ] = 0,
-    trust: Trust = False,
 ) -> None:
     """Serve flights to programs, over a socket of this machine.
 
@@ -101,7 +115,7 @@ def serve(
 
     Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
     """
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.serve import run_serve
 
     raise typer.Exit(run_serve(scenario, tuple(sets or ()), port))
@@ -145,10 +159,9 @@ def schema(
     of: Annotated[
         str, typer.Option("--of", metavar="KIND", help="scenario (campaigns, too), vehicle or planet.")
     ] = "scenario",
-    trust: Trust = False,
 ) -> None:
     """JSON schema of scenario, vehicle or planet files."""
-    load_plugins(scenario, trust=trust)
+    load_plugins(scenario)
     from edl6dof.app.inspect import run_schema
 
     raise typer.Exit(run_schema(of))

@@ -17,9 +17,6 @@ VARIABLE = "EDL6DOF_PLUGINS"
 #: none.
 LARGEST = 2_000_000
 
-#: Files by which a folder is known to hold results, perhaps somebody else's.
-RESULT_MARKS = ("manifest.json", "campaign.json")
-
 #: A resolved file without plugins says ``plugins: []``.
 _NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:(?![ \t]*\[[ \t]*\])", re.MULTILINE)
 _EXTENDS = re.compile(rb"^extends[ \t]*:[ \t]*[\"']?([^\s\"'#]+)", re.MULTILINE)
@@ -43,13 +40,6 @@ def files_naming_plugins(operand: str | Path) -> Iterator[Path]:
             yield file
         base = _EXTENDS.search(content)
         file = _scenario(base.group(1).decode(errors="replace"), file.parent) if base else None
-
-
-def is_result(file: Path) -> bool:
-    """Whether a scenario or campaign file lies in a folder of results: such a folder may come from
-    anybody.
-    """
-    return any(isfile(join(file.parent, mark)) for mark in RESULT_MARKS)
 
 
 def _scenario(text: str, folder: Path) -> Path | None:

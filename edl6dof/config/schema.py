@@ -26,7 +26,8 @@ def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) 
     definitions = schema.get("$defs", {})
     for part in (schema, *definitions.values()):
         for name, field in part.get("properties", {}).items():
-            if _has_names(field, definitions):
+            if item := _named_item(field, definitions):
+                definitions[item]["required"] = ["name"]
                 part["properties"][name] = {
                     "description": field.get("description", ""),
                     "anyOf": [field, _BY_NAME],
@@ -34,15 +35,16 @@ def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) 
     return {"$schema": DRAFT, "title": schema.pop("title", model.__name__), **schema}
 
 
-#: A file that extends another may change the items of a list by their names.
+#: A file that extends another may change the items of a list by their names, and say no more of one than what
+#: changes; what a whole item lacks is told by ``edl6dof check``.
 _BY_NAME = {"type": "object", "description": "changes to items of what this file extends, by their names"}
 
 
-def _has_names(field: Mapping[str, Any], definitions: Mapping[str, Any]) -> bool:
-    """Whether a property is a list of things that have names."""
+def _named_item(field: Mapping[str, Any], definitions: Mapping[str, Any]) -> str:
+    """Definition of the items of a property that is a list of things that have names; empty for any other."""
     items = field.get("items")
     item = items.get("$ref", "").rsplit("/", 1)[-1] if isinstance(items, dict) else ""
-    return "name" in definitions.get(item, {}).get("properties", {})
+    return item if "name" in definitions.get(item, {}).get("properties", {}) else ""
 
 
 def _draft7(node: Any) -> Any:

@@ -16,9 +16,10 @@ from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import pair_to_test
-from edl6dof.fsw.diagnosis.hypotheses import NONE
+from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
+from edl6dof.fsw.estimation.force_angle import force_angle
 from edl6dof.fsw.estimation.held_thrust import held_thrust
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.external import (
@@ -167,6 +168,9 @@ def run(onboard, sensed, k, fsw):
         disturbance,
     )
     believe_thrust(onboard.estimation, vehicle, nav, disturbance, command, control_dt, fsw.estimation, state)
+    state.force_angle = force_angle(
+        onboard.estimation.force_angle_lag, take3(disturbance.force, 0), control_dt, state.force_angle
+    )
 
     # fault isolation
     diagnose(

@@ -296,7 +296,6 @@ FSW = np.dtype(
         ("guidance", GUIDANCE),
         ("control", CONTROL),
         ("health", HEALTH),
-        # what every cycle looks at for numbers that are none (edl6dof.sim.finiteness) stands together
         ("vehicle", VEHICLE_STATE),
         ("nav", NAV),
         ("guide", GUIDE),

@@ -37,6 +37,7 @@ VEHICLE_STATE = np.dtype(
         ("ignited", FLAG),  # one of them at least
         ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
         ("held_thrust", "f8"),  # N: of a throttle that is believed to stand; 0: it moves
+        ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
         ("engine", ENGINE_ABILITY),  # of them together, less what is missing
         ("ignition_time", "f8"),  # s, flight time: when its thrust begins
     ],

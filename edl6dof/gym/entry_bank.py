@@ -4,13 +4,13 @@ be.
 
 from __future__ import annotations
 
-from math import pi
+from math import inf, pi
 
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.gym.task import Feature, StepResult, Task, guide, nav
+from edl6dof.interface.roles import LIFT
 
 #: Miss of the aim point at the mortar that counts as done, m.
 NEAR_M = 10_000.0
@@ -64,8 +64,8 @@ class EntryBank(Task):
         limits, navigated = self.loaded.scenario.limits, self.fleet.memories["nav"]
         may_open = (
             ~lost
-            & (navigated["mach"] <= limits.parachute_mach_max)
-            & (navigated["dynamic_pressure"] <= limits.parachute_dynamic_pressure_pa)
+            & (navigated["mach"] <= (limits.parachute_mach_max or inf))
+            & (navigated["dynamic_pressure"] <= (limits.parachute_dynamic_pressure_pa or inf))
         )
         miss = np.abs(self.fleet.memories["guide"]["range_to_go"])
         last = np.where(may_open, np.maximum(1.0 - miss / (2.0 * NEAR_M), -1.0), -1.0)

@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from edl6dof.gym.episodes import Episodes
+from edl6dof.gym.episodes import Episodes, known_options
 from edl6dof.gym.tasks import task_called
 
 
@@ -18,14 +18,16 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
 
     Args:
         task: name of the task, of :data:`edl6dof.gym.TASKS`.
-        pool: dispersed flights that episodes begin from; each is flown once, when it is first drawn.
+        pool: dispersed flights that episodes draw from; each is flown once, when it is first drawn.
+        first_case: case number of the first of them.  Environments whose ranges of ``pool`` cases from
+            ``first_case`` on do not overlap have no flight in common.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
 
-    def __init__(self, task: str, pool: int = 64, render_mode: str | None = None):
+    def __init__(self, task: str, pool: int = 64, first_case: int = 0, render_mode: str | None = None):
         self.render_mode = render_mode
-        self._episodes = Episodes(task_called(task), 1, 1, pool)
+        self._episodes = Episodes(task_called(task), 1, 1, pool, first_case)
         self.task = self._episodes.task
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
@@ -33,13 +35,26 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode."""
+        """Begin an episode with a case that is drawn from the pool, or with that of the option ``case``,
+        in the pool or not.
+
+        Raises:
+            ValueError: there is no such case, or no such option.
+        """
         super().reset(seed=seed)
-        self._episodes.begin([0], [self.np_random])
+        given = known_options(options, ["case"])
+        if "case" in given:
+            self._episodes.begin_with(0, given["case"])
+        else:
+            self._episodes.begin([0], [self.np_random])
         return self._episodes.observe()[0], {}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Take an action."""
+        """Take an action; a number beyond its bound counts as the bound.
+
+        Raises:
+            ValueError: the action has a wrong shape, is not finite, or is no choice of the task.
+        """
         seen, reward, over, cut_off, success = self._episodes.step(np.asarray(action)[None])
         ended = bool(over[0] or cut_off[0])
         information = {"is_success": bool(success[0])} if ended else {}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from edl6dof.gym.starts import StartPool
 from edl6dof.gym.task import Task
+from edl6dof.sim.commanding import unknown
 
 
 class Outcome(NamedTuple):
@@ -21,6 +22,18 @@ class Outcome(NamedTuple):
     success: np.ndarray
 
 
+def known_options(options: Mapping[str, Any] | None, known: Sequence[str]) -> Mapping[str, Any]:
+    """Options of a reset.
+
+    Raises:
+        ValueError: there is no such option.
+    """
+    for name in options or {}:
+        if name not in known:
+            raise ValueError(unknown("option", name, known))
+    return options or {}
+
+
 class Episodes:
     """Episodes under way.
 
@@ -28,11 +41,12 @@ class Episodes:
         task: the task.
         count: how many.
         workers: threads.
-        pool: dispersed flights that episodes begin from.
+        pool: dispersed flights that episodes draw from.
+        first_case: case number of the first of them.
     """
 
-    def __init__(self, task: type[Task], count: int, workers: int, pool: int):
-        self._starts = StartPool(task, pool)
+    def __init__(self, task: type[Task], count: int, workers: int, pool: int, first_case: int = 0):
+        self._starts = StartPool(task, pool, first_case)
         self.fleet = self._starts.fleet(count, workers)
         self.task = task(self._starts.loaded, self.fleet)
         self.interval_s = task.interval_s
@@ -41,13 +55,14 @@ class Episodes:
         self._steps = np.zeros(count, np.int64)
 
     def begin(self, which: Iterable[int], generators: list[np.random.Generator]) -> None:
-        """Let some episodes begin anew, each with a flight that its own generator draws."""
+        """Let some episodes begin anew, each with a case of the pool that its own generator draws."""
+        drawn = self._starts.drawn
         for index in which:
-            self.begin_with(index, int(generators[index].integers(len(self._starts))))
+            self.begin_with(index, drawn[int(generators[index].integers(len(drawn)))])
 
-    def begin_with(self, index: int, number: int) -> None:
-        """Let an episode begin anew, with the dispersed flight of a number below that of the pool."""
-        self.fleet.put(index, self._starts[number])
+    def begin_with(self, index: int, case: int) -> None:
+        """Let an episode begin anew, with the dispersed flight of a case number."""
+        self.fleet.put(index, self._starts[case])
         self._steps[index] = 0
         self.task.begin(index)
 
@@ -56,8 +71,12 @@ class Episodes:
         return self.task.observe()
 
     def step(self, actions: np.ndarray) -> Outcome:
-        """One action each; flights that have ended stay where they are."""
-        self.task.command(actions)
+        """One action each; flights that have ended stay where they are.
+
+        Raises:
+            ValueError: the actions are not of the action space.
+        """
+        self.task.command(self.task.allowed(actions))
         self.fleet.advance(self._cycles)
         self._steps += 1
         reward, over, success = self.task.result()

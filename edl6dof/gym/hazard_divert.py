@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.gym.landing import landed_well
 from edl6dof.gym.task import Feature, StepResult, Task, nav
+from edl6dof.interface.roles import HAZARD_AVOIDANCE
 
 #: Cells of the observed map along each side; clearance of one that is safe beyond doubt, m.
 _CELLS, _CLEAR_M = 32, 5.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.fsw.mission.roles import POWERED_DECELERATION
 from edl6dof.gym.landing import landed_well
 from edl6dof.gym.task import Feature, StepResult, Task, nav
+from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.fleet import Fleet
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from threading import Lock
 
+import numpy as np
+
 from edl6dof.api.simulation import Starts
 from edl6dof.config.errors import refusal
 from edl6dof.gym.task import Task
@@ -14,39 +16,60 @@ from edl6dof.sim.simulation import SteppedFlight
 _LOOK = 5
 #: Flights in a row that may end before the task begins.
 _PATIENCE = 20
+#: Cases that an episode can ask for.  One that ends before the task begins is replaced by the case this many
+#: further on, so that it is in no pool.
+_CASES = 2**26
 
 
 class StartPool:
-    """The beginnings of the episodes of a task: as many as ``size``, each of a dispersed flight of its own;
-    one is flown when it is first asked for.
+    """The beginnings of the episodes of a task, each of a dispersed flight of its own, by case number; one is
+    flown when it is first asked for.
+
+    Attributes:
+        drawn: case numbers that an episode draws from.
     """
 
-    def __init__(self, task: type[Task], size: int):
-        self._task, self._size, self._lock = task, size, Lock()
+    def __init__(self, task: type[Task], size: int, first: int):
+        """``size``: cases to draw from; ``first``: the first of them.
+
+        Raises:
+            ValueError: there are no such cases.
+        """
+        if size < 1 or first < 0 or first + size > _CASES:
+            raise ValueError(
+                f"pool must be at least 1 and first_case at least 0, together at most {_CASES} "
+                f"(got pool={size}, first_case={first})"
+            )
+        self.drawn = range(first, first + size)
+        self._task, self._lock = task, Lock()
         self._flights = Starts(task.scenario, task.overrides, task.faults)
         self._known: dict[int, Start] = {}
         self.loaded = self._flights.loaded
 
-    def __len__(self) -> int:
-        return self._size
+    def __getitem__(self, case: int) -> Start:
+        """The beginning of a case, in the pool or not.
 
-    def __getitem__(self, number: int) -> Start:
+        Raises:
+            ValueError: there is no such case.
+        """
+        if isinstance(case, bool) or not isinstance(case, int | np.integer) or not 0 <= case < _CASES:
+            raise ValueError(f"a case must be a whole number from 0 to {_CASES - 1} (got {case!r})")
         with self._lock:
-            if number not in self._known:
-                self._known[number] = self._flown(number)
-            return self._known[number]
+            if case not in self._known:
+                self._known[case] = self._flown(case)
+            return self._known[case]
 
     def fleet(self, count: int, workers: int) -> Fleet:
         """As many flights of the scenario."""
         return Fleet(count, self._flights.base.records.tables, self.loaded.scenario.steps_per_cycle, workers)
 
-    def _flown(self, number: int) -> Start:
-        """The flight of a number; of one that does not come so far the next that does.
+    def _flown(self, case: int) -> Start:
+        """The flight of a case; of one that does not come so far another that does.
 
         Raises:
             ConfigError: no flight comes so far, or they are of several worlds.
         """
-        for seed in range(number, number + _PATIENCE * self._size, self._size):
+        for seed in range(case, _PATIENCE * _CASES, _CASES):
             variant = self._flights.of(seed)
             parts = variant.parts
             if parts.tables is not self._flights.base.records.tables:

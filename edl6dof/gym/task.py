@@ -91,6 +91,25 @@ class Task(ABC):
         ]
         return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
 
+    def allowed(self, actions: Any) -> np.ndarray:
+        """Actions of a policy as the task takes them, one for each flight: a number beyond its bound counts
+        as the bound.
+
+        Raises:
+            ValueError: the actions have a wrong shape, are not finite, or are no choices of the task.
+        """
+        space, given = self.action_space, np.asarray(actions)
+        shape = (len(self.fleet), *(space.shape or ()))
+        if given.shape != shape:
+            raise ValueError(f"actions must have the shape {shape[1:]} (got {given.shape[1:]})")
+        if isinstance(space, spaces.Discrete):
+            if given.dtype.kind not in "iu" or not ((given >= 0) & (given < space.n)).all():
+                raise ValueError(f"an action must be a whole number from 0 to {space.n - 1} (got {given})")
+            return given
+        if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
+            raise ValueError(f"actions must be finite numbers (got {given})")
+        return np.clip(given, -1.0, 1.0)
+
     @abstractmethod
     def command(self, actions: np.ndarray) -> None:
         """Give the flights their commands; ``actions``: one for each flight."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from edl6dof.config.wording import nearest
 from edl6dof.gym.entry_bank import EntryBank
 from edl6dof.gym.hazard_divert import HazardDivert
 from edl6dof.gym.powered_descent import PoweredDescent
 from edl6dof.gym.task import Task
 from edl6dof.gym.thruster_fault import DeadThruster, FaultDiagnosis
+from edl6dof.sim.commanding import unknown
 
 TASKS: dict[str, type[Task]] = {
     task.__name__: task for task in (EntryBank, PoweredDescent, HazardDivert, DeadThruster, FaultDiagnosis)
@@ -21,7 +21,5 @@ def task_called(name: str) -> type[Task]:
         ValueError: there is none of this name.
     """
     if name not in TASKS:
-        near = nearest(name, TASKS)
-        hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(TASKS)}"
-        raise ValueError(f"no task {name!r}; {hint}")
+        raise ValueError(unknown("task", name, TASKS))
     return TASKS[name]

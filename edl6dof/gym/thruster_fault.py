@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.fsw.mission.roles import LIFT, POWERED_DECELERATION
 from edl6dof.gym.task import Feature, StepResult, Task
+from edl6dof.interface.roles import LIFT, POWERED_DECELERATION
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.fleet import Fleet
 

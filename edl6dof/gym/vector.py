@@ -10,7 +10,7 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from edl6dof.gym.episodes import Episodes
+from edl6dof.gym.episodes import Episodes, known_options
 from edl6dof.gym.tasks import task_called
 
 
@@ -23,7 +23,8 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
     Args:
         task: name of the task.
         num_envs: flights.
-        pool: dispersed flights that episodes begin from.
+        pool: dispersed flights that episodes draw from.
+        first_case: case number of the first of them, as of :class:`FlightEnv`.
         workers: threads.
         autoreset_mode: when an episode that has ended begins anew: in the next step, whose action is not
             used (the default); in the same step, whose information then holds ``final_obs``; or when
@@ -35,6 +36,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         task: str,
         num_envs: int = 1,
         pool: int = 64,
+        first_case: int = 0,
         workers: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
@@ -43,7 +45,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         self.num_envs = num_envs
         self._mode = AutoresetMode(autoreset_mode)
         self.metadata = {"autoreset_mode": self._mode, "render_modes": []}
-        self._episodes = Episodes(task_called(task), num_envs, workers, pool)
+        self._episodes = Episodes(task_called(task), num_envs, workers, pool, first_case)
         self.task = self._episodes.task
         self.single_observation_space = self.task.observation_space
         self.single_action_space = self.task.action_space
@@ -57,7 +59,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin episodes: all, or those of the option ``reset_mask``, shape (num_envs,), bool."""
         self._seed(seed)
-        mask = (options or {}).get("reset_mask")
+        mask = known_options(options, ["reset_mask"]).get("reset_mask")
         which = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)
         if which.shape != (self.num_envs,):
             raise ValueError(f"reset_mask must have {self.num_envs} values (got {which.shape})")
@@ -84,7 +86,11 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         self._ended[which] = False
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Take one action each."""
+        """Take one action each; a number beyond its bound counts as the bound.
+
+        Raises:
+            ValueError: the actions have a wrong shape, are not finite, or are no choices of the task.
+        """
         begins = self._ended
         if self._mode is AutoresetMode.DISABLED and begins.any():
             raise ValueError(f"episodes {np.flatnonzero(begins).tolist()} have ended; reset them first")

@@ -1,4 +1,4 @@
-"""Thrusters: what each is for, and the propellant branch that feeds it."""
+"""Thrusters: what each is for, how it may fail, and the propellant branch that feeds it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 ThrusterGroup = Literal["horizontal", "axial", "attitude", "fine"]
 THRUSTER_GROUPS: tuple[ThrusterGroup, ...] = get_args(ThrusterGroup)
 HORIZONTAL, AXIAL, ATTITUDE, FINE = range(len(THRUSTER_GROUPS))
+
+#: How a thruster may fail.  Records and telemetry carry the number; 0 is a thruster that works.
+ThrusterFailure = Literal["stuck_off", "stuck_on", "degraded"]
+THRUSTER_FAILURES: tuple[ThrusterFailure, ...] = get_args(ThrusterFailure)
+STUCK_OFF, STUCK_ON, DEGRADED = range(1, len(THRUSTER_FAILURES) + 1)
 
 #: Propellant branches, each behind one latch valve.
 BRANCHES = np.dtype(

@@ -10,11 +10,8 @@ import numpy as np
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.vehicle.faults.component import Components
 from edl6dof.vehicle.faults.fault import FaultParams
+from edl6dof.vehicle.faults.registry import failure_of
 from edl6dof.vehicle.plant import NOT_BEGUN
-
-#: What is rightly said of a thruster that fails together with others, by kind of fault; of one that fails
-#: alone, the kind of its own fault.
-_SAID = {"branch_dead": "stuck off", "weak_thrusters": "degraded"}
 
 
 @dataclass(frozen=True)
@@ -66,11 +63,6 @@ def failed_thrusters(
     return [fault.acts_on(components)] if fault.component == "thruster" else []
 
 
-def kind_of_failure(fault: FaultParams) -> str:
-    """What a diagnosis should say of a thruster that a fault makes fail: stuck off, stuck on, degraded."""
-    return _SAID.get(fault.kind, fault.kind.replace("_", " "))
-
-
 def diagnosis_figures(
     isolated: Sequence[IsolatedFault],
     faults: Sequence[FaultParams],
@@ -86,7 +78,7 @@ def diagnosis_figures(
     for fault, begun in zip(faults, plant["fault_since"], strict=False):
         if begun != NOT_BEGUN:
             for name in failed_thrusters(fault, components, branches):
-                what = name, kind_of_failure(fault)
+                what = name, str(failure_of(fault.kind)).replace("_", " ")
                 since[what] = min(float(begun), since.get(what, np.inf))
     right = [one for one in isolated if one.t_s >= since.get((one.thruster, one.kind), np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}

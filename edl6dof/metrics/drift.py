@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
+from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.spatial.arrays import lengths
 
 _AXES = ("east", "north", "up")

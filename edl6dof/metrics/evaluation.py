@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun
+from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun
 from edl6dof.metrics.extremes import CALM, EXTREMES, SWINGS, role_rows
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.telemetry.columns import Telemetry

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import LIFT, PARACHUTE, span
+from edl6dof.interface.roles import LIFT, PARACHUTE, span
 from edl6dof.telemetry.columns import Telemetry
 
 #: Seconds after the trim wing opens that count as its transient.

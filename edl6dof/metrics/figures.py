@@ -108,6 +108,10 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("spot_largest_rock_m", "largest rock under the chosen spot", "telemetry"),
     FigureOfMerit("spot_false_safe", "chosen as safe with a rock of half a metre under it", "telemetry"),
     FigureOfMerit("spot_miss_m", "touchdown from the chosen spot on the ground", "telemetry"),
+    FigureOfMerit(
+        "constraints_relaxed", "constraints that powered guidance relaxed, in their order", "telemetry"
+    ),
+    FigureOfMerit("landing_error_m", "expected landing error with these relaxed", "telemetry"),
     FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events"),
     FigureOfMerit("powered_duration_s", "time in powered descent", "events"),
     FigureOfMerit("engine_burn_s", "engine lit", "events"),

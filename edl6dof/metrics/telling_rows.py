@@ -16,8 +16,8 @@ from math import inf, isnan, nan
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import LIFT, TRIM, span
 from edl6dof.interface.capacities import MAX_EVENTS
+from edl6dof.interface.roles import LIFT, TRIM, span
 from edl6dof.jit import kernel
 from edl6dof.metrics.evaluation import LIMIT_CYCLE_S, TRIM_ERRORS
 from edl6dof.metrics.extremes import CALM, EXTREMES, SWINGS, Extreme, Part

@@ -20,7 +20,8 @@ from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, bu
 from edl6dof.environment.height_map import HEIGHT_MAP
 from edl6dof.environment.map_file import MapFile
 from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, ground_inputs
-from edl6dof.fsw.diagnosis.hypotheses import NONE
+from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
 from edl6dof.scenario.case import build_case
@@ -223,7 +224,7 @@ def _new_fsw(layout: np.dtype) -> np.ndarray:
     """What every flight computer begins with."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
-    for name in ("gyro", "accelerometer", "beam", "star_tracker"):
+    for name in INSTRUMENT_HEALTH.names or ():
         fsw["navigation"]["health"][name] = 1
     fsw["diagnosis"]["leak"]["branch"] = fsw["diagnosis"]["hypotheses"]["meter"] = NONE
     for name in ("image_t", "scan_t", "spot_t"):

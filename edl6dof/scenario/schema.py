@@ -35,60 +35,43 @@ class SimulationParams(Params):
     contact_step_s: float = param(0.0025, "longest step once the ground was touched", ge=1e-4, le=0.1)
     log_every: int = param(1, "base cycles of the flight software per row of telemetry", ge=1, le=1000)
     time_limit_s: float = param(900.0, "flight time after which the run ends", gt=0.0, le=20000.0)
-    settle_s: float = param(3.0, "time flown on after first ground contact", ge=0.0, le=60.0)
+    rest_s: float = param(
+        2.0,
+        "time at rest on the ground after which a flight has landed; 0: it lands at contact",
+        ge=0.0,
+        le=60.0,
+    )
+
+
+def _limit(meaning: str) -> Any:
+    """A limit that a mission may set."""
+    return param(None, meaning, record=False, gt=0.0)
 
 
 class LimitParams(Params):
-    """What counts as landed within limits, and what ends a flight."""
+    """What counts as landed within limits, and what ends a flight.
 
-    touchdown_vertical_m_s: float = param(3.6, "vertical speed at first contact", status="estimate", gt=0.0)
-    touchdown_horizontal_m_s: float = param(
-        1.0, "horizontal speed at first contact", status="estimate", gt=0.0
+    A limit that is not set is not checked.
+    """
+
+    touchdown_vertical_m_s: float | None = _limit("vertical speed at first contact")
+    touchdown_horizontal_m_s: float | None = _limit("horizontal speed at first contact")
+    touchdown_tilt_deg: float | None = _limit("tilt from the vertical at first contact")
+    touchdown_rate_deg_s: float | None = _limit("body rate at first contact")
+    slope_deg: float | None = _limit("ground slope")
+    largest_rock_m: float | None = _limit("largest rock under the lander")
+    ground_under_belly_m: float | None = _limit(
+        "ground under the belly, rocks too, above the plane of the footpads"
     )
-    touchdown_tilt_deg: float = param(
-        4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0
-    )
-    touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
-    slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
-    largest_rock_m: float | None = param(
-        None, "largest rock under the lander", status="estimate", record=False, gt=0.0
-    )
-    ground_under_belly_m: float | None = param(
-        None,
-        "ground under the belly, rocks too, above the plane of the footpads",
-        status="estimate",
-        record=False,
-        gt=0.0,
-    )
-    landing_distance_m: float = param(
-        28000.0,
-        "distance from the landing site",
-        status="published",
-        source="half of the 56 km ellipse",
-        gt=0.0,
-    )
-    entry_load_g0: float | None = param(
-        None, "peak load of the entry, up to parachute deployment", status="estimate", record=False, gt=0.0
-    )
-    entry_dynamic_pressure_pa: float | None = param(
-        None, "peak dynamic pressure", status="estimate", record=False, gt=0.0
-    )
-    entry_heat_flux_w_cm2: float | None = param(
-        None, "peak heat flux at the stagnation point", status="estimate", record=False, gt=0.0
-    )
-    parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
-    parachute_dynamic_pressure_pa: float = param(
-        850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0
-    )
-    parachute_total_alpha_deg: float = param(
-        7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0
-    )
-    backshell_speed_m_s: float = param(
-        115.0, "speed at backshell separation", status="published", source="S1", gt=0.0
-    )
-    backshell_height_m: float = param(
-        2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0
-    )
+    landing_distance_m: float | None = _limit("distance from the landing site")
+    entry_load_g0: float | None = _limit("peak load of the entry, up to parachute deployment")
+    entry_dynamic_pressure_pa: float | None = _limit("peak dynamic pressure")
+    entry_heat_flux_w_cm2: float | None = _limit("peak heat flux at the stagnation point")
+    parachute_mach_max: float | None = _limit("Mach number at mortar fire")
+    parachute_dynamic_pressure_pa: float | None = _limit("dynamic pressure at mortar fire")
+    parachute_total_alpha_deg: float | None = _limit("total angle of attack at mortar fire")
+    backshell_speed_m_s: float | None = _limit("speed at backshell separation")
+    backshell_height_m: float | None = _limit("height above ground at backshell separation")
     skip_out_m: float = param(
         5000.0,
         "height above the initial altitude at which a flight that should land has skipped out",

@@ -9,18 +9,31 @@ the ground, or the end) and had to do with it; its consequences stand before it:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isfinite
+from math import inf, isfinite, radians
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from edl6dof.environment.landing_area.plane import place_of
+from edl6dof.fsw.guidance.powered.relaxation import in_words
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.sim.outcome import CRASHED
+from edl6dof.spatial.elementary import hypot
 from edl6dof.telemetry.timeline import ran_empty
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.faults.registry import over_after
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
+
+
+#: Figures that are the largest value of a flight, and when it was met.
+_PEAK_TIMES = {
+    "peak_load_g0": "entry_load_time",
+    "peak_dynamic_pressure_pa": "dynamic_pressure_time",
+    "peak_heat_flux_w_cm2": "heat_flux_time",
+}
 
 
 class Consequence(NamedTuple):
@@ -60,14 +73,28 @@ def _decided_at(flight: Flight, missed: Sequence[Check]) -> float:
     """
     met = float(flight.plant["touchdown_time"][0])
     end = met if isfinite(met) else flight.time_s
-    return max((flight.metrics.get(_time_of(check.figure), end) for check in missed), default=end)
+    return max((_broken_at(flight, check, end) for check in missed), default=end)
 
 
-def _time_of(figure: str) -> str:
-    """Name of the figure that tells when another is taken: that of the mortar for ``parachute_mach``."""
-    if figure_of_merit(figure).source in ("contact", "footing"):
-        return "touchdown_s"
-    return f"{figure.partition('_')[0]}_s"
+def _broken_at(flight: Flight, check: Check, end: float) -> float:
+    """Time (s) at which a limit was broken: that of the peak, or of the event that the figure is taken at;
+    for the distance of a landing that of mortar fire, if the vehicle was farther beyond the limit there than
+    it was high, which no descent makes good.
+    """
+    if check.figure in _PEAK_TIMES:
+        return float(flight.peaks[_PEAK_TIMES[check.figure]][0])
+    if check.figure == "landing_distance_m":
+        mortar, height = flight.metrics.get("parachute_s", end), flight.metrics.get("parachute_height_m", 0.0)
+        return mortar if _from_site(flight, mortar) > check.limit + height else end
+    if figure_of_merit(check.figure).source in ("contact", "footing"):
+        return end
+    return flight.metrics.get(f"{check.figure.partition('_')[0]}_s", end)
+
+
+def _from_site(flight: Flight, t: float) -> float:
+    """Horizontal distance (m) from the landing site at a time (s)."""
+    latitude, longitude = flight.telemetry.at(t, "truth.latitude_deg", "truth.longitude_deg")
+    return hypot(*place_of(flight.case["terrain"][0], radians(latitude), radians(longitude)))
 
 
 # ---- faults ------------------------------------------------------------------------------------------------
@@ -121,10 +148,12 @@ def _done(flight: Flight, actions: Sequence[str], things: Sequence[str]) -> floa
 
 
 def _consequences(flight: Flight) -> list[Consequence]:
-    """Propellant used up, an engine cut off in the air, and before a crash no parachute or no engine."""
+    """Propellant used up, an engine cut off in the air, and before a crash no parachute, no engine, or no
+    landing that keeps the constraints of powered guidance.
+    """
     found = [*_empty_tanks(flight), *_cut_off(flight)]
     if flight.code == CRASHED:
-        found += _left_undone(flight)
+        found += [*_left_undone(flight), *_relaxed(flight)]
     return found
 
 
@@ -149,6 +178,17 @@ def _cut_off(flight: Flight) -> list[Consequence]:
     (height,) = flight.telemetry.at(t, "truth.height_m")
     words = "engine cut off {}above the ground"
     return [Consequence(t, words.format(""), words.format(f"{height:.1f} m ") + f" at {t:.1f} s")]
+
+
+def _relaxed(flight: Flight) -> list[Consequence]:
+    """The most constraints that powered guidance relaxed, which it does not do while it can land."""
+    times = flight.fsw[0]["guidance"]["relaxed"]["t"]
+    noted = np.flatnonzero(times > 0.0)
+    if not len(noted):
+        return []
+    t, words = float(times[noted[-1]]), in_words(int(noted[-1]) + 1)
+    (height,) = flight.telemetry.at(t, "truth.height_m")
+    return [Consequence(t, words, f"{words} from {height:.0f} m at {t:.1f} s")]
 
 
 def _engines(flight: Flight) -> list[str]:

@@ -15,6 +15,7 @@ from edl6dof.metrics.exclusions import exclusion_figures
 from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.hazard import hazard_figures
 from edl6dof.metrics.navigation import navigation_figures
+from edl6dof.metrics.relaxation import relaxation_figures
 from edl6dof.metrics.telling_rows import telling
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario.schema import Scenario
@@ -35,6 +36,7 @@ def figures_of(flight: Flight) -> dict[str, float]:
         done = dict(zip(scenario.mission.events, plant["done"].tolist(), strict=False))
         figures |= event_figures(flight.telemetry, scenario.published, done)
         figures |= peak_figures(plant, flight.peaks[0], happened)
+        figures |= relaxation_figures(flight.fsw[0]["guidance"]["relaxed"])
         figures |= touchdown_state(flight.case, flight.plant)
         figures |= footing_figures(flight.case, flight.tables, flight.plant, flight.outputs)
         figures |= diagnosis_figures(

@@ -9,12 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.onboard import FSW
-from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
-from edl6dof.records import first_not_finite, offset
+from edl6dof.records import finite_words, first_not_finite, offset
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES
 
@@ -26,33 +24,27 @@ _EXPONENT, _LOWEST, _SIGN = (
 )
 
 
-def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int, int]:
-    """Eight-byte words of a record from one field through another; whole numbers between are never negative,
-    and so look finite.
-    """
-    start, end = offset(layout, first), offset(layout, last) + layout[last].itemsize
-    return (base + start) // 8, (base + end) // 8
-
-
 #: Fields of the state that follow from the outputs.
 _FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
-#: modulation make of it.  Images, which stand behind, are finite whatever the vehicle does: an eye that meets
-#: nothing reads 0.
-_SENSED = _words(SENSED, "t", "branch_used", offset(SENSORS, "sensed"))
-_PHASE_START = _words(SEQUENCE, "phase_start", "phase_start", offset(FSW, "mission"))
-_WORKED_OUT = _words(FSW, "vehicle", "demand")
-_COMMANDED = _words(COMMAND, "closes", "alpha", offset(FSW, "command"))
+#: modulation make of it.  Images are finite whatever the vehicle does: an eye that meets nothing reads 0.
+_SENSED = tuple(finite_words(SENSED, offset(SENSORS, "sensed")))
+_WORKED_OUT = tuple(
+    run
+    for name in ("mission", "vehicle", "nav", "guide", "disturbance", "demand", "command")
+    for run in finite_words(FSW[name], offset(FSW, name))
+)
 
 
 @kernel
-def _gather(words, fields, wrong):
+def _gather(words, runs, wrong):
     """Set the top bit of ``wrong`` if a word has every bit of the exponent set: adding the lowest one carries
     into the sign.
     """
-    for i in range(fields[0], fields[1]):
-        wrong |= (words[i] & _EXPONENT) + _LOWEST
+    for first, end in runs:
+        for i in range(first, end):
+            wrong |= (words[i] & _EXPONENT) + _LOWEST
     return wrong
 
 
@@ -61,11 +53,7 @@ def works_with_finite(sensors, memory):
     """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as
     ``uint64`` words.
     """
-    wrong = _gather(sensors, _SENSED, _LOWEST)
-    wrong = _gather(memory, _PHASE_START, wrong)
-    wrong = _gather(memory, _WORKED_OUT, wrong)
-    wrong = _gather(memory, _COMMANDED, wrong)
-    return wrong < _SIGN
+    return _gather(memory, _WORKED_OUT, _gather(sensors, _SENSED, _LOWEST)) < _SIGN
 
 
 def first_cause(

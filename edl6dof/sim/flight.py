@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.config.named import Named
-from edl6dof.fsw.mission.roles import during
+from edl6dof.interface.roles import during
 from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks
 from edl6dof.metrics.exclusions import Exclusion, exclusions

@@ -17,6 +17,7 @@ from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.peaks import update_peaks
+from edl6dof.vehicle.motion.rest import note_motion
 from edl6dof.vehicle.motion.runge_kutta import evaluate, retrace, survey, undo
 
 #: A cycle of the flight software, which is compiled beside the loop.
@@ -88,6 +89,7 @@ def fly(
         if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)
             update_peaks(plant, outputs, peaks)
+            note_motion(case, plant)
             outcome = outcome_of(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:

@@ -8,8 +8,9 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.motion.body import tilt
+from edl6dof.vehicle.motion.rest import ground_speed
 from edl6dof.vehicle.parachutes.parachute import PACKED
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 OUTCOMES = (
     "flying",
@@ -28,13 +29,6 @@ FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TI
 
 #: Dynamic pressure (Pa) below which the angle of attack says nothing about control.
 THIN_AIR = 50.0
-
-
-@kernel
-def contact_speed(spin, y):
-    """Planet-relative speed (m/s) in the state ``y`` of the first ground contact."""
-    r, v = take3(y, POSITION), take3(y, VELOCITY)
-    return norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
 
 
 @kernel
@@ -63,12 +57,12 @@ def outcome_of(case, plant, outputs):
     if at_last_event(case, plant):
         return LAST_EVENT
     if plant.touched != 0:
-        if plant.legs == 0 or contact_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:
+        if plant.legs == 0 or ground_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:
             return CRASHED
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
         if tilt(case, t, q, out) > 0.8:
             return TIPPED_OVER
-        if t - plant.touchdown_time >= case.simulation.settle and out.pads > 0:
+        if t - plant.moved_time >= case.simulation.rest and out.pads > 0:
             return LANDED
         return TIME_LIMIT if t >= case.simulation.time_limit - 1e-9 else FLYING
     if norm(take3(y, RATE)) > limits.body_rate:

@@ -12,6 +12,7 @@ from edl6dof.sim.causes import reasons
 from edl6dof.sim.outcome import CRASHED, LANDED, LAST_EVENT, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
 from edl6dof.spatial.elementary import hypot
 from edl6dof.telemetry.timeline import in_words
+from edl6dof.vehicle.motion.rest import ground_speed
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
@@ -56,7 +57,7 @@ def termination(flight: Flight) -> Termination:
         words = in_words(mission.events[stated(mission.goal_event)])
     missed = [check for check in flight.checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
-        return Termination(True, True, words + within, "")
+        return Termination(True, True, words + (within if flight.checks else ""), "")
     told, plain = reasons(flight, missed)
     if missed:
         limits = ", ".join(check.label for check in missed)
@@ -77,8 +78,17 @@ def _what(flight: Flight) -> tuple[str, str]:
     if flight.code == NOT_FINITE:
         return f"not finite: {flight.not_finite}", f" at t = {flight.time_s:.2f} s"
     if flight.code == CRASHED:
-        return "crashed", f" at {flight.metrics['touchdown_vertical_m_s']:.1f} m/s descent rate"
+        down, over = (flight.metrics[f"touchdown_{way}_m_s"] for way in ("vertical", "horizontal"))
+        return "crashed", f" at {down:.1f} m/s vertical and {over:.1f} m/s horizontal speed"
+    if flight.code == TIME_LIMIT and flight.plant["touched"][0] and _moving(flight):
+        speed = ground_speed(flight.case["planet"]["rotation_rate"][0], flight.plant["y"][0])
+        return "time limit: still moving on the ground", f" at {speed:.2f} m/s"
     return OUTCOMES[flight.code], ""
+
+
+def _moving(flight: Flight) -> bool:
+    """Whether the vehicle moves at the end."""
+    return float(flight.plant["moved_time"][0]) == flight.time_s
 
 
 def _phase(flight: Flight) -> str:

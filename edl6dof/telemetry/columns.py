@@ -8,10 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from edl6dof.config.named import UnknownName
+from edl6dof.interface.thrusters import THRUSTER_FAILURES
 from edl6dof.records import offset
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest, rows_of_words
-from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 
 class Telemetry(Mapping[str, np.ndarray]):
@@ -146,7 +146,7 @@ def describe(name: str) -> tuple[str, str]:
         return "", f"mean thrust fraction of thruster {name[4:]} over the last integration step"
     if name.startswith("fault."):
         codes = ", ".join(
-            f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_KINDS, 1)
+            f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_FAILURES, 1)
         )
         return "", f"true state of thruster {name[6:]}: 0 works, {codes}"
     if name.startswith("valve."):

@@ -85,4 +85,4 @@ def record_claims(navigation, nav):
     nav.speed_innovation = farthest(solution.speed_innovation)
     nav.beams_used = solution.beams_used
     nav.gyros_in_use, nav.accelerometers_in_use = mask(health.gyro), mask(health.accelerometer)
-    nav.beams_in_use = mask(health.beam)
+    nav.beams_in_use = mask(health.beam_range) & mask(health.beam_speed)

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.fsw.guidance.powered import relaxation
 from edl6dof.fsw.mission.phases import Event, MissionParams
-from edl6dof.fsw.mission.roles import NO_ROLE, begun
 from edl6dof.fsw.navigation.guard import CHECKS
+from edl6dof.interface.roles import NO_ROLE, begun
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -81,6 +82,11 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
     ]
     found += guard_moments(fsw["navigation"])
     found += hazard_moments(fsw["hazard"])
+    found += [
+        moment(t, "relaxed", f"powered guidance: {relaxation.in_words(relaxed)}")
+        for relaxed, t in enumerate(fsw["guidance"]["relaxed"]["t"], start=1)
+        if t > 0.0
+    ]
     found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first contact"))
     return [one for one in found if isfinite(one["t_s"])]
 

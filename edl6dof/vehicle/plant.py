@@ -19,6 +19,7 @@ from edl6dof.interface.capacities import (
     MAX_TANKS,
     MAX_THRUSTERS,
 )
+from edl6dof.interface.thrusters import THRUSTER_FAILURES
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
@@ -49,9 +50,6 @@ STATE_NAMES = (
 
 #: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99
-#: Faults of one thruster, by the number that ``valves.fault`` and the telemetry carry; 0 is a thruster that
-#: works.
-THRUSTER_KINDS = ("stuck_off", "stuck_on", "degraded")
 
 VALVES = np.dtype(
     [
@@ -62,8 +60,8 @@ VALVES = np.dtype(
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
         ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow, likewise
         ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
-        # which fault each thruster has, 0 for none
-        ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),
+        # how each thruster fails, 0 for one that works
+        ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
     ],
     align=True,
 )
@@ -130,9 +128,12 @@ DEBRIS = np.dtype(
 PEAKS = np.dtype(
     [
         ("entry_load", "f8"),  # up to the first deployment of a parachute
+        ("entry_load_time", "f8"),
         ("parachute_load", "f8"),  # while a parachute is out
         ("dynamic_pressure", "f8"),
+        ("dynamic_pressure_time", "f8"),
         ("heat_flux", "f8"),
+        ("heat_flux_time", "f8"),
         ("riser_tension", "f8"),
     ],
     align=True,
@@ -197,6 +198,7 @@ STATE = np.dtype(
         ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),
+        ("moved_time", "f8"),  # when it was last seen moving relative to the ground
         ("exhausted_time", TIME_IF_EVER, (MAX_TANKS,)),  # when each tank ran empty
         ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
         ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did

@@ -20,6 +20,7 @@ from edl6dof.config.base import (
 from edl6dof.config.errors import Inconsistent
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
 from edl6dof.spatial.arrays import total
+from edl6dof.vehicle.aerodynamics.bluff import BluffParams
 from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
 from edl6dof.vehicle.aerodynamics.wrench import AeroParams
 from edl6dof.vehicle.appearance import VehicleAppearanceParams
@@ -31,6 +32,15 @@ from edl6dof.vehicle.propulsion.engine import EngineParams
 from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
+#: What a vehicle says itself of each aerodynamic model or shape that it flies.
+STATED = {
+    "capsule": ("diameter_m", "nose_radius_m"),
+    "constant": ("reference_area_m2", "drag_coefficient"),
+    "lift_drag": ("reference_area_m2", "drag_coefficient", "lift_to_drag"),
+    "body": ("file",),
+    "backshell": tuple(BluffParams.model_fields),
+    "lander": tuple(BluffParams.model_fields),
+}
 #: Share by which the thrust of an engine of thrusters may differ from theirs, which disperse.
 _AS_BELIEVED = 0.1
 
@@ -107,6 +117,7 @@ class VehicleParams(Hardware):
             problems["mass"] = words
         if self.aero.model == "capsule" and self.showing("capsule") is None:
             problems["parts"] = "aero.model capsule flies as long as a part with shape: capsule is attached"
+        problems |= self._unstated_aero()
         names = [part.name for part in self.parts]
         named = {f"parachutes.{k}.pack": one.pack for k, one in enumerate(self.parachutes)}
         named |= {f"parachutes.{k}.carried_by": one.carried_by for k, one in enumerate(self.parachutes)}
@@ -120,7 +131,9 @@ class VehicleParams(Hardware):
         problems |= {f"rcs.{place}": words for place, words in laid.items()}
         for k, engine in enumerate(self.engines):
             low, high = engine.throttle_min_n, engine.throttle_max_n
-            if low > high:
+            if engine.model == "throttled" and high == 0.0:
+                problems[f"engines.{k}.throttle_max_n"] = "a throttled engine needs its band"
+            elif low > high:
                 words = f"must not be above throttle_max_n {high:g} (got {low:g})"
                 problems[f"engines.{k}.throttle_min_n"] = words
             elif high > engine.full_thrust_n:
@@ -134,6 +147,20 @@ class VehicleParams(Hardware):
         if problems:
             raise Inconsistent(problems)
         return self
+
+    def _unstated_aero(self) -> dict[str, str]:
+        """What the vehicle does not say of the shapes that it flies, by dotted key: a default would be that
+        of another vehicle.
+        """
+        flown: list[str] = [self.aero.model] if self.aero.model in STATED else []
+        flown += ["backshell"] if self.showing("backshell") else []
+        flown += ["lander"] if self.aero.model == "capsule" and self.engines else []
+        return {
+            f"aero.{shape}.{key}": "required key is missing"
+            for shape in flown
+            for key in STATED[shape]
+            if key not in getattr(self.aero, shape).model_fields_set
+        }
 
     def _thruster_set_problems(self) -> dict[str, str]:
         """An engine of thrusters that has none, another thrust than theirs, or a place before other engines,
@@ -184,8 +211,8 @@ class VehicleParams(Hardware):
 
     @property
     def main_parachute(self) -> ParachuteParams:
-        """The parachute flown last; one of the smallest size where there is none."""
-        return self.parachutes[-1] if self.parachutes else ParachuteParams(name="none")
+        """The parachute flown last."""
+        return self.parachutes[-1]
 
 
 def carriers(vehicle: VehicleParams) -> list[int]:

@@ -14,6 +14,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import edl6dof.gym as gym  # noqa: E402
+from edl6dof.gym.starts import StartPool  # noqa: E402
 from edl6dof.gym.tasks import task_called  # noqa: E402
 
 
@@ -98,6 +99,81 @@ def test_many_flights_are_as_many_single_ones():
             assert value == reward[k]
         assert np.array_equal(alone, np.array(seen)[:, k])
     many.close()
+
+
+@pytest.fixture(scope="module")
+def diagnosis():
+    """An environment with a pool of two cases from case 3 on."""
+    return gym.FlightEnv("FaultDiagnosis", pool=2, first_case=3)
+
+
+def test_an_episode_draws_from_its_pool_alone(diagnosis):
+    own = [diagnosis.reset(options={"case": case})[0] for case in (3, 4)]
+    for seed in range(12):
+        begun = diagnosis.reset(seed=seed)[0]
+        assert any(np.array_equal(begun, one) for one in own)
+
+
+def test_cases_are_those_of_any_other_pool(diagnosis):
+    other = gym.FlightEnv("FaultDiagnosis", pool=1)
+    assert np.array_equal(other.reset(options={"case": 3})[0], diagnosis.reset(options={"case": 3})[0])
+    assert not np.array_equal(other.reset(seed=0)[0], diagnosis.reset(options={"case": 3})[0])
+
+
+def test_a_case_that_ends_early_is_replaced_by_one_of_no_pool(monkeypatch):
+    """The beginning of a task is reached at the second try."""
+    asked = []
+    pool = StartPool(task_called("FaultDiagnosis"), 2, 0)
+    monkeypatch.setattr(pool, "_comes", lambda flight: len(asked) > 1)
+    of = pool._flights.of
+    monkeypatch.setattr(pool._flights, "of", lambda case: asked.append(case) or of(case))
+    pool[1]
+    first, second = asked
+    assert first == 1
+    with pytest.raises(ValueError, match="a case must be a whole number from 0"):
+        pool[second]
+
+
+@pytest.mark.parametrize("case", [-1, 2**26, 1.0, True, "1"])
+def test_a_case_that_is_none_is_refused(diagnosis, case):
+    with pytest.raises(ValueError, match="a case must be a whole number from 0"):
+        diagnosis.reset(options={"case": case})
+
+
+@pytest.mark.parametrize("pool, first_case", [(0, 0), (1, -1), (2, 2**26 - 1)])
+def test_a_pool_that_is_none_is_refused(pool, first_case):
+    with pytest.raises(ValueError, match="pool must be at least 1"):
+        gym.FlightEnv("FaultDiagnosis", pool=pool, first_case=first_case)
+
+
+def test_an_option_that_is_none_is_refused(diagnosis):
+    with pytest.raises(ValueError, match="did you mean 'case'"):
+        diagnosis.reset(options={"cases": 1})
+    with pytest.raises(ValueError, match="no option 'case'"):
+        gym.FlightVectorEnv("FaultDiagnosis", 1).reset(options={"case": 1})
+
+
+BAD_NUMBERS = [[np.nan] * 22, [np.inf] * 22, [0.0] * 21, 0.0, ["up"] * 22]
+
+
+@pytest.mark.parametrize(
+    "name, action",
+    [("DeadThruster", bad) for bad in BAD_NUMBERS] + [("FaultDiagnosis", n) for n in (-1, 23, 1.0)],
+)
+def test_an_action_that_is_none_is_refused(environments, name, action):
+    env = environments[name]
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="action"):
+        env.step(action)
+
+
+def test_a_number_beyond_its_bound_counts_as_the_bound(environments):
+    env = environments["PoweredDescent"]
+    seen = []
+    for action in ([1.0, -1.0, 1.0], [7.0, -1e9, 1.5]):
+        env.reset(seed=0)
+        seen.append(np.array([env.step(action)[0] for _ in range(3)]))
+    assert np.array_equal(*seen)
 
 
 def ended(mode):

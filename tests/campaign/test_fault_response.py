@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 import edl6dof
 from edl6dof.campaign.fault_response import Failure, failures, fault_response
+from edl6dof.interface.thrusters import ThrusterFailure
+from edl6dof.metrics.diagnosis import diagnosis_figures
+from edl6dof.registry import Member
+from edl6dof.vehicle.faults import registry
+from edl6dof.vehicle.faults.component import ThrusterFault
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 
@@ -55,6 +61,28 @@ def made_up(*faults, named=(), begun=None, used=None, excluded=()):
 DEAD = "{thruster: D1, kind: stuck_off, at: {time_s: 50}}"
 OPEN = "{thruster: D1, kind: stuck_on, at: {time_s: 50}}"
 ALSO = "{thruster: D2, kind: stuck_off, at: {time_s: 50}}"
+
+
+def test_a_new_kind_of_fault_is_judged_by_what_it_declares(monkeypatch):
+    """A torn valve seat leaks: named open it is named right, in the rows of a matrix and in the figures."""
+
+    class SeatTornParams(ThrusterFault):
+        """The valve does not close any more."""
+
+        failure: ClassVar[ThrusterFailure] = "stuck_on"
+
+    flight = made_up(OPEN, named=[("D1", "stuck on", 52.0)])
+    truth = flight.loaded.truth
+    torn = Member("seat_torn", SeatTornParams, {}, "a test")
+    monkeypatch.setattr(registry, "FAULT_KINDS", SimpleNamespace(member={"seat_torn": torn}.get))
+    truth.faults[:] = [truth.faults[0].model_copy(update={"kind": "seat_torn"})]
+    row = fault_response(flight)
+    assert row["kind_right"] and row["wrongly_named"] is None and row["first_use_s"] == 50.0
+    figures = diagnosis_figures(
+        flight.isolated_faults, truth.faults, truth.components, truth.branches,
+        {"fault_since": flight.plant["fault_since"][0]},
+    )  # fmt: skip
+    assert figures == {"false_alarms": 0.0, "missed_isolations": 0.0, "time_to_detect_s": 2.0}
 
 
 def test_times_run_from_the_fault_and_from_the_first_use_after_it():

@@ -42,7 +42,7 @@ OTHER_MEANINGS = {
     "edl6dof.vehicle.vehicle": {"parachute"},
 }
 #: The list of roles, which takes its words from what phases are usually called.
-ROLES = "edl6dof.fsw.mission.roles"
+ROLES = "edl6dof.interface.roles"
 
 
 @pytest.fixture(scope="module")

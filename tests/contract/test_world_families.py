@@ -89,10 +89,25 @@ def test_wind_is_finite_bounded_and_repeatable(world, index):
     assert np.array_equal(found, [wind_of_model(index, wind, table, alt) for alt in ALTITUDES])
 
 
+CANOPY = {
+    "diameter_m": 16.0,
+    "drag_coefficient": 0.62,
+    "mortar_speed_m_s": 30.0,
+    "line_length_m": 31.0,
+    "confluence_m": (0.0, 0.0, 0.0),
+}
+BURNING = {
+    "full_thrust_n": 7500.0,
+    "throttle_max_n": 5000.0,
+    "full_specific_impulse_s": 300.0,
+    "nozzle_m": (0.0, 0.0, 0.0),
+}
+
+
 @pytest.mark.parametrize("name", PARACHUTE_MODELS.names)
 def test_parachute_fills_from_nothing_to_its_whole_area_and_is_repeatable(name):
     chute = np.zeros(1, PARACHUTE_PARAMS)[0]
-    fill(chute, ParachuteParams(name="main", model=name, diameter_m=16.0, line_length_m=30.0))
+    fill(chute, ParachuteParams(name="main", model=name, **CANOPY))
     times, machs = np.linspace(-1.0, 60.0, 6101), np.linspace(0.0, 30.0, 301)
     share = np.array([inflation(chute, t) for t in times])
     drag = np.array([efficiency_of_model(chute["model"], chute, chute, mach) for mach in machs])
@@ -105,7 +120,7 @@ def test_parachute_fills_from_nothing_to_its_whole_area_and_is_repeatable(name):
 @pytest.mark.parametrize("name", [name for name in ENGINE_MODELS.names if name != "thruster_set"])
 def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatable(name):
     engine = np.zeros(1, ENGINE)[0]
-    fill(engine, EngineParams(name="main", model=name, full_thrust_n=7500.0, throttle_max_n=5000.0))
+    fill(engine, EngineParams(name="main", model=name, **BURNING))
 
     def burn():
         thrust, levels = 0.0, []
@@ -125,7 +140,7 @@ def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatab
 
 def test_engine_of_thrusters_gives_nothing_of_its_own():
     engine = np.zeros(1, ENGINE)[0]
-    fill(engine, EngineParams(name="main", model="thruster_set", full_thrust_n=7500.0, throttle_max_n=5000.0))
+    fill(engine, EngineParams(name="main", model="thruster_set", **BURNING))
     assert thrust_goal(engine, 0.0, 1e-3, 7500.0) == (0.0, 0.0)
     assert thrust_rate(engine, 0.0, 0.0, True) == 0.0 and propellant_flow(engine, 0.0) == 0.0
 

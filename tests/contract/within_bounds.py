@@ -25,7 +25,6 @@ from edl6dof.fsw.guidance.entry.prediction.reference import node_of
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_range
 from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.sensed import SENSED
 from edl6dof.sensors.imu import DEPTH, READINGS, ImuParams, measure
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
@@ -65,9 +64,9 @@ def rings(case, tables, plant, outputs):
     params = in_si(ImuParams(delay_cycles=DEPTH - 1))
     for _ in range(2 * DEPTH + 1):
         measure(params, params, case, tables, plant, outputs, readings, sensed)
-    memory, share = np.zeros(1, RESIDUAL)[0], np.zeros(MAX_THRUSTERS)
+    memory = np.zeros(1, RESIDUAL)[0]
     for _ in range(2 * WINDOW + 1):
-        known = without_slow_part(1.0, np.zeros(6), share, MAX_THRUSTERS, 0.04, memory)
+        known = without_slow_part(1.0, np.zeros(6), 0.04, memory)
     assert (readings["taken"], known) == (2 * DEPTH + 1, 2 * WINDOW + 1)
 
 

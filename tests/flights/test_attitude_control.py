@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import edl6dof
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.scenario.records import build_onboard
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
@@ -205,6 +205,43 @@ def test_the_guard_leaves_sound_flights_alone(nominal):
     for flight in (nominal, windy):
         assert branched_s(flight) is None
         assert flight.success, flight.outcome
+
+
+@pytest.mark.parametrize(
+    ("north_m_s", "east_m_s"),
+    [
+        (0, -45),
+        (-42, -42),
+        *(
+            pytest.param(speed * n, speed * e, marks=pytest.mark.long)
+            for speed in (15, 30, 45, 60)
+            for n, e in ((1, 0), (0.7, 0.7), (0, 1), (-0.7, 0.7), (-1, 0), (-0.7, -0.7), (0, -1), (0.7, -0.7))
+        ),
+    ],
+)
+def test_the_guard_leaves_sound_flights_alone_in_a_wind_that_is_not_expected(north_m_s, east_m_s):
+    """The wind moves the angle that navigation works out; the capsule turns into it and meets it head on."""
+    wind = f"wind={{model: constant, constant: {{north_m_s: {north_m_s}, east_m_s: {east_m_s}}}}}"
+    flight = edl6dof.fly("tianwen1", [wind, *PERTURBED, "mission.goal=deployment"])
+    assert branched_s(flight) is None
+    assert flight.metrics["parachute_total_alpha_deg"] < 4.0
+
+
+@pytest.mark.parametrize(
+    ("thruster", "time_s"), [("A1", 270), pytest.param("D1", 270, marks=pytest.mark.long), ("P1", 277)]
+)
+def test_a_leak_that_diagnosis_stops_does_not_call_the_guard(thruster, time_s):
+    """Its branch is shut before the smoothed direction of the force shows it; the wind is unexpected."""
+    flight = edl6dof.fly(
+        "tianwen1",
+        [
+            f"faults=[{{kind: stuck_on, thruster: {thruster}, at: {{time_s: {time_s}}}}}]",
+            "wind={model: constant, constant: {east_m_s: -45}}",
+            "mission.goal=deployment",
+        ],
+    )
+    assert branched_s(flight) is None
+    assert flight.metrics["parachute_total_alpha_deg"] < 4.0
 
 
 @pytest.mark.long  # of the suite: test_repeatable.py

@@ -13,7 +13,7 @@ import pytest
 
 import edl6dof
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 
 ENTRY = "flight_software.guidance.entry"
 #: Wind (m/s), and how much more the bank angle may move in it than in calm air.

@@ -234,5 +234,5 @@ def test_order_of_the_sentence_is_that_of_time():
 
 def test_a_parachute_that_never_came_is_a_consequence_of_its_dead_mortar():
     flight = flown("{kind: parachute_dead, at: {time_s: 100}}", sets=["mission.phases.parachute.ways_out=[]"])
-    assert ": no parachute deployed after main parachute dead at 100.0 s" in flight.outcome
+    assert "no parachute deployed after main parachute dead at 100.0 s" in flight.outcome
     assert "mortar" not in {one["key"] for one in flight.events}

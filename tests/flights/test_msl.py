@@ -45,17 +45,18 @@ def test_range_control_reverses_three_times_and_leaves_the_rest_to_heading_align
     assert np.max(np.abs(t["guide.bank_deg"][steered])) <= 30.0 + 1e-9
 
 
-def test_a_tail_wind_that_nobody_expects_carries_heading_alignment_past_the_aim_point(flight):
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_tail_wind_that_nobody_expects_carries_heading_alignment_past_the_aim_point(seed):
     """As the miss of the real flight is explained (Mendeck & McGrew 2014); the plan makes up for an expected
-    one.
+    wind.  The same errors of navigation in each flight: the wind alone makes the difference.
     """
     unexpected = "flight_software.guidance.entry.expected_wind.table_factor=0"
-    blown = edl6dof.fly("msl", [unexpected])
-    still = edl6dof.fly("msl", [unexpected, "wind.scale=0"])
-    assert blown.metrics["parachute_downrange_m"] > 2000.0
-    assert abs(still.metrics["parachute_downrange_m"]) < 1600.0
-    assert abs(flight.metrics["parachute_downrange_m"]) < 1600.0
-    assert blown.metrics["parachute_mach"] < still.metrics["parachute_mach"] - 0.05
+    flights = ([unexpected], [unexpected, "wind.scale=0"], [])
+    blown, still, planned = (edl6dof.fly("msl", [*flight, f"seed={seed}"]).metrics for flight in flights)
+    carried = blown["parachute_downrange_m"] - still["parachute_downrange_m"]
+    assert carried == pytest.approx(2500.0, abs=700.0)
+    assert blown["parachute_downrange_m"] - planned["parachute_downrange_m"] > 1500.0
+    assert blown["parachute_mach"] < still["parachute_mach"] - 0.05
 
 
 def test_vehicle_trims_as_planned_and_is_straightened_before_the_parachute(flight):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from edl6dof.campaign.neighbours import fly_neighbours, sample_means
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
+from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.metrics.published import published_figures
 from edl6dof.telemetry.timeline import first_times
 

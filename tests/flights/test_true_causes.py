@@ -27,12 +27,15 @@ def test_tank_that_runs_empty_is_told_before_the_crash():
     empty = event(flight, "propellant_exhausted")
     assert empty["name"] == "propellant exhausted"
     assert empty["t_s"] < event(flight, "touchdown")["t_s"] - 1.0
-    speed, t = flight.metrics["touchdown_vertical_m_s"], empty["t_s"]
+    t = empty["t_s"]
+    down, over = (flight.metrics[f"touchdown_{way}_m_s"] for way in ("vertical", "horizontal"))
     words = f"propellant exhausted at {t:.1f} s"
     # without thrust the phases go on: the ground is met in the last one that began before it
     begun = [one["key"] for one in flight.events if one["t_s"] < event(flight, "touchdown")["t_s"]]
     phase = [key for key in begun if key.startswith("phase.")][-1].removeprefix("phase.")
-    assert flight.outcome == f"crashed at {speed:.1f} m/s descent rate in phase {phase}: {words}"
+    assert flight.outcome == (
+        f"crashed at {down:.1f} m/s vertical and {over:.1f} m/s horizontal speed in phase {phase}: {words}"
+    )
     assert flight.cause == f"crashed in phase {phase}: propellant exhausted"
     before = flight.telemetry["t_s"] < t
     left = flight.telemetry["truth.propellant_kg"]
@@ -94,6 +97,51 @@ def test_time_limit_ends_a_flight_on_the_ground_too(nominal):
     limit = math.ceil(nominal.metrics["touchdown_s"]) + 1.0
     flight = edl6dof.fly("tianwen1", [f"simulation.time_limit_s={limit}"])
     assert flight.outcome == "time limit in phase landed"
+
+
+ICE = [
+    "terrain.slope_deg=12",
+    "vehicle.landing_gear.friction=0.02",
+    "simulation.time_limit_s=560",
+    "simulation.log_every=10",
+]
+
+
+def test_lander_that_slides_has_not_landed_and_the_time_limit_says_so():
+    flight = edl6dof.fly("tianwen1", ICE)
+    assert flight.cause == "time limit: still moving on the ground in phase landed"
+    assert flight.time_s == pytest.approx(560.0) and flight.telemetry["truth.speed_m_s"][-1] > 1.0
+
+
+@pytest.mark.parametrize("seed", range(2, 6))
+def test_flight_that_landed_was_at_rest_for_as_long_as_its_scenario_says(seed):
+    flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}"])
+    assert flight.code == LANDED
+    t = flight.telemetry["t_s"]
+    last = t > flight.time_s - flight.scenario.simulation.rest_s + 1e-6
+    rates = [flight.telemetry[f"truth.rate_{axis}_deg_s"][last] for axis in "pqr"]
+    assert flight.telemetry["truth.speed_m_s"][last].max() <= 0.05
+    assert np.sqrt(np.sum(np.square(rates), axis=0)).max() <= 1.0
+
+
+LATE_FAULT = "faults=[{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance, plus_s: 2}}]"
+EARLY_FAULT = "faults=[{thruster: D7, kind: stuck_off, at: {time_s: 60}}]"
+
+
+@pytest.mark.parametrize(
+    "limit", ["entry_load_g0=3", "entry_dynamic_pressure_pa=1000", "entry_heat_flux_w_cm2=5"]
+)
+def test_fault_after_a_limit_was_broken_is_not_blamed_for_it(limit):
+    late, early = (edl6dof.fly("tianwen1", [f"limits.{limit}", fault]) for fault in (LATE_FAULT, EARLY_FAULT))
+    assert "outside limits" in late.cause and "D7" not in late.cause
+    assert early.cause.endswith("after D7 stuck off")
+
+
+def test_distance_missed_at_mortar_fire_is_not_blamed_on_the_descent():
+    """A site 60 km off, which open-loop entry knows nothing of."""
+    missed = ["terrain.site_longitude_deg=111", "flight_software.guidance.entry.law=bank_profile"]
+    flight = edl6dof.fly("tianwen1", [*missed, LATE_FAULT])
+    assert flight.cause == "outside limits: distance from the landing site"
 
 
 @pytest.mark.parametrize(

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
+import py_compile
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from command import ROOT, SHORT, VIEWERS, finished, refused, viewing
+from command import SHORT, VIEWERS, finished, refused, viewing
 from in_process import called
 
 from edl6dof.manifest import seal
@@ -91,38 +90,93 @@ def test_viewers_show_it_and_run_nothing(viewer, sent, received, tmp_path):
 def test_flying_it_again_asks_once_and_is_remembered_until_the_law_changes(sent, received, tmp_path):
     again = ("check", received / "scenario.yaml")
     done = called(*again, cwd=tmp_path)
-    assert refused(done) and "--trust" in done.stderr and "law.py" in done.stderr
+    assert refused(done) and "edl6dof trust" in done.stderr and "law.py" in done.stderr
     assert not ran(sent)
-    assert finished(*again, "--trust", cwd=tmp_path).returncode == 0
-    assert ran(sent)
-    (sent / "RAN").unlink()
-    assert finished(*again, cwd=tmp_path).returncode == 0, "accepted before"
+    done = called("trust", received / "scenario.yaml", "--yes", cwd=tmp_path)
+    assert done.returncode == 0 and "return 0.5" in done.stdout and not ran(sent), "its source, shown"
+    assert finished(*again, cwd=tmp_path).returncode == 0
     assert ran(sent)
     (sent / "RAN").unlink()
     original = (sent / "law.py").read_text()
     try:
         (sent / "law.py").write_text(original.replace("0.5", "0.6"))
         done = called(*again, cwd=tmp_path)
-        assert refused(done) and "--trust" in done.stderr
+        assert refused(done) and "edl6dof trust" in done.stderr
         assert not ran(sent)
     finally:
         (sent / "law.py").write_text(original)
 
 
-def test_ones_own_scenario_is_flown_without_asking_and_so_is_its_run(sent, tmp_path):
-    (tmp_path / "mine.yaml").write_text(SCENARIO.format(sent / "law.py"))
-    files = ("mine.yaml", str(sent / "sent" / "scenario.yaml"))
-    program = f"from in_process import called\nprint([called('check', file).returncode for file in {files}])"
-    folders = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": folders},
-        capture_output=True,
-        text=True,
-        timeout=300,
+def test_trust_without_an_answer_accepts_nothing(sent, tmp_path):
+    done = finished("trust", sent / "law.py", cwd=tmp_path)
+    assert done.returncode == 1 and "not accepted" in done.stdout
+    assert refused(called("check", sent / "sent" / "scenario.yaml", cwd=tmp_path))
+    assert not ran(sent)
+
+
+def test_source_that_would_hide_itself_is_shown_with_its_escapes(tmp_path):
+    (tmp_path / "law.py").write_text('HIDDEN = 1\x1b[1A\x1b[2K\n"\u202e"\n')
+    shown = called("trust", tmp_path / "law.py", "--yes", cwd=tmp_path).stdout
+    assert "\x1b" not in shown and "\u202e" not in shown
+    assert r"HIDDEN = 1\x1b[1A\x1b[2K" in shown and r"\u202e" in shown
+
+
+def _extends_a_subfolder(home: Path, law: Path) -> Path:
+    """A run folder, with its manifest, whose scenario gets the plugin from a file below."""
+    (home / "base").mkdir()
+    shutil.copy(law, home / "base" / "law.py")
+    (home / "base" / "mission.yaml").write_text(SCENARIO.format("law.py"))
+    (home / "scenario.yaml").write_text("extends: base/mission.yaml\nname: theirs\n")
+    seal(home, "flight")
+    return home / "scenario.yaml"
+
+
+def _without_a_manifest(home: Path, law: Path) -> Path:
+    shutil.copy(law, home / "law.py")
+    (home / "scenario.yaml").write_text(SCENARIO.format("law.py"))
+    return home / "scenario.yaml"
+
+
+def _below_a_run_folder(home: Path, law: Path) -> Path:
+    _extends_a_subfolder(home, law)
+    return home / "base" / "mission.yaml"
+
+
+def _campaign_of_a_scenario(home: Path, law: Path) -> Path:
+    _without_a_manifest(home, law)
+    (home / "campaign.yaml").write_text("extends: scenario.yaml\ncampaign: {runs: 2, seed: 1}\n")
+    return home / "campaign.yaml"
+
+
+ATTACKS = (_extends_a_subfolder, _without_a_manifest, _below_a_run_folder, _campaign_of_a_scenario)
+
+
+@pytest.mark.parametrize("attack", ATTACKS)
+@pytest.mark.parametrize("command", ["check", "fly"])
+def test_no_command_runs_a_plugin_without_consent_wherever_it_lies(command, attack, sent, tmp_path):
+    if command == "fly" and attack is _campaign_of_a_scenario:
+        command = "campaign"
+    scenario = attack(tmp_path, sent / "law.py")
+    done = called(command, scenario, cwd=tmp_path)
+    assert refused(done) and "edl6dof trust" in done.stderr, done.stderr
+    assert not list(tmp_path.rglob("RAN"))
+
+
+def test_what_was_accepted_is_what_runs(sent, tmp_path):
+    """Byte code beside an accepted plugin, as Python would load it unchecked, takes no part."""
+    scenario = _without_a_manifest(tmp_path, sent / "law.py")
+    law = tmp_path / "law.py"
+    (tmp_path / "other.py").write_text(f"open({str(tmp_path / 'OTHER')!r}, 'w')\n" + LAW)
+    (tmp_path / "__pycache__").mkdir()
+    compiled = tmp_path / "__pycache__" / f"law.{sys.implementation.cache_tag}.pyc"
+    py_compile.compile(
+        str(tmp_path / "other.py"),
+        str(compiled),
+        invalidation_mode=py_compile.PycInvalidationMode.UNCHECKED_HASH,
     )
-    assert done.stdout == "[0, 0]\n", done.stderr
+    assert called("trust", law, "--yes", cwd=tmp_path).returncode == 0
+    assert finished("check", scenario, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "RAN").exists() and not (tmp_path / "OTHER").exists()
 
 
 @pytest.mark.parametrize(

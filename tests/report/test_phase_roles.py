@@ -15,7 +15,7 @@ import pytest
 import edl6dof
 from edl6dof.campaign.faults import phases_of
 from edl6dof.config.document.locate import resolve_scenario
-from edl6dof.fsw.mission.roles import LIFT, PARACHUTE, TRIM, begun, during, span
+from edl6dof.interface.roles import LIFT, PARACHUTE, TRIM, begun, during, span
 from edl6dof.manifest import seal
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.views.spatial import TIMELINE

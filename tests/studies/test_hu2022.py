@@ -8,7 +8,7 @@ from scipy.signal import lti, step
 
 import edl6dof
 from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
+from edl6dof.interface.roles import HAZARD_AVOIDANCE
 from edl6dof.studies.hu2022 import STUDY, avoidance, printed_force, rigs
 from edl6dof.studies.hu2022.rows import SETTLED_DEG, last_time
 from edl6dof.vehicle.plant import ATTITUDE, RATE

@@ -109,21 +109,25 @@ def test_small_run_comes_out_whole(monkeypatch):
     monkeypatch.setattr(tables, "DIVERTS", (0.0, 600.0))
     for module in (conditions, tables):
         monkeypatch.setattr(module, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
+        monkeypatch.setattr(module, "LATE_RELEASES", (300.0,))
     monkeypatch.setattr(timing, "SAVED_AFTER_S", (9.0,))
     seen = []
-    report = landing.run(("polynomial", "apollo"), 2, lambda done, total: seen.append((done, total)))
-    assert report.runs == len(report.table) == 10 and seen[-1] == (10, 10)
+    report = landing.run(("polynomial", "gravity_turn"), 2, lambda done, total: seen.append((done, total)))
+    assert report.runs == len(report.table) == 12 and seen[-1] == (12, 12)
     rows = report.table.to_pylist()
-    for one, other in zip(rows[:5], rows[5:], strict=True):  # the same until the engine lights
-        assert (one["law"], other["law"]) == ("polynomial", "apollo")
+    for one, other in zip(rows[:6], rows[6:], strict=True):  # the same until the engine lights
+        assert (one["law"], other["law"]) == ("polynomial", "gravity_turn")
         for name in ("ignition_height_m", "ignition_descent_m_s", "ignition_drift_m_s"):
             assert one[name] == other[name]
-    fuel, miss, navigated, kept, diverts, faults = report.grids
+    fuel, miss, navigated, kept, diverts, late, faults = report.grids
     assert "n = 2 too small: 50 % takes 6" in miss.title and miss.rows == navigated.rows
-    assert [line[0] for line in fuel.rows] == ["polynomial", "apollo"]
+    assert [line[0] for line in fuel.rows] == ["polynomial", "gravity_turn"]
     assert fuel.rows[0][2] == 0.0 and fuel.rows[1][2] != 0.0
     assert kept.rows[1][-2] == 100.0 and 0.0 < kept.rows[1][-1] < 50.0
     assert diverts.rows[0][4] > diverts.rows[0][1]  # a divert costs
+    assert late.rows[0][1] > 20.0  # too low for any law
+    faster = next(finding for finding in report.findings if "late releases" in finding.label)
+    assert faster.label.startswith("polynomial: faster than gravity_turn") and abs(faster.computed) < 0.5
     assert faults.rows[0][1] > 30.0  # without its engine it crashes
     dead = next(finding for finding in report.findings if finding.label.startswith("dead"))
     assert dead.computed == 0.0 and "after main engine dead" in dead.note

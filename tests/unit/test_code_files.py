@@ -29,7 +29,9 @@ def with_kernel(folder: Path) -> Path:
 
 
 def start(place: Path, *values: str, **environment: str) -> small_programs.Running:
-    return small_programs.start(CALL, *(values or ["1.5"]), cwd=place, **{"HOME": "/dev/null"} | environment)
+    """Call the kernel in a process of its own, whose code is kept in ``cache`` of the folder."""
+    settings = {"HOME": "/dev/null", "NUMBA_CACHE_DIR": str(place / "cache")} | environment
+    return small_programs.start(CALL, *(values or ["1.5"]), cwd=place, **settings)
 
 
 def ended(process: small_programs.Running) -> tuple[str, int, list[str]]:
@@ -41,7 +43,7 @@ def ended(process: small_programs.Running) -> tuple[str, int, list[str]]:
 
 
 def code(place: Path) -> list[Path]:
-    return sorted((place / "__pycache__").iterdir())
+    return sorted(file for file in (place / "cache").rglob("*") if file.is_file())
 
 
 @pytest.fixture(scope="module")
@@ -130,10 +132,7 @@ def test_a_folder_that_takes_no_file_costs_a_line_and_nothing_else(tmp_path, cap
 
 @pytest.fixture
 def read_only(place) -> Path:
-    """The folder of the module keeps no code: a file stands in the place of ``__pycache__``, which stops even
-    root.
-    """
-    (place / "__pycache__").write_text("")
+    """No folder is named, and the module stands outside the package: its own folder keeps no code."""
     (place / "tmp").mkdir()
     return place
 
@@ -141,7 +140,7 @@ def read_only(place) -> Path:
 @pytest.mark.skipif(os.name == "nt", reason="Windows gives every user a folder for temporary files")
 class TestNowhereToWrite:
     def test_a_user_without_a_home_gets_a_folder_of_his_own(self, read_only):
-        temporary = {"TMPDIR": str(read_only / "tmp")}
+        temporary = {"TMPDIR": str(read_only / "tmp"), "NUMBA_CACHE_DIR": ""}
         said, hits, lines = ended(start(read_only, **temporary))
         assert (said, hits) == ("3.0", 0)
         folder = read_only / "tmp" / f"edl6dof-{os.getuid()}"
@@ -162,7 +161,7 @@ class TestNowhereToWrite:
         else:
             folder.mkdir()
             folder.chmod(0o777)
-        said, hits, lines = ended(start(read_only, TMPDIR=str(read_only / "tmp")))
+        said, hits, lines = ended(start(read_only, TMPDIR=str(read_only / "tmp"), NUMBA_CACHE_DIR=""))
         assert (said, hits) == ("3.0", 0)
         (line,) = lines
         assert line.startswith(
@@ -171,5 +170,8 @@ class TestNowhereToWrite:
 
     def test_a_home_that_is_no_path_makes_no_folder_here(self, read_only):
         before = sorted(read_only.iterdir())
-        assert ended(start(read_only, HOME="home", TMPDIR=str(read_only / "tmp")))[0] == "3.0"
+        assert (
+            ended(start(read_only, HOME="home", TMPDIR=str(read_only / "tmp"), NUMBA_CACHE_DIR=""))[0]
+            == "3.0"
+        )
         assert sorted(read_only.iterdir()) == before

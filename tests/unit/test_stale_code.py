@@ -2,6 +2,7 @@
 
 import os
 import time
+from pathlib import Path
 
 import small_programs
 
@@ -42,12 +43,31 @@ def test_a_kernel_that_is_cached_notes_its_plugins_and_clears_those_of_others(tm
     )
     plugin = tmp_path / "plugin.py"
     plugin.write_text("")
-    cache = tmp_path / "__pycache__"
-    cache.mkdir()
-    gone = folder(cache, "plugins-000000000000", [tmp_path / "gone.py"])
-    program = f"import edl6dof.jit as jit; jit.called_from = lambda path: [{str(plugin)!r}]"
-    ran = small_programs.run(f"{program}; import mine; mine.twice(1.5)", cwd=tmp_path)
-    assert ran.returncode == 0, ran.stderr
-    (mine,) = cache.glob("plugins-*")
-    assert mine != gone and (mine / "sources.txt").read_text() == str(plugin)
+    cache = tmp_path / "cache"
+    program = (
+        f"import edl6dof.jit as jit; jit.called_from = lambda path: [{str(plugin)!r}]; "
+        "import mine; mine.twice(1.5)"
+    )
+
+    def flies():
+        ran = small_programs.run(program, cwd=tmp_path, NUMBA_CACHE_DIR=str(cache))
+        assert ran.returncode == 0, ran.stderr
+        return list(cache.glob("*/plugins-*"))
+
+    (mine,) = flies()
+    gone = folder(mine.parent, "plugins-000000000000", [tmp_path / "gone.py"])
+    assert flies() == [mine] and not gone.exists()
+    assert (mine / "sources.txt").read_text() == str(plugin)
     assert list(mine.glob("*.nbc"))
+
+
+def test_machine_code_beside_a_file_from_outside_is_neither_read_nor_written(tmp_path):
+    """A ``.nbc`` is a pickle: one that was received would run whatever its author likes."""
+    (tmp_path / "mine.py").write_text(
+        "from edl6dof.jit import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
+    )
+    program = "import mine; mine.twice(1.5); print(mine.twice._cache.cache_path)"
+    ran = small_programs.run(program, cwd=tmp_path, XDG_CACHE_HOME=str(tmp_path / "user"))
+    assert ran.returncode == 0, ran.stderr
+    assert not list((tmp_path / "__pycache__").glob("*.nb*"))
+    assert not Path(ran.stdout.strip()).is_relative_to(tmp_path / "__pycache__")

@@ -14,7 +14,7 @@ from edl6dof.campaign.faults import (
     OF_THRUSTERS,
     may_fail,
     phases_of,
-    sensor_phases_of,
+    usual_phases_of,
 )
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
@@ -109,14 +109,12 @@ class _Choice:
             self._refuse("--after", f"must be a time in s, 0 or more (got {after_s:g})")
             after_s = 0.0
         asked = self._listed("--phases", self.wanted.phases, self.scenario.phase_names)
-        usual = phases_of(self.scenario)
-        if not usual:
+        if not phases_of(self.scenario):
             self._refuse("--phases", "there is no phase in which thrusters may fire; give times with --at")
         return {
             kind: [
                 FaultMoment.model_validate({"name": phase, "at": {"phase": phase, "plus_s": after_s}})
-                for phase in asked
-                or (sensor_phases_of(self.scenario, kind) if self.wanted.sensors else usual)
+                for phase in asked or usual_phases_of(self.scenario, kind)
             ]
             for kind in kinds
         }

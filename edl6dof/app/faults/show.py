@@ -26,10 +26,11 @@ _COLUMNS, _ROWS, _LINES = 10, 40, 20
 #: Characters of a line where there is no terminal.
 _WIDTH = 120
 _LEGEND = """\
-matrix: s from first use to the right isolation; a name: what was named instead; ?: in use, and not named;
--: never used after the fault, which nobody can know; x: not within limits
-table: shares of right names, and of names with the right kind, are of those that can be known;
-times in s to the right isolation, from the first use (or leak) after the fault, and from the fault"""
+matrix: s from first use to the right isolation; a name: what was named instead;
+?: in use, and not named; -: not used after the fault, so nobody can know;
+x: not within limits
+tables: right names and kinds are shares of the flights in which the fault can
+be known; times are to the right isolation, and first use may be a leak"""
 
 
 def show_matrix(store: Store, options: CampaignOptions) -> int:
@@ -58,7 +59,8 @@ def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) ->
         if _fits(some):
             console.print(_matrix(some, kind))
     console.print(_shares(figures["groups"]))
-    console.print(_times(figures["groups"]))
+    for start, words in (("from_use_s", "first use"), ("from_fault_s", "the fault")):
+        console.print(_times(figures["groups"], start, f"time from {words} to isolation, s"))
     console.print(_LEGEND, style="dim")
     lost = [row for row in rows if not row["success"]]
     _lines(console, "red", [f"{_case(row)}: {row['outcome']}" for row in lost])
@@ -103,7 +105,7 @@ def _matrix(rows: Sequence[Row], kind: str) -> Table:
     table.add_column("", header_style="")
     moments = list(dict.fromkeys(row["moment"] for row in rows))
     for moment in moments:
-        table.add_column(moment, justify="right", header_style="")
+        table.add_column(moment.replace("_", " "), justify="right", header_style="", vertical="bottom")
     cells = {(row["component"], row["moment"]): _cell(row) for row in rows}
     for name in dict.fromkeys(row["component"] for row in rows):
         table.add_row(name, *(cells[name, moment] for moment in moments))
@@ -124,13 +126,13 @@ def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
     """How many of each kind of fault and regime, and which share of them."""
     headings = (
         "flights",
-        "within\nlimits",
+        "% in\nlimits",
         "can be\nknown",
-        "right\nname",
-        "right\nkind",
-        "wrong\nisolation",
+        "% right\nname",
+        "% right\nkind",
+        "wrong\nnames",
     )
-    table = _by_group(headings)
+    table = _by_group("", headings)
     for group in groups:
         flights, known = group["flights"], group["can_be_known"]
         table.add_row(
@@ -142,19 +144,18 @@ def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
     return table
 
 
-def _times(groups: Sequence[Mapping[str, Any]]) -> Table:
-    """Times (s) to the right isolations of each kind of fault and regime."""
+def _times(groups: Sequence[Mapping[str, Any]], start: str, title: str) -> Table:
+    """Times (s) from a start to the right isolations of each kind of fault and regime."""
     names = {"median": "median", "p95": "95 %", "worst": "longest"}
-    table = _by_group([f"from {start}\n{name}" for start in ("use", "fault") for name in names.values()])
+    table = _by_group(title, list(names.values()))
     for group in groups:
-        times = [group[start] for start in ("from_use_s", "from_fault_s")]
-        shown = [f"{one[name]:.2f}" if one else "" for one in times for name in names]
+        shown = [f"{group[start][name]:.2f}" if group[start] else "" for name in names]
         table.add_row(group["kind"], group["regime"], *shown)
     return table
 
 
-def _by_group(headings: Sequence[str]) -> Table:
-    table = _empty("")
+def _by_group(title: str, headings: Sequence[str]) -> Table:
+    table = _empty(title)
     for heading in ("kind", "regime"):
         table.add_column(heading, header_style="", vertical="bottom", no_wrap=True)
     for heading in headings:
@@ -163,10 +164,16 @@ def _by_group(headings: Sequence[str]) -> Table:
 
 
 def _empty(title: str) -> Table:
+    """A table of 80 characters for the longest name of a kind."""
     return Table(
-        title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
+        title=title or None,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
     )
 
 
 def _share(part: int, whole: int) -> str:
-    return f"{100.0 * part / whole:.1f} %" if whole else ""
+    return f"{100.0 * part / whole:.1f}" if whole else ""

@@ -3,7 +3,9 @@
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
 whose prior is the price of a false alarm; it is wanted in several cycles on end.  A dead thruster is then
 taken out of the allocation, one that has lost little is named and used on.  One that stays open is shut off
-by the latch valve of its branch, which costs the others on it (:mod:`edl6dof.fsw.diagnosis.leak`).
+by the latch valve of its branch, which costs the others on it (:mod:`edl6dof.fsw.diagnosis.leak`).  Without a
+meter the latch valve is moved for either, unless the slow part speaks against it: a thruster that does not
+respond may be open as well as shut.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
@@ -19,18 +21,24 @@ import numpy as np
 from edl6dof.apart import stay_apart
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
-from edl6dof.fsw.diagnosis.flow import FLOW, FlowParams, forget_branch, read_meters, weigh_flow
-from edl6dof.fsw.diagnosis.hypotheses import (
-    DEGRADED,
-    HYPOTHESES,
+from edl6dof.fsw.diagnosis.flow import (
+    FLOW,
     NONE,
+    FlowParams,
+    forget_branch,
+    is_read,
+    read_meters,
+    reads_backwards,
+    weigh_flow,
+)
+from edl6dof.fsw.diagnosis.hypotheses import (
+    HYPOTHESES,
     NOTHING,
-    STUCK_OFF,
-    STUCK_ON,
     compare,
     forget_all,
     kind_of,
     weigh,
+    weights,
 )
 from edl6dof.fsw.diagnosis.leak import (
     LEAK,
@@ -42,15 +50,16 @@ from edl6dof.fsw.diagnosis.leak import (
     leaking_branch,
     open_leak,
 )
-from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
+from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
 from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
 
 MAX_ISOLATED = 8
 #: Names of the kinds of fault, by number.
-KIND_NAMES = {STUCK_OFF: "stuck off", STUCK_ON: "stuck on", DEGRADED: "degraded"}
+KIND_NAMES = {number: name.replace("_", " ") for number, name in enumerate(THRUSTER_FAILURES, 1)}
 
 
 class DiagnosisParams(Params):
@@ -171,8 +180,10 @@ def distrust_meter(b, t, memory):
 
 @kernel
 def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t, memory, healthy, shut):
-    """Go on with the looks at a leak, and end them when they have decided."""
-    leak = memory.leak
+    """Go on with the looks at a leak, and end them when they have decided: what was suspected of not
+    responding and does not leak is dead or weak.
+    """
+    leak, best = memory.leak, memory.hypotheses
     found, confidence = follow_leak(
         params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, memory.residual, leak, shut
     )
@@ -185,8 +196,11 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
         leak.branch = NONE
     elif found == SOUND:
         give_back(vehicle.n_thrusters, leak, healthy, shut)
-        restart(memory)
         leak.branch = NONE
+        if best.kind == STUCK_OFF or best.kind == DEGRADED:
+            isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
+        else:  # suspected of leaking, or an event has made all evidence void
+            restart(memory)
 
 
 @kernel
@@ -197,6 +211,16 @@ def follow_streak(params, before, memory):
         memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
     else:
         memory.streak = 0
+
+
+@kernel
+def may_leak(params, b, load, residual, kind):
+    """Whether a thruster of effectiveness ``b`` without a meter, in which a fault of ``kind`` is seen, may be
+    open: the slow part holds what it does, or air and riser may have taken that up.
+    """
+    weight = weights(params, residual.slow, 0.0)
+    held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
+    return kind == STUCK_ON or held or params.load_noise * load > params.force_noise
 
 
 @kernel
@@ -235,8 +259,8 @@ def diagnose(
         shut: written, 1 for a branch whose latch valve is to be shut.
     """
     stay_apart()
-    count, best, flow = vehicle.n_thrusters, memory.hypotheses, memory.flow
-    known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
+    best, flow = memory.hypotheses, memory.flow
+    known = without_slow_part(params.slow, unexplained, dt, memory.residual)
     if params.enabled == 0:
         return
     if metered and read_meters(params.flow, instruments, vehicle, used, activity.share, dt, flow):
@@ -246,6 +270,9 @@ def diagnose(
             params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
         )
         return
+    backwards = reads_backwards(metered, vehicle.branches, flow)
+    if backwards != NONE:
+        distrust_meter(backwards, t, memory)
     leaking, told = leaking_branch(params, vehicle, healthy, flow), True
     if leaking == NONE:
         if known > 0:
@@ -253,12 +280,17 @@ def diagnose(
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, healthy, flow, best)
         follow_streak(params, before, memory)
-        if memory.streak >= params.streak and best.kind == STUCK_ON:
-            leaking, told = vehicle.branches.of[best.thruster], False
+        suspected = vehicle.branches.of[best.thruster]
+        if (
+            memory.streak >= params.streak
+            and not is_read(metered, suspected, flow)
+            and may_leak(params, effectiveness[best.thruster], load, memory.residual, best.kind)
+        ):
+            leaking, told = suspected, False
     if leaking != NONE:
         open_leak(
-            params, vehicle, effectiveness, activity.wrench, load, leaking, told, memory.residual,
-            memory.leak, healthy, shut,
+            params, vehicle, effectiveness, activity, load, leaking, told, memory.residual, memory.leak,
+            healthy, shut,
         )  # fmt: skip
     elif memory.streak >= params.streak:
         isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)

@@ -4,7 +4,8 @@ nothing turns or moves sideways unless one of them fails.
 A thruster that is not used cannot be known to work.  Each one is tested once in every phase and again after a
 long rest.  In hazard avoidance, where a fault is to be known within a second, whichever thruster it is,
 and guidance uses only some of them at a time, each horizontal pair that has rested for a while is tested in
-turn.  If something is missing, each of the two is tried alone at once; where the loss may be the
+turn.  If something is missing, each of the two is tried alone at once, and
+one of the same branch is fired to see whether the meter works; where the loss may be the
 propellant's, others are tested.  A test of two 250 N thrusters costs 8 g of propellant.
 
 Source: none; Hu et al. 2022 wait for the thruster to be used.
@@ -15,10 +16,10 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.diagnosis.flow import is_waiting, needs_trial
-from edl6dof.fsw.diagnosis.hypotheses import NONE, NOTHING, STUCK_ON
+from edl6dof.fsw.diagnosis.flow import NONE, is_waiting, needs_trial
+from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import HORIZONTAL
+from edl6dof.interface.thrusters import HORIZONTAL, STUCK_ON
 from edl6dof.jit import kernel
 
 #: Share of the measured axial force that a test may add to it.
@@ -68,10 +69,16 @@ def is_free(i, t, healthy, busy_until, opens, closes):
 
 
 @kernel
-def has_answered(branches, b, count, busy_until, t, dt, memory):
+def has_answered(i, busy_until, t, dt, memory):
+    """Whether what thruster ``i`` was last used for has been measured."""
+    return t >= max(busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
+
+
+@kernel
+def is_quiet(branches, b, count, busy_until, t, dt, memory):
     """Whether what branch ``b`` was last used for has been measured."""
     for i in range(count):
-        if branches.of[i] == b and t < max(busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9:
+        if branches.of[i] == b and not has_answered(i, busy_until, t, dt, memory):
             return False
     return True
 
@@ -83,16 +90,23 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
     """
     branches, count = vehicle.branches, vehicle.n_thrusters
     for i in range(count):
-        if (
-            needs_trial(i, diagnosis.flow)
-            and is_free(i, t, healthy, busy_until, opens, closes)
-            and has_answered(branches, branches.of[i], count, busy_until, t, dt, memory)
+        if not is_free(i, t, healthy, busy_until, opens, closes):
+            continue
+        if needs_trial(i, diagnosis.flow) and is_quiet(
+            branches, branches.of[i], count, busy_until, t, dt, memory
         ):
             return i, NONE
+        if diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
+            return i, NONE
     best = diagnosis.hypotheses
-    if best.kind in (NOTHING, STUCK_ON) or best.evidence <= params.suspicion:
+    i = best.thruster
+    if (
+        best.kind in (NOTHING, STUCK_ON)
+        or best.evidence <= params.suspicion
+        or needs_trial(i, diagnosis.flow)
+    ):
         return NONE, NONE
-    i, j = best.thruster, opposite(effectiveness, count, best.thruster)
+    j = opposite(effectiveness, count, i)
     if is_free(i, t, healthy, busy_until, opens, closes) and is_free(
         j, t, healthy, busy_until, opens, closes
     ):

@@ -16,6 +16,11 @@ A loss that all branches show is the propellant's and no thruster's: only what g
 before a thruster is called degraded, other branches have to be seen in use since the first sign of it; one
 that lets nothing through is dead, whatever the others do.
 
+A meter that has failed shows a loss in every thruster of its branch, so the others are fired too: a meter
+that reads their flow works, one that reads nothing of them has most likely failed.  No valve makes a meter
+read less than nothing: one that does has failed.  A latch valve that has failed shut looks the same to the
+meter; the thrusters of the branch are then tried alone until force and torque tell the two apart.
+
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
 """
@@ -30,7 +35,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, whole
 
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
@@ -42,6 +47,13 @@ DOUBT = 4.0  # standard deviations of a meter from which something is missing
 LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun within the first
 TOLD = 900.0  # inverse variance of the loss of a branch from which it tells: good for 3 %
 LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
+METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
+NONE = -1
+#: What a meter reads of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
+#: none of it.
+UNHEARD, VOUCHED, IMPEACHED = range(3)
+LEAST_HEARD = 0.15  # flow of the others, over the full flow of the branch, from which that is known
+HEARD = 0.4  # and what the meter has to read of it
 
 
 class FlowParams(Params):
@@ -59,9 +71,6 @@ class FlowParams(Params):
     )
     common_least: float = param(
         0.03, "loss in all branches from which it is the propellant's", status="estimate", gt=0.0, le=1.0
-    )
-    meter_prior: float = param(
-        12.0, "log of the odds for a thruster, and not the meter, to have failed", ge=0.0, le=100.0
     )
 
 
@@ -81,11 +90,14 @@ FLOW = np.dtype(
         ("suspecting", FLAG),  # whether there is one
         ("common", "f8"),  # loss of all branches
         ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+        # what each meter read of the others since a thruster of its branch shows a loss
+        ("word", whole(UNHEARD, IMPEACHED), (MAX_BRANCHES,)),
+        ("asked", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
         ("meter_failed", FLAG, (MAX_BRANCHES,)),
         ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
         ("off", LOSS, (MAX_THRUSTERS,)),
         ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
-        # whether something was missing while others of its branch fired
+        # whether something was missing while others of its branch fired, or its meter may have failed
         ("doubtful", FLAG, (MAX_THRUSTERS,)),
     ],
     align=True,
@@ -96,6 +108,12 @@ FLOW = np.dtype(
 def full_flow(thruster):
     """Propellant flow at full thrust, kg/s."""
     return thruster.thrust / (thruster.specific_impulse * G0)
+
+
+@kernel
+def is_read(metered, b, memory):
+    """Whether branch ``b`` has a meter that is believed."""
+    return metered and memory.meter_failed[b] == 0
 
 
 @kernel
@@ -139,6 +157,22 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 
 
 @kernel
+def reads_backwards(metered, branches, memory):
+    """The first branch whose believed meter reads less than no flow, or ``NONE``."""
+    for b in range(branches.count):
+        flow = memory.residual[b] + memory.expected[b]
+        if is_read(metered, b, memory) and flow < 0.0 and cannot_be(b, flow, memory):
+            return b
+    return NONE
+
+
+@kernel
+def cannot_be(b, flow, memory):
+    """Whether the meter of branch ``b`` is never as wrong as to read ``flow`` (kg/s) where there is none."""
+    return flow * flow * memory.weight[b] > METER_ERROR * METER_ERROR
+
+
+@kernel
 def find_common_loss(params, branches, memory):
     """Find the loss that all branches in use show."""
     memory.seen, least = 0, 1.0
@@ -166,6 +200,37 @@ def look_out(count, branches, memory):
             forget_loss(memory.pool[b])
         memory.seen = 0
     memory.suspecting = 1 if signs > 0 else 0
+
+
+@kernel
+def cross_check(params, vehicle, share, memory):
+    """Note what each meter reads of the others once a thruster of its branch shows a loss, and ask them to
+    fire until it has been read.
+    """
+    of = vehicle.branches.of
+    for b in range(vehicle.branches.count):
+        expected, residual = memory.expected[b], memory.residual[b]
+        others, most = expected, 0
+        for i in range(vehicle.n_thrusters):
+            if of[i] == b and memory.off[i].cycles > most:
+                given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
+                others, most = expected - given, memory.off[i].cycles
+        least = LEAST_HEARD * vehicle.branches.full_flow[b]
+        if expected > least:
+            missing = -residual > (params.loss_least + memory.common) * expected
+            by_others = most > 0 and others > least
+            if most == 0 and not missing:
+                memory.word[b] = UNHEARD
+            elif expected + residual > HEARD * (others if by_others else expected):
+                memory.word[b] = VOUCHED
+            elif by_others:
+                memory.word[b] = IMPEACHED
+        ask = most >= LEAST_CYCLES and memory.word[b] == UNHEARD
+        for i in range(vehicle.n_thrusters):
+            if of[i] == b:
+                memory.asked[i] = 1 if ask and memory.off[i].cycles == 0 else 0
+                if memory.word[b] == IMPEACHED:
+                    memory.doubtful[i] = 1
 
 
 @kernel
@@ -232,11 +297,13 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
         told = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
         memory.on[i] = min(max(memory.on[i] + told, 0.0), LARGEST)
     look_out(vehicle.n_thrusters, vehicle.branches, memory)
+    cross_check(params, vehicle, share, memory)
 
 
 @kernel
 def forget_branch(vehicle, b, memory):
     """Forget what the flow of branch ``b`` said of its thrusters: it was about the one now named."""
+    memory.word[b] = UNHEARD
     for i in range(vehicle.n_thrusters):
         if vehicle.branches.of[i] == b:
             memory.on[i] = 0.0

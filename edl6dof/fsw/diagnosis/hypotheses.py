@@ -15,7 +15,9 @@ noise level.  Only cycles in which a hypothesis predicts something count for it,
 the evidence speaks against it, so the time of the fault need not be known (Page's test).
 
 Where a meter is believed, its evidence (:mod:`edl6dof.fsw.diagnosis.flow`) adds to that of force and torque.
-That the meter has failed, and no thruster, is a hypothesis of its own, which force and torque decide on.
+That the meter has failed, and no thruster, is a hypothesis of its own: it explains the loss of several
+thrusters of its branch, where without it more than one would have to have failed; force and torque speak
+against it.
 Force and torque that speak of a loss while the flow is sound tell of a catalyst: they need twice the prior.
 
 Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
@@ -27,18 +29,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, fires_alone, full_flow, is_waiting, loss_told
+from edl6dof.fsw.diagnosis.flow import (
+    IMPEACHED,
+    LARGEST,
+    LEAST_USE,
+    NONE,
+    UNHEARD,
+    VOUCHED,
+    fires_alone,
+    full_flow,
+    is_read,
+    is_waiting,
+    loss_told,
+)
 from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
+from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
-NONE = -1
 
-#: Kinds of fault.
-NOTHING, STUCK_OFF, STUCK_ON, DEGRADED = range(4)
+#: No kind of fault.
+NOTHING = 0
 
 #: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of
 #: cycles.
@@ -54,8 +68,8 @@ HYPOTHESES = np.dtype(
         ("loss", "f8"),
         ("evidence", "f8"),
         ("confidence", "f8"),
-        # the meter that most likely has failed, NONE while a thruster is likelier
-        ("meter", whole(NONE, MAX_BRANCHES - 1)),
+        ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
+        ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
     ],
     align=True,
 )
@@ -211,6 +225,22 @@ def by_both(params, waiting, i, flow, memory, least):
 
 
 @kernel
+def accuse_meter(params, vehicle, healthy, i, told, flow, memory):
+    """Count the loss ``told`` of thruster ``i`` against the meter of its branch, with what the meter read of
+    the others: their flow, which takes a second fault to explain; or none of it, which may be that of the
+    latch valve.
+    """
+    b, others = vehicle.branches.of[i], 0
+    for j in range(vehicle.n_thrusters):
+        others += 1 if j != i and healthy[j] != 0 and vehicle.branches.of[j] == b else 0
+    if flow.word[b] == VOUCHED or others == 0:
+        told -= params.prior
+    elif flow.word[b] == IMPEACHED:
+        told += 0.5 * params.prior
+    memory.against[b] = max(memory.against[b], told)
+
+
+@kernel
 def compare(params, vehicle, metered, healthy, flow, memory):
     """Find the best hypothesis and its posterior probability, which all other thrusters, failed meters and
     "no fault" share in.
@@ -220,17 +250,18 @@ def compare(params, vehicle, metered, healthy, flow, memory):
     per cent with it.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
-    suspected_meter, memory.meter = 0.0, NONE
+    for b in range(vehicle.branches.count):
+        memory.against[b] = 0.0
     waiting = metered and is_waiting(vehicle.branches, flow)
     memory.kind = NOTHING
     for i in range(vehicle.n_thrusters):
         if healthy[i] == 0:
             continue
         b = vehicle.branches.of[i]
-        if metered and flow.meter_failed[b] == 0:
+        if is_read(metered, b, flow):
             kind, loss, most, told = by_both(params, waiting, i, flow, memory, least)
-            if told - params.flow.meter_prior > suspected_meter:
-                suspected_meter, memory.meter = told - params.flow.meter_prior, b
+            if told > 0.0:
+                accuse_meter(params, vehicle, healthy, i, told, flow, memory)
         else:
             kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
         if most < least:
@@ -239,8 +270,11 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         if most > best:
             best = most
             memory.thruster, memory.kind, memory.loss = i, kind, loss
-    total += exp(suspected_meter)
-    if suspected_meter <= max(best, params.prior):
-        memory.meter = NONE
+    memory.meter = NONE
+    for b in range(vehicle.branches.count):
+        total += exp(memory.against[b]) if memory.against[b] > 0.0 else 0.0
+    for b in range(vehicle.branches.count):
+        if flow.word[b] != UNHEARD and exp(memory.against[b]) > params.confidence * total:
+            memory.meter = b
     memory.evidence = best
     memory.confidence = exp(best) / total if memory.kind != NOTHING else 0.0

@@ -9,8 +9,8 @@ squares S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as
 riser; where one look does not decide, the branch is opened and shut again, at the cost of that leak.
 
 If the meter reads a flow while the branch is shut, the meter has failed and the branch is given back.
-Without a meter, a leak is what force and torque alone suspect; the branch is given back if nothing changes
-when it is shut.
+Without a meter, a leak is suspected of whatever does not respond, as force and torque alone tell; the branch
+is given back if nothing changes when it is shut.
 
 Source: none; keying an input to tell its effect from drifts is the lock-in of measurement technique.
 """
@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import LARGEST
-from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence, forget, weights
+from edl6dof.fsw.diagnosis.flow import LARGEST, NONE, cannot_be
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
@@ -32,7 +32,6 @@ UNDER_WAY, NAMED, METER_FAILED, SOUND = range(4)
 MIXED, LOOK = 1, 3
 SURELY_BEFORE = 5  # cycles ago that a leak just told had not begun
 LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
-METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
 MOST_LOOKS = 20  # after which the likeliest is named, however likely
 
 LEAK = np.dtype(
@@ -46,6 +45,8 @@ LEAK = np.dtype(
         ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
         ("after", "f8", (6,)),  # and since
         ("flow", "f8"),  # kg/s, mean since
+        # share of the cycle before it moved in which each thruster was to be shut, and a leak shows
+        ("idle", "f8", (MAX_THRUSTERS,)),
         ("sums", SUMS, (MAX_THRUSTERS,)),
         ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
     ],
@@ -90,23 +91,25 @@ def take_look(params, count, effectiveness, wrench, load, sign, memory):
     for i in range(count):
         if memory.candidate[i] != 0:
             b = effectiveness[i]
-            collect(memory.sums[i], 1.0, sign, product(change, b, weight), product(b, b, weight), every)
+            along, square = product(change, b, weight), product(b, b, weight)
+            collect(memory.sums[i], 1.0, sign * memory.idle[i], along, square, every)
     memory.looks += 1
 
 
 @kernel
-def open_leak(params, vehicle, effectiveness, wrench, load, b, told, residual, memory, healthy, shut):
+def open_leak(params, vehicle, effectiveness, activity, load, b, told, residual, memory, healthy, shut):
     """Shut branch ``b`` to look into a leak, ``told`` by a meter or not; how it began is the first look."""
     memory.told = 1 if told else 0
     memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
+        memory.idle[i] = 1.0 - activity.share[i]
         memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
     shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, shut)
     mean_of(residual, 1, 1, memory.after)
     if told and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
-        take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, 1.0, memory)
+        take_look(params, vehicle.n_thrusters, effectiveness, activity.wrench, load, 1.0, memory)
     look_again(residual, memory)
 
 
@@ -151,12 +154,14 @@ def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow,
             memory.after[j] += unexplained[j] / LOOK
         memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
     if memory.cycles == MIXED + LOOK:
-        if memory.open == 0 and memory.flow * memory.flow * flow.weight[b] > METER_ERROR * METER_ERROR:
+        if memory.open == 0 and cannot_be(b, memory.flow, flow):
             return METER_FAILED, 1.0
         sign = 1.0 if memory.open != 0 else -1.0
         take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
+        for i in range(vehicle.n_thrusters):
+            memory.idle[i] = 1.0
         confidence = likeliest(vehicle.n_thrusters, memory)
-        if memory.told == 0 and memory.looks >= LEAST_LOOKS and confidence < 1.0 - params.confidence:
+        if memory.told == 0 and confidence < 1.0 - params.confidence:
             return SOUND, confidence
         if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
             if memory.told == 0 and confidence < params.confidence:

@@ -2,14 +2,15 @@
 is worth.
 
 The slow part, which no thruster fault explains, is the mean before the last fifteen cycles.  A fault younger
-than that is not in it.
+than that is not in it; what an older one does all the time is.  An old leak then differs from a dead thruster
+in nothing: either shows only in that it does not respond, and the latch valve has to tell them apart
+(:mod:`edl6dof.fsw.diagnosis.leak`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 
@@ -22,9 +23,7 @@ RESIDUAL = np.dtype(
     [
         ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
         ("slow", "f8", (6,)),
-        ("mean_share", "f8", (MAX_THRUSTERS,)),  # use of each thruster over the time of the slow part
         ("recent", "f8", (WINDOW, 6)),
-        ("recent_share", "f8", (WINDOW, MAX_THRUSTERS)),
         ("taken", COUNT),
         ("restarted", FLAG),
     ],
@@ -39,7 +38,7 @@ def restart_residual(memory):
 
 
 @kernel
-def without_slow_part(time_constant, unexplained, share, count, dt, memory):
+def without_slow_part(time_constant, unexplained, dt, memory):
     """Take the slow part off; returns for how many cycles it has been known (0: not yet).
 
     At the start of the flight, in free fall, the slow part is taken to be zero.
@@ -47,8 +46,6 @@ def without_slow_part(time_constant, unexplained, share, count, dt, memory):
     Args:
         time_constant: of the mean, s.
         unexplained: unexplained force and torque of the last cycle (6), N and N m.
-        share: share of that cycle in which each thruster should have given thrust.
-        count: number of thrusters.
         dt: control cycle, s.
         memory: ``RESIDUAL`` record.
     """
@@ -61,13 +58,9 @@ def without_slow_part(time_constant, unexplained, share, count, dt, memory):
             step = max(step, 1.0 / (older + 1.0))
         for j in range(6):
             memory.slow[j] += step * (memory.recent[row, j] - memory.slow[j])
-        for i in range(count):
-            memory.mean_share[i] += step * (memory.recent_share[row, i] - memory.mean_share[i])
     for j in range(6):
         memory.recent[row, j] = unexplained[j]
         memory.value[j] = unexplained[j] - memory.slow[j]
-    for i in range(count):
-        memory.recent_share[row, i] = share[i]
     return memory.taken if memory.restarted == 0 else max(older + 1 - LEAST_MEAN, 0)
 
 

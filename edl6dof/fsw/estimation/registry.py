@@ -63,6 +63,13 @@ class EstimationParams(_Estimators):
     )
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
     held_thrust: HeldThrustParams = group(HeldThrustParams, "belief in a throttle that stands")
+    force_angle_lag_s: float = param(
+        1.0,
+        "lag with which the angle of the unexplained force from the body axis is smoothed; outlasts a leak "
+        "that diagnosis stops",
+        status="design",
+        gt=0.0,
+    )
 
 
 estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out", returns=NOTHING)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.fsw.guidance.powered.relaxation import EVERYTHING
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.records import FLAG, whole
 
@@ -27,6 +28,8 @@ GUIDE = np.dtype(
         ("drag_trend", "f8"),  # of it with height, 1/m
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
+        ("relaxed", whole(0, EVERYTHING)),  # how many constraints powered guidance gives up, in their order
+        ("landing_error", "f8"),  # m: how far from rest at the target it then expects to end
         ("stop_height", "f8"),  # m, above ground: where a thrust that is held brings the lander to rest
         ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
         # inner quantities of the laws that have them

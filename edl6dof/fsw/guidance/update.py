@@ -8,7 +8,9 @@ from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.held_thrust import come_down
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.relaxation import RELAXED, note_relaxed
 from edl6dof.fsw.guidance.powered.standing_force import standing_force
+from edl6dof.fsw.guidance.powered.stopping import brake_in_time
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
@@ -30,6 +32,7 @@ from edl6dof.fsw.mission.phases import (
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, put3, scale, take3
 
@@ -38,6 +41,8 @@ GUIDANCE = np.dtype(
         ("entry", ENTRY_MEMORY),
         ("target", POWERED_TARGET),
         ("powered", POWERED_LAWS.memory),
+        ("at_full_thrust", FLAG),  # whatever the law wants
+        ("relaxed", RELAXED),
         ("terminal", TERMINAL),
     ],
     align=True,
@@ -89,11 +94,14 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
         keep_thrust_axis(nav, goal)
     elif kind == G_POWERED:
         choose_target(p.target, nav, point, memory.target)
-        goal.full_wanted = 0
-        north, east, up, tilt_limit = powered_guidance(
-            p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal
+        goal.full_wanted = goal.relaxed = 0
+        wanted = powered_guidance(p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
+        acceleration, braking = brake_in_time(
+            wanted, engine, nav, mass, memory.target, memory.at_full_thrust != 0, goal
         )
-        command_thrust(mass, (north, east, up), tilt_limit, goal)
+        memory.at_full_thrust = 1 if braking else 0
+        note_relaxed(nav.t, goal, memory.relaxed)
+        command_thrust(mass, acceleration, wanted[3], goal)
         elapsed, weak = nav.t - state.ignition_time, state.thrust_lost > 0.0
         start_or_throttle(engine, weak, p.full_time, p.full_again, elapsed, goal)
     if kind not in (G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST):

@@ -15,9 +15,9 @@ from pydantic import field_validator
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section, stated
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
-from edl6dof.fsw.mission.roles import NO_ROLE, Role
 from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_WAYS
 from edl6dof.interface.events import EVENT_TABLE, Action
+from edl6dof.interface.roles import NO_ROLE, Role
 from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
 
 NEVER = 1e9
@@ -41,6 +41,7 @@ Quantity = Literal[
     "wing_open",
     "wing_time_s",  # since the trim wing was commanded; 0 before
     "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
+    "force_angle_deg",  # between the body axis and the force that thrusters do not explain, smoothed
     "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
     "spot_chosen",  # by hazard detection: the spot to land on
     "held_thrust_n",  # of a throttle that is believed to stand; 0: it moves
@@ -62,6 +63,7 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_WING_OPEN,
     Q_WING_TIME,
     Q_TOTAL_ALPHA,
+    Q_FORCE_ANGLE,
     Q_DOWNRANGE_TO_GO,
     Q_SPOT_CHOSEN,
     Q_HELD_THRUST,

@@ -16,6 +16,7 @@ from edl6dof.fsw.mission.phases import (
     Q_DOWNRANGE_TO_GO,
     Q_DRAG,
     Q_DYNAMIC_PRESSURE,
+    Q_FORCE_ANGLE,
     Q_HEIGHT,
     Q_HELD_THRUST,
     Q_MACH,
@@ -76,6 +77,8 @@ def watched(quantity, nav, vehicle, guide, elapsed):
         return nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0
     if quantity == Q_TOTAL_ALPHA:
         return degrees(nav.total_alpha)
+    if quantity == Q_FORCE_ANGLE:
+        return degrees(vehicle.force_angle)
     if quantity == Q_DOWNRANGE_TO_GO:
         return guide.downrange_to_go
     if quantity == Q_SPOT_CHOSEN:
@@ -135,7 +138,7 @@ def sequence(mission, nav, vehicle, guide, memory, request):
     Args:
         mission: ``MISSION`` record.
         nav: navigation record.
-        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust that is held).
+        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust that is held, force angle).
         guide: guidance record (time and downrange to go, spot chosen, height of the stop).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.

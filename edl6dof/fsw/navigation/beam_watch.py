@@ -1,10 +1,11 @@
-"""Whether a beam of the radar has failed: it is refused, or has no echo, in look after look in which the
-others agree.
+"""Whether the range or the speed of a radar beam has failed: it is refused, or the beam has no echo, in look
+after look in which the others agree.
 
-A filter says of each look which beams it refused (``SOLUTION.beams_refused``).  A look in which most beams
-are refused isolates none of them: then the solution is wrong, or dust hides the ground from all.  Each beam
+Range and speed are watched apart: ground of another shape than expected contradicts ranges, never speeds.  A
+filter says of each look which it refused (``SOLUTION.ranges_refused``, ``speeds_refused``).  A look in which
+most are refused isolates none of them: then the solution is wrong, or dust hides the ground from all.  Each
 has a score, up by one when it is refused and down by one when it is not; at the limit it is excluded.  A
-filter that goes on to compare an excluded beam with what it expects has it given back once it has agreed for
+filter that goes on to compare what is excluded with what it expects has it given back once it has agreed for
 long.
 
 Source: this project.
@@ -15,9 +16,13 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.filters.kalman.beams import locked_beams
 from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
+from edl6dof.spatial.elementary import cos
+from edl6dof.spatial.quaternion import to_frame
+from edl6dof.spatial.vector import dot, scale, take3, unit
 
 
 class BeamWatchParams(Params):
@@ -30,12 +35,19 @@ class BeamWatchParams(Params):
     silent_looks: int = param(
         30, "looks on end in which it alone must have had no echo", ge=1, le=10000
     )  # fmt: skip
+    silent_angle_deg: float = param(
+        45.0,
+        "angle to the vertical beyond which a sound beam may have none: its limit of incidence less a slope",
+        status="estimate",
+        gt=0.0,
+        le=90.0,
+    )
     agreed_looks: int = param(
         100, "looks on end in which it must agree again to be given back", ge=1, le=10000
     )
 
 
-BEAM_WATCH = np.dtype(
+_SCORES = np.dtype(
     [
         ("refused", COUNT, (MAX_BEAMS,)),  # score
         ("silent", COUNT, (MAX_BEAMS,)),  # looks on end
@@ -43,23 +55,47 @@ BEAM_WATCH = np.dtype(
     ],
     align=True,
 )
+BEAM_WATCH = np.dtype([("range", _SCORES), ("speed", _SCORES)], align=True)
 
 
 @kernel
-def watch_beams(params, n_beams, radar, solution, health, memory):
-    """Exclude beams, and give them back, after a look of the filter at the ``radar``."""
-    if params.enabled == 0 or solution.looked == 0:
-        return
-    locked = refused = 0
+def watch_beams(params, instruments, radar, solution, health, memory):
+    """Exclude ranges and speeds of beams, and give them back, after a look of the filter at the ``radar``."""
+    if params.enabled != 0 and solution.looked != 0:
+        n_beams = instruments.n_beams
+        locked = locked_beams(radar, n_beams)
+        due = steep_beams(params, instruments, solution)
+        watch_readings(params, n_beams, locked, due, solution.ranges_refused, health.beam_range, memory.range)
+        watch_readings(params, n_beams, locked, due, solution.speeds_refused, health.beam_speed, memory.speed)
+
+
+@kernel
+def steep_beams(params, instruments, solution):
+    """Bits of the beams that meet the ground so steeply that they must have an echo."""
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    down = to_frame(q, scale(-1.0, unit(take3(solution.r_I, 0))))
+    least, bits = cos(params.silent_angle), 0
+    for i in range(instruments.n_beams):
+        if dot(take3(instruments.beam_axis[i], 0), down) > least:
+            bits |= 1 << i
+    return bits
+
+
+@kernel
+def watch_readings(params, n_beams, locked, due, refused, healthy, memory):
+    """Likewise of one kind of reading; ``locked``, ``due`` (those that must have an echo), ``refused``:
+    a bit for each beam, ``healthy``: flags.
+    """
+    echoes = against = 0
     for i in range(n_beams):
-        locked += radar.locked[i]
-        refused += solution.beams_refused >> i & 1
-    few_refused, few_silent = 2 * refused <= locked and locked > 2, 2 * locked >= n_beams
+        echoes += locked >> i & 1
+        against += refused >> i & 1
+    few_refused, few_silent = 2 * against <= echoes and echoes > 2, 2 * echoes >= n_beams
     for i in range(n_beams):
-        if radar.locked[i] == 0:
+        if locked >> i & 1 == 0:
             memory.agreed[i] = 0
-            memory.silent[i] = memory.silent[i] + 1 if few_silent else 0
-        elif solution.beams_refused >> i & 1:
+            memory.silent[i] = memory.silent[i] + 1 if few_silent and due >> i & 1 else 0
+        elif refused >> i & 1:
             memory.silent[i] = memory.agreed[i] = 0
             memory.refused[i] += 1 if few_refused else 0
         else:
@@ -67,7 +103,7 @@ def watch_beams(params, n_beams, radar, solution, health, memory):
             memory.refused[i] = max(memory.refused[i] - 1, 0)
             memory.agreed[i] += 1
         if memory.refused[i] >= params.refused_looks or memory.silent[i] >= params.silent_looks:
-            health.beam[i] = 0
+            healthy[i] = 0
             memory.refused[i] = memory.agreed[i] = 0
-        elif health.beam[i] == 0 and memory.agreed[i] >= params.agreed_looks:
-            health.beam[i] = 1
+        elif healthy[i] == 0 and memory.agreed[i] >= params.agreed_looks:
+            healthy[i] = 1

@@ -22,7 +22,7 @@ def velocity_by_echoes(instruments, health, radar):
     if radar.fresh == 0:
         return seen, False
     for i in range(instruments.n_beams):
-        if radar.locked[i] != 0 and health.beam[i] != 0:
+        if radar.locked[i] != 0 and health.beam_speed[i] != 0:
             x, y, z = take3(instruments.beam_axis[i], 0)
             xx, yy, zz = xx + x * x, yy + y * y, zz + z * z
             xy, xz, yz = xy + x * y, xz + x * z, yz + y * z
@@ -31,7 +31,7 @@ def velocity_by_echoes(instruments, health, radar):
         return seen, False
     velocity = inertia_solve((xx, yy, zz, xy, xz, yz), seen)
     for i in range(instruments.n_beams):
-        if radar.locked[i] != 0 and health.beam[i] != 0:
+        if radar.locked[i] != 0 and health.beam_speed[i] != 0:
             off = radar.speed[i] - dot(take3(instruments.beam_axis[i], 0), velocity)
             if abs(off) > _AGREE:
                 return velocity, False
@@ -45,7 +45,7 @@ def height_by_echoes(instruments, health, radar, down):
     """
     total, count = 0.0, 0
     for i in range(instruments.n_beams):
-        if radar.locked[i] != 0 and health.beam[i] != 0:
+        if radar.locked[i] != 0 and health.beam_range[i] != 0:
             total += radar.range[i] * dot(take3(instruments.beam_axis[i], 0), down)
             count += 1
     return total / count if count > 0 else 0.0

@@ -51,7 +51,7 @@ def note_changes(instruments, t, health, motion, memory):
     for i in range(instruments.n_accelerometers):
         _note(t, ACCELEROMETERS + i, health.accelerometer[i], memory)
     for i in range(instruments.n_beams):
-        _note(t, BEAMS + i, health.beam[i], memory)
+        _note(t, BEAMS + i, health.beam_range[i] & health.beam_speed[i], memory)
     _note(t, STAR_TRACKER, health.star_tracker, memory)
     _note(t, INERTIAL_UNIT, motion.rate_known, memory)
 

@@ -36,6 +36,7 @@ SOLUTION = np.dtype(
         ("gyro_bias", "f8", (3,)),  # rad/s, B: what the rate read is too large by
         ("accelerometer_bias", "f8", (3,)),  # m/s2, B
         ("terrain", "f8"),  # m: how much higher the ground below is than the landing site
+        ("slope", "f8", (2,)),  # rise of the ground below per metre towards north and east
         (
             "turned_anew",
             "f8",
@@ -50,7 +51,9 @@ SOLUTION = np.dtype(
         ("range_innovation", "f8", (MAX_BEAMS,)),  # over its standard deviation; 0 where there was none
         ("speed_innovation", "f8", (MAX_BEAMS,)),
         ("beams_used", whole(0, 2**MAX_BEAMS - 1)),  # a bit for each beam
-        ("beams_refused", whole(0, 2**MAX_BEAMS - 1)),  # likewise of those that are wrong, excluded or not
+        # likewise of those whose range or speed is wrong, excluded or not
+        ("ranges_refused", whole(0, 2**MAX_BEAMS - 1)),
+        ("speeds_refused", whole(0, 2**MAX_BEAMS - 1)),
         ("looked", FLAG),  # whether the filter has looked at the radar in this cycle
     ],
     align=True,
@@ -61,7 +64,8 @@ INSTRUMENT_HEALTH = np.dtype(
     [
         ("gyro", FLAG, (MAX_GYROS,)),
         ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),
-        ("beam", FLAG, (MAX_BEAMS,)),
+        ("beam_range", FLAG, (MAX_BEAMS,)),
+        ("beam_speed", FLAG, (MAX_BEAMS,)),
         ("star_tracker", FLAG),
     ],
     align=True,

@@ -130,7 +130,7 @@ def watch(onboard, state, sensed, memory):
     """Exclude beams and star tracker where they have failed, and note what is out of use."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     health, instruments = memory.health, onboard.instruments
-    watch_beams(params.beam_watch, instruments.n_beams, sensed.radar, solution, health, memory.beam_watch)
+    watch_beams(params.beam_watch, instruments, sensed.radar, solution, health, memory.beam_watch)
     watch_stars(
         params.star_watch,
         *(onboard.planet, instruments, state.requested),

@@ -15,6 +15,8 @@ SUNLIGHT = (255, 250, 235)
 #: Radius of the sun's disc on the dome of unit radius: four times the true one, or it would be a point.
 _SUN_SIZE = 0.025
 KINDS_OF_ROCK = 4
+#: Radius (m) of the target's largest circle where no limit sets it.
+_TARGET_M = 10e3
 
 
 class Ground(Recorder):
@@ -39,7 +41,7 @@ class Ground(Recorder):
             radii=rr.Radius.ui_points(0.5),
         )
         self.static("site/ground/rings", rings)
-        limit = self.flight.scenario.limits.landing_distance_m
+        limit = self.flight.scenario.limits.landing_distance_m or _TARGET_M
         circles = [self._ring(landscape, r, np.zeros(3)) for r in (0.01 * limit, 0.1 * limit, limit)]
         self.static(
             "site/markers/target", rr.LineStrips3D(circles, colors=TARGET, radii=rr.Radius.ui_points(1.2))

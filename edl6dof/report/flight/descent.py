@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
+from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.report.figure import BLUE, GREEN, GREY, PURPLE, VERMILION, Axis, Figure, Panel, Trace
 from edl6dof.report.flight.parts import Curve, has_signal, over_time, placed, stacked
 from edl6dof.runs.run import Run

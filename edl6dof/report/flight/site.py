@@ -57,7 +57,8 @@ def landing_site(run: Run) -> Figure:
         _part(run, "backshell", "backshell", PURPLE, 1e3),
     ]
     below = Trace(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle", colour=BLUE, width=2.2)
-    allowed = [_circle(float(run.scenario["limits"]["landing_distance_m"]) / 1e3, "allowed distance")]
+    limit = run.scenario["limits"]["landing_distance_m"]
+    allowed = [] if limit is None else [_circle(float(limit) / 1e3, "allowed distance")]
     parachute = _events(run, 1e3, {"mortar": "parachute"})
     if planned := list(_planned(run, 1e3)):
         around = Panel(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 
 

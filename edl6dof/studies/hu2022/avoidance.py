@@ -17,7 +17,7 @@ import numpy as np
 from edl6dof.campaign.executor import in_threads
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, begun
+from edl6dof.interface.roles import HAZARD_AVOIDANCE, begun
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from edl6dof.campaign.rows import Row
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, span
+from edl6dof.interface.roles import HAZARD_AVOIDANCE, span
 from edl6dof.report.figure import Figure
 from edl6dof.sim.flight import Flight
 from edl6dof.studies import plots

@@ -9,7 +9,7 @@ import numpy as np
 
 from edl6dof.campaign.neighbours import SampleMean
 from edl6dof.campaign.rows import Row
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
+from edl6dof.interface.roles import HAZARD_AVOIDANCE
 from edl6dof.metrics.published import Beside, published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins

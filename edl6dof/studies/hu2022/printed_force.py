@@ -15,8 +15,8 @@ import numpy as np
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams, acceleration_towards, push_sideways
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.interface.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 
 #: Convergence speeds lambda_v, rad/s; the paper prints none.

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.fsw.control.frames import goal_attitude
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
+from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, continue_from, fly

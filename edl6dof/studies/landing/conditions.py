@@ -1,4 +1,4 @@
-"""What each law flies: dispersed landings, diverts, and faults of the engine."""
+"""What each law flies: dispersed landings, diverts, late releases, and faults of the engine."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.fsw.mission.roles import POWERED_DECELERATION
+from edl6dof.interface.roles import PARACHUTE, POWERED_DECELERATION
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.scenario.schema import Scenario
 
@@ -16,6 +16,9 @@ POWERED = "flight_software.guidance.powered"
 DISPERSED = "dispersed"
 #: Diverts (m) against the drift, and dispersed flights for each flight of one of them.
 DIVERTS, _PER_DIVERT = (0.0, 300.0, 600.0), 10
+#: Heights (m) of a late release of the backshell, in flights that are not dispersed: the first three are too
+#: low for any law to stop.
+LATE_RELEASES = (300.0, 325.0, 350.0, 400.0, 450.0, 500.0, 550.0, 600.0, 800.0)
 
 
 def _weak(left: float) -> dict[str, Any]:
@@ -40,6 +43,11 @@ def divert(metres: float) -> str:
     return f"divert {metres:g} m"
 
 
+def release(height: float) -> str:
+    """Condition of a late release."""
+    return f"released at {height:g} m"
+
+
 def with_law(law: str) -> LoadedScenario:
     """The landing flown by a law."""
     return load_scenario(SCENARIO, ["simulation.log_every=5", f"{POWERED}.law={law}"])
@@ -59,11 +67,22 @@ def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
         Case(i, one.truth, {**one.belief, **told}, one.profile, _label(law, condition, one.index))
         for i, (condition, one, told) in enumerate(conditions)
     ]
+    planned += _late_releases(scenario, law, len(planned))
     return [*planned, *_with_faults(scenario, law, len(planned))]
 
 
+def _phase(scenario: Scenario, role: str) -> str:
+    return next(phase.name for phase in scenario.mission.phases if phase.role == role)
+
+
+def _late_releases(scenario: Scenario, law: str, first: int) -> Iterator[Case]:
+    key = f"mission.phases.{_phase(scenario, PARACHUTE)}.until.value"
+    for i, height in enumerate(LATE_RELEASES):
+        yield Case(first + i, {}, {key: height}, 0, _label(law, release(height), i))
+
+
 def _with_faults(scenario: Scenario, law: str, first: int) -> Iterator[Case]:
-    braking = next(phase.name for phase in scenario.mission.phases if phase.role == POWERED_DECELERATION)
+    braking = _phase(scenario, POWERED_DECELERATION)
     for i, (name, (after, fault)) in enumerate(ENGINE_FAULTS.items()):
         at = {"phase": braking, "plus_s": after}
         truth = {"faults": [{"engine": "main", "at": at, **fault}]}

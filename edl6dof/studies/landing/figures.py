@@ -6,7 +6,7 @@ from math import hypot, nan
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import HOVER_IMAGING, POWERED_DECELERATION
+from edl6dof.interface.roles import HOVER_IMAGING, POWERED_DECELERATION
 from edl6dof.sim.flight import Flight
 from edl6dof.telemetry.columns import Telemetry
 

@@ -1,4 +1,6 @@
-"""What came out: fuel, miss, tilt and feasibility of each law, diverts, failing engines, and targets kept."""
+"""What came out: fuel, miss, tilt and feasibility of each law, diverts, late releases, failing engines, and
+targets kept.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +11,21 @@ import numpy as np
 
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
-from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert
+from edl6dof.studies.landing.conditions import (
+    DISPERSED,
+    DIVERTS,
+    ENGINE_FAULTS,
+    LATE_RELEASES,
+    divert,
+    release,
+)
 from edl6dof.studies.quantiles import quantile_grid
 from edl6dof.studies.study import Finding, Grid
 
 #: The law that the others are compared with, and the ones that solve an optimisation problem in flight.
 REFERENCE, OPTIMISERS = "polynomial", ("convex",)
+#: The law that plans nothing, and by how much (m/s) another may come down faster after a late release.
+UNPLANNED, FASTER_M_S = "gravity_turn", 0.5
 #: A law has reached the target within these: miss (m), speed (m/s) and height (m) off where hover begins; and
 #: it was out of its limits if it was saturated for longer (s).
 MISS_M, SPEED_M_S, HEIGHT_M, SATURATED_S = 5.0, 5.0, 10.0, 10.0
@@ -64,11 +75,12 @@ def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
 
 
 def grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
-    """Dispersed landings, diverts, failing engines."""
+    """Dispersed landings, diverts, late releases, failing engines."""
     yield _fuel(rows)
     yield from _misses(rows)
     yield _feasibility(rows, calls)
     yield _diverts(rows)
+    yield _late(rows)
     yield _faults(rows)
 
 
@@ -147,6 +159,25 @@ def _faults(rows: Sequence[Row]) -> Grid:
     return Grid(title, ("law", *ENGINE_FAULTS), tuple(lines))
 
 
+def _late(rows: Sequence[Row]) -> Grid:
+    heads = tuple(f"{height:g} m" for height in LATE_RELEASES)
+    lines: list[Line] = [
+        (law, *(_ground_speed(rows, law, height) for height in LATE_RELEASES)) for law in laws(rows)
+    ]
+    return Grid("backshell released late: descent rate at the ground, m/s", ("law", *heads), tuple(lines))
+
+
+def _ground_speed(rows: Sequence[Row], law: str, height: float) -> float:
+    return mean(of(rows, law, release(height)), "touchdown_vertical_m_s")
+
+
+def _faster(rows: Sequence[Row], law: str) -> float:
+    """By how much a law comes down faster than the one that plans nothing, at most, after a late release."""
+    return max(
+        _ground_speed(rows, law, height) - _ground_speed(rows, UNPLANNED, height) for height in LATE_RELEASES
+    )
+
+
 def mean(rows: Sequence[Row], name: str) -> float:
     """Mean of a figure over the flights that have it."""
     found = values(rows, name)
@@ -168,6 +199,10 @@ def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findin
     }
     best = min(worst, key=lambda law: worst[law])
     yield Finding(f"largest miss, {longest}, best law", "m", worst[best], DIVERT_MISS_M, "<=", best)
+    for law in laws(rows):
+        if law != UNPLANNED and UNPLANNED in laws(rows):
+            name = f"{law}: faster than {UNPLANNED} at the ground, late releases"
+            yield Finding(name, "m/s", _faster(rows, law), FASTER_M_S, "<=")
     for name in ENGINE_FAULTS:
         flown = of(rows, condition=name)
         causes = dict.fromkeys(row["cause"] for row in flown if not row.get("came_down", False))

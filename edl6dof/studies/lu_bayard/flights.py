@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_drag
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
 from edl6dof.sim.flight import Flight, fly

@@ -6,7 +6,7 @@ import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 
 #: Share of the true value within which an estimate coincides with it in a figure, and the time (s) over which

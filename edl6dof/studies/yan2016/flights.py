@@ -6,7 +6,7 @@ from math import nan
 
 import numpy as np
 
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 
 #: Seconds after which the observer has settled.

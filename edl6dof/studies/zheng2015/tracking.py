@@ -9,7 +9,7 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import NODES
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.interface.roles import LIFT
 from edl6dof.scenario.records import build_onboard
 from edl6dof.sim.flight import Flight
 

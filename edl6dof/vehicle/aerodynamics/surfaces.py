@@ -19,25 +19,13 @@ class SurfaceParams(Hardware):
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
     carried_by: str | None = param(None, "part that it goes with; none: it stays", record=False)
-    area_m2: float = param(0.16, "area of the plate", status="estimate", source="tianwen1.md 1.4", ge=0.0)
+    area_m2: float = param(REQUIRED, "area of the plate", ge=0.0)
     force_coefficient: float = param(
-        1.7,
-        "normal force coefficient of the plate, broadside to the flow",
-        status="estimate",
-        source="tianwen1.md 1.4",
-        ge=0.0,
+        REQUIRED, "normal force coefficient of the plate, broadside to the flow", ge=0.0
     )
-    position_x_m: float = param(
-        -0.95, "body station of the centre of the plate", status="estimate", source="aft of the shoulder"
-    )
+    position_x_m: float = param(REQUIRED, "body station of the centre of the plate")
     position_z_m: float = param(
-        -1.904,
-        (
-            "body z of the centre of the plate: 0.56 D out, on the side of the CG offset (-z for lift up "
-            "at alpha -10 deg)"
-        ),
-        status="estimate",
-        source="tianwen1.md 1.4",
+        REQUIRED, "body z of the centre of the plate, on the side of the centre-of-mass offset"
     )
     normal_tilt_deg: float = param(
         0.0,
@@ -46,9 +34,7 @@ class SurfaceParams(Hardware):
         gt=-90.0,
         lt=90.0,
     )
-    deploy_time_s: float = param(
-        0.7, "time from closed to open", status="estimate", source="tianwen1.md 1.4: 0.5-1 s", gt=0.0
-    )
+    deploy_time_s: float = param(REQUIRED, "time from closed to open", gt=0.0)
     moment_factor: float = param(
         1.0, "multiplies the effectiveness (force, hence moment); 0 is a lost wing", ge=0.0, le=10.0
     )

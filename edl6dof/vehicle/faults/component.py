@@ -7,6 +7,8 @@ from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
 from edl6dof.interface.events import Action
+from edl6dof.interface.roles import Role
+from edl6dof.interface.thrusters import ThrusterFailure
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Kinds of component; a fault names the one it acts on under the key of the same name.
@@ -57,21 +59,30 @@ class ComponentFault(Params):
     components: ClassVar[tuple[Component, ...]]
     #: What is done to the component, or to the part it goes with, after which the fault changes nothing.
     over_after: ClassVar[tuple[Action, ...]] = ()
+    #: Roles of the phases in which it happens, where it does in some only.
+    happens_in: ClassVar[tuple[Role, ...]] = ()
 
 
-class ThrusterFault(ComponentFault):
+class FailingThrusters(ComponentFault):
+    """Parameters of a fault that makes thrusters fail."""
+
+    #: How: what a right isolation says of each of them.
+    failure: ClassVar[ThrusterFailure]
+
+
+class ThrusterFault(FailingThrusters):
     """Parameters of a fault of one thruster."""
 
     components: ClassVar[tuple[Component, ...]] = ("thruster",)
 
 
-class BranchFault(ComponentFault):
+class BranchFault(FailingThrusters):
     """Parameters of a fault of one propellant branch."""
 
     components: ClassVar[tuple[Component, ...]] = ("branch",)
 
 
-class RcsFault(ComponentFault):
+class RcsFault(FailingThrusters):
     """Parameters of a fault of all thrusters at once."""
 
     components: ClassVar[tuple[Component, ...]] = ("rcs",)

@@ -10,6 +10,7 @@ from typing import ClassVar
 
 from edl6dof.config.base import param
 from edl6dof.interface.capacities import MAX_GYROS
+from edl6dof.interface.roles import PARACHUTE, Role
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
@@ -87,6 +88,7 @@ class GyrosSaturatedParams(InstrumentFault):
     """All gyros at the end of their range at once, as when a parachute opens."""
 
     components: ClassVar[tuple[Component, ...]] = ("inertial_unit",)
+    happens_in: ClassVar[tuple[Role, ...]] = (PARACHUTE,)
 
     duration_s: float = param(1.0, "how long it lasts; 0: to the end", ge=0.0)
 

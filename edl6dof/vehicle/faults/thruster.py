@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from edl6dof.config.base import param
+from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, ThrusterFailure
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import BranchFault, RcsFault, ThrusterFault
@@ -10,20 +13,23 @@ from edl6dof.vehicle.faults.component import BranchFault, RcsFault, ThrusterFaul
 #: Longer than any base cycle, s: a valve held open is open all through it.
 LONG = 1.0
 
-#: Numbers of ``THRUSTER_KINDS``.
-STUCK_OFF, STUCK_ON, DEGRADED = 1, 2, 3
-
 
 class StuckOffParams(ThrusterFault):
     """The thruster does not fire any more."""
+
+    failure: ClassVar[ThrusterFailure] = "stuck_off"
 
 
 class StuckOnParams(ThrusterFault):
     """The thruster's valve does not close any more; only the latch valve of its branch stops it."""
 
+    failure: ClassVar[ThrusterFailure] = "stuck_on"
+
 
 class DegradedParams(ThrusterFault):
     """The thruster gives less thrust."""
+
+    failure: ClassVar[ThrusterFailure] = "degraded"
 
     thrust_factor: float = param(0.5, "thrust left", ge=0.0, lt=1.0)
     flow_factor: float = param(
@@ -34,9 +40,13 @@ class DegradedParams(ThrusterFault):
 class BranchDeadParams(BranchFault):
     """The latch valve of the branch fails shut: none of its thrusters fires any more."""
 
+    failure: ClassVar[ThrusterFailure] = "stuck_off"
+
 
 class WeakThrustersParams(RcsFault):
     """All thrusters give less thrust, from less flow: low feed pressure, or cold propellant."""
+
+    failure: ClassVar[ThrusterFailure] = "degraded"
 
     thrust_factor: float = param(0.8, "thrust and flow left", ge=0.0, lt=1.0)
 

@@ -15,9 +15,12 @@ def update_peaks(plant, outputs, peaks):
     if outputs.pads == 0:
         load = norm(take3(outputs.specific_force_B, 0))
         if plant.canopy == PACKED:
-            peaks.entry_load = max(peaks.entry_load, load)
+            if load > peaks.entry_load:
+                peaks.entry_load, peaks.entry_load_time = load, plant.t
         elif plant.canopy != RELEASED:
             peaks.parachute_load = max(peaks.parachute_load, load)
-    peaks.dynamic_pressure = max(peaks.dynamic_pressure, outputs.dynamic_pressure)
-    peaks.heat_flux = max(peaks.heat_flux, outputs.heat_flux)
+    if outputs.dynamic_pressure > peaks.dynamic_pressure:
+        peaks.dynamic_pressure, peaks.dynamic_pressure_time = outputs.dynamic_pressure, plant.t
+    if outputs.heat_flux > peaks.heat_flux:
+        peaks.heat_flux, peaks.heat_flux_time = outputs.heat_flux, plant.t
     peaks.riser_tension = max(peaks.riser_tension, outputs.riser_tension)

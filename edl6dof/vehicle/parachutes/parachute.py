@@ -47,13 +47,9 @@ class ParachuteParams(ParachuteChoice, Hardware):
     }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
-    diameter_m: float = param(1.0, "nominal diameter; the reference area is pi/4 of its square", gt=0.0)
+    diameter_m: float = param(REQUIRED, "nominal diameter; the reference area is pi/4 of its square", gt=0.0)
     drag_coefficient: float = param(
-        0.62,
-        "axial force coefficient at low Mach number, on the nominal area",
-        status="published",
-        source="MSL, Cruz et al. 2013",
-        gt=0.0,
+        REQUIRED, "axial force coefficient at low Mach number, on the nominal area", gt=0.0
     )
     mach_efficiency: MachTable = group(
         MachTable, "drag over its value at low Mach number, by Mach; without points as the model has it"
@@ -64,17 +60,15 @@ class ParachuteParams(ParachuteChoice, Hardware):
         "coefficients measured behind a capsule contain the loss",
     )
     mortar_speed_m_s: float = param(
-        30.0, "speed of the pack relative to the vehicle at mortar fire", status="estimate", gt=0.0
+        REQUIRED, "speed of the pack relative to the vehicle at mortar fire", gt=0.0
     )
     pack_drag_area_m2: float = param(
         0.3, "drag area of the pack before line stretch", status="estimate", ge=0.0
     )
     line_length_m: float = param(
-        1.0, "from the bridle confluence to the canopy with lines taut, unloaded", gt=0.0
+        REQUIRED, "from the bridle confluence to the canopy with lines taut, unloaded", gt=0.0
     )
-    confluence_m: Vec3 = param(
-        (0.0, 0.0, 0.0), "bridle confluence point in B, with every leg of the bridle taut"
-    )
+    confluence_m: Vec3 = param(REQUIRED, "bridle confluence point in B, with every leg of the bridle taut")
     bridle_attachments_m: Annotated[list[Vec3], Capacity(LEGS)] = param(
         None,
         "points in B where the three legs of the bridle begin, each as long as it is to the confluence; "

@@ -38,10 +38,8 @@ class EngineParams(EngineChoice, Hardware):
     full_thrust_n: float = param(REQUIRED, "thrust at the full level used at the start", gt=0.0)
     throttle_min_n: float = param(0.0, "lower end of the throttle band", ge=0.0)
     throttle_max_n: float = param(0.0, "upper end of the throttle band", ge=0.0)
-    full_specific_impulse_s: float = param(
-        300.0, "specific impulse at full thrust", status="estimate", gt=0.0
-    )
-    nozzle_m: Vec3 = param((0.0, 0.0, 0.0), "point of thrust application in B")
+    full_specific_impulse_s: float = param(REQUIRED, "specific impulse at full thrust", gt=0.0)
+    nozzle_m: Vec3 = param(REQUIRED, "point of thrust application in B")
     direction: Vec3 = param((-1.0, 0.0, 0.0), "unit vector of the thrust in B; -x is up when landed")
     misalignment_y_deg: float = param(0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0)
     misalignment_z_deg: float = param(0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0)

@@ -1,5 +1,6 @@
 """``edl6dof faults``: a small matrix flown, its files, its words, and what it refuses."""
 
+import io
 import json
 
 import pyarrow.parquet as pq
@@ -7,8 +8,11 @@ import pytest
 from chance import fewest
 from cli_run import run
 from in_process import called
+from rich.console import Console
 
 from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
+from edl6dof.app.faults.show import _LEGEND, _shares, _times
+from edl6dof.vehicle.faults.registry import FAULT_KINDS
 
 
 def rows_of(folder):
@@ -208,3 +212,16 @@ def test_every_mistake_is_named_at_once(tmp_path, capsys, monkeypatch):
 def test_an_existing_folder_is_not_replaced_unasked(flown, capsys, monkeypatch):
     code, _, err = run(capsys, monkeypatch, "faults", "tianwen1", "--out", str(flown[3]))
     assert code == 2 and "exists" in err
+
+
+def test_tables_fit_a_terminal_of_80_columns():
+    """For the fault of the longest name, in a matrix of thousands."""
+    kind = max(FAULT_KINDS.names, key=len)
+    times = {"median": 100.0, "p95": 100.0, "worst": 100.0}
+    counts = ("flights", "within_limits", "can_be_known", "name_right", "kind_right", "with_wrong_isolations")
+    group = {"kind": kind, "regime": "powered", "from_use_s": times} | dict.fromkeys(counts, 3564)
+    for table in (_shares([group]), _times([group], "from_use_s", "")):
+        console = Console(width=200, file=io.StringIO())
+        console.print(table)
+        assert max(map(len, console.file.getvalue().splitlines())) <= 80
+    assert max(map(len, _LEGEND.splitlines())) <= 80

@@ -53,6 +53,11 @@ def test_shipped_files_are_valid(validators, kind, version):
         assert found == [], path.name
 
 
+def test_a_change_of_one_item_is_valid_without_all_that_a_whole_item_needs(validators):
+    change = {"extends": "tianwen1", "vehicle": {"parachutes": [{"name": "main", "drag_coefficient": 0.6}]}}
+    assert not [one.message for one in validators["scenario"].iter_errors(change) if "parachutes" in one.path]
+
+
 @pytest.mark.parametrize(
     "kind, bad",
     [

@@ -12,12 +12,14 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import add, cross, dot, scale, sub, take3
 
+#: Least cosine between beam and normal of the ground with which there is an echo: 65 deg.
+FLATTEST = 0.42
 ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
 
 
 def drawn_before(rng, cycles):
     """Standard normal numbers for so many cycles, and how many of them are used."""
-    return rng.standard_normal(100 + 28 * cycles), np.zeros(1, np.int64)
+    return rng.standard_normal(100 + 30 * cycles), np.zeros(1, np.int64)
 
 
 @kernel
@@ -35,11 +37,17 @@ def normals(draws, size, rows, columns=1):
 
 
 @kernel
-def true_range(u, up, height):
-    """Range along ``u`` to a sphere of the planet's radius."""
-    c = -(u[0] * up[0] + u[1] * up[1] + u[2] * up[2])
+def true_range(u, up, rise, height):
+    """Range along ``u`` to a sphere of the planet's radius, whose ground rises by the vector ``rise``."""
+    c = -dot(u, up)
     far = RADIUS + height
-    return far * c - np.sqrt(RADIUS**2 - far**2 * (1.0 - c * c))
+    if dot(rise, rise) == 0.0:
+        return far * c - np.sqrt(RADIUS**2 - far**2 * (1.0 - c * c))
+    reach, fallen = 0.0, 0.0
+    for _ in range(5):
+        reach = (height + fallen) / (c + dot(u, rise))
+        fallen = 0.5 * (1.0 - c * c) * reach**2 / RADIUS
+    return reach
 
 
 def draw_unit(unit, size, draws):
@@ -83,35 +91,55 @@ def star_fix(unit, q, bias, size, draws):
 
 
 @kernel
-def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, radar, draws):
-    """Fill ``radar``; ``looks``: state of each beam (0 sound, 1 lost, 2 locked on something 60 m away)."""
+def read_radar(onboard, change, t, r, v, q, rate, ground, drawn, looks, size, radar, draws):
+    """Fill ``radar``; ``ground``: height, and rise towards north and east; ``looks``: state of each beam (0
+    sound, 1 lost, 2 locked on something 60 m away).
+    """
     unit = onboard.instruments
     arm = sub(ARM, CENTRE)
     place = add(r, from_frame(q, arm))
-    _, _, up, altitude = level_axes(onboard.planet, place, t)
-    height = altitude - onboard.site.altitude - terrain
+    north, east, up, altitude = level_axes(onboard.planet, place, t)
+    rise = add(scale(ground[1], north), scale(ground[2], east))
+    height = altitude - onboard.site.altitude - ground[0] - dot(rise, from_frame(q, arm))
     velocity = add(moving(place, v), from_frame(q, cross(rate, arm)))
     radar.fresh = 5.0 < height < 7500.0
     for b in range(unit.n_beams):
         u = from_frame(q, take3(unit.beam_axis[b], 0))
         slope = -dot(u, up)
-        reach, speed = true_range(u, up, height), dot(u, velocity)
-        ground = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
+        seen = height > 0.0 and slope + dot(u, rise) > FLATTEST
+        reach, speed = true_range(u, up, rise, height) if seen else 0.0, dot(u, velocity)
+        uneven = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
         noise = size * (unit.range_sigma + unit.range_sigma_relative * reach) * normal(draws)
-        noise += size * ground / slope * normal(draws)
+        noise += size * uneven / slope * normal(draws)
         radar.range[b] = reach * (1.0 + drawn[5][b, 0]) + drawn[7][b, 0] + noise
         noise = unit.speed_sigma + unit.speed_sigma_relative * abs(speed)
         radar.speed[b] = speed * (1.0 + drawn[6][b, 0]) + size * noise * normal(draws)
-        radar.locked[b] = looks[b] != 1
+        radar.locked[b] = seen and looks[b] != 1
         if looks[b] == 2:
             radar.range[b], radar.speed[b] = 60.0, 12.0
 
 
-def lay_ground(params, rs, vs, size, draws):
-    """Height of the ground below each cycle above what is believed of the site."""
+def lay_ground(params, rs, vs, heights, size, draws):
+    """Height of the ground below each cycle above what is believed of the site, and its rise towards north
+    and east, as the filter believes ground to be; shape (cycles, 3).  Where the radar sees it, it rises.
+    """
     moved = vs + SPIN * np.column_stack([rs[:, 1], -rs[:, 0], 0.0 * rs[:, 0]])
     up = rs / np.linalg.norm(rs, axis=1)[:, None]
-    along = np.linalg.norm(moved - np.sum(moved * up, axis=1)[:, None] * up, axis=1)
-    change = params["terrain_change"] * np.sqrt(along * DT / 1000.0)
+    level = moved - np.sum(moved * up, axis=1)[:, None] * up
+    east = np.column_stack([-up[:, 1], up[:, 0], 0.0 * up[:, 0]])
+    east /= np.linalg.norm(east, axis=1)[:, None]
+    way = np.column_stack([np.sum(level * axis, axis=1) for axis in (np.cross(up, east), east)]) * DT
+    change = params["terrain_change"] * np.sqrt(np.linalg.norm(level, axis=1) * DT / 1000.0)
     change[0] = params["terrain_sigma"]
-    return np.cumsum(change * normals(draws, size, len(rs))[:, 0])
+    chance, (most, some) = (
+        normals(draws, size, 3, len(rs)),
+        np.tan(params[["slope_sigma", "slope_change"]].item()),
+    )
+    share = np.minimum(some**2 / most**2 * np.linalg.norm(moved, axis=1) * DT / np.maximum(heights, 5.0), 1.0)
+    ground = np.zeros((len(rs), 3))
+    ground[0] = chance[:, 0] * (change[0], most, most)
+    for k in range(1, len(rs)):
+        ground[k, 1:] = np.sqrt(1.0 - share[k]) * ground[k - 1, 1:] + np.sqrt(share[k]) * most * chance[1:, k]
+        rise = ground[k, 1:] @ way[k] if heights[k] < 7500.0 else 0.0
+        ground[k, 0] = ground[k - 1, 0] + rise + change[k] * chance[0, k]
+    return ground

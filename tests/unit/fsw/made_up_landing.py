@@ -115,7 +115,9 @@ def report(onboard, solution, biases, place, ground, errors):
     for i in range(3):
         errors[9 + i] = biases[0][i, 0] - solution.gyro_bias[i]
         errors[12 + i] = biases[1][i, 0] - solution.accelerometer_bias[i]
-    errors[15] = ground - solution.terrain
+    errors[15] = ground[0] - solution.terrain
+    for i in range(2):
+        errors[16 + i] = ground[1 + i] - solution.slope[i]
 
 
 @kernel
@@ -140,7 +142,7 @@ def fly_filter(
         draws: make the errors of this flight.
         drawn: errors of the instruments.
         biases: of gyros and accelerometers, that walk.
-        ground: height of the ground in each cycle.
+        ground: height of the ground in each cycle, and its rise towards north and east.
         size: factor of all errors.
         stars_until: time of the last star fix, s.
         looks: state of each beam in each cycle (see ``read_radar``).
@@ -207,8 +209,8 @@ def fly(onboard, params, flown, reports, seed=1, size=1.0, stars_until=-1.0, loo
         looks = np.zeros((steps, 8), np.int64)
     draws = drawn_before(np.random.default_rng(seed), steps)
     drawn = draw_unit(onboard[0]["instruments"], size, draws)
-    ground = lay_ground(params[0], flown[0], flown[1], size, draws)
-    onboard[0]["site"]["altitude"] = SITE - ground[-1]
+    ground = lay_ground(params[0], flown[0], flown[1], flown[5], size, draws)
+    onboard[0]["site"]["altitude"] = SITE - ground[-1, 0]
     told = (
         *(np.zeros((count, STATES)), np.zeros((count, *ERROR_STATE["covariance"].shape))),
         *(np.zeros((steps, 2, onboard[0]["instruments"]["n_beams"])), np.zeros(steps, np.int64)),
@@ -246,6 +248,6 @@ def stepped(onboard, flown, first, cycles, begin, records, looks=None):
         sensed["t"] = k * DT
         read_radar(
             *(onboard[0], 0.0, sensed["t"], tuple(rs[k]), tuple(vs[k]), tuple(qs[k])),
-            *(tuple(angles[k] / DT), 0.0, drawn, every[k], 1.0, sensed["radar"], draws),
+            *(tuple(angles[k] / DT), np.zeros(3), drawn, every[k], 1.0, sensed["radar"], draws),
         )
         yield k

@@ -9,9 +9,11 @@ from math import cos, radians, tan
 
 import numpy as np
 import pytest
+from powered_flight import Guided, PointMass
 
 from edl6dof.design.landing.onboard import first_guess, landing_record, plan_onboard, solve_onboard
 from edl6dof.design.landing.problem import Landing, classic_mars, held_controls
+from edl6dof.fsw.guidance.powered import relaxation
 from edl6dof.fsw.guidance.powered.convex.flight_time import growth
 from edl6dof.fsw.guidance.powered.convex.glide_slope import outside
 from edl6dof.fsw.guidance.powered.convex.grid import lay_grid, shift_controls
@@ -181,3 +183,20 @@ def test_what_cannot_be_stopped_is_flagged():
     plan = plan_onboard(replace(LANDER, position=(0.0, 0.0, 300.0), velocity=(0.0, 0.0, -95.0)), 8.0, 12.0)[0]
     assert plan["height_error"] + np.linalg.norm(plan["end_velocity"]) > 10.0
     assert np.all(np.isfinite(plan["w"]))
+
+
+def test_constraints_are_relaxed_in_their_order_the_lower_the_start_the_more(onboard):
+    relaxed = []
+    for height in (1200.0, 520.0, 480.0, 440.0, 250.0):
+        body = PointMass(height, (9.0, 6.0, 58.0))
+        guided = Guided(onboard[0], "convex", body)
+        guided(body)
+        memory, target = guided.memory["convex"], guided.target
+        relaxed.append(int(body.out["relaxed"]))
+        assert body.out["landing_error"] == memory["landing_error"]
+        assert memory["landing_error"] < 5.0 or relaxed[-1] == relaxation.TARGET
+        lowest = target["least_height"] if relaxed[-1] >= relaxation.ARRIVAL else target["height"]
+        assert memory["landing"]["position"][2] == pytest.approx(height - lowest)
+    assert relaxed == sorted(relaxed)
+    assert relaxed[0] == 0 and relaxed[-1] == relaxation.TARGET
+    assert len(set(relaxed)) > 2  # not all at once

@@ -12,7 +12,8 @@ from as_flown import apart
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, DiagnosisParams, diagnose
-from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence
+from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
@@ -197,6 +198,30 @@ def test_a_dead_meter_costs_no_thruster_where_force_and_torque_speak(watch_of, b
         assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
 
 
+@pytest.mark.parametrize("branch", [long_unless(branch % 4 == 0, branch) for branch in range(11)])
+def test_a_dead_meter_costs_no_thruster_where_force_and_torque_say_nothing(watch_of, branch):
+    """In air that shakes the vehicle harder than its thrusters do: that it lacks the flow of both thrusters
+    of its branch decides.
+    """
+    watch = watch_of(branch)
+    for k in range(400):
+        watch.dead_meters = [branch] if k > 100 else []
+        air = 0.05 * 35e3 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
+        watch.cycle(disturbance=air, load=35e3)
+    assert watch.found == [] and np.all(watch.healthy == 1)
+    assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
+
+
+@pytest.mark.parametrize("branch", [long_unless(branch == 4, branch) for branch in range(11)])
+def test_a_meter_that_reads_less_than_no_flow_has_failed(watch_of, branch):
+    watch = watch_of(branch)
+    for _ in range(100):
+        watch.used[branch] += 0.02 * DT * watch.rng.normal()
+        watch.cycle()
+    assert watch.found == [] and np.all(watch.healthy == 1) and not watch.shut.any()
+    assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
+
+
 def test_a_meter_that_reads_a_flow_through_a_shut_valve_has_failed(watch_of):
     watch = watch_of()
     for _ in range(40):
@@ -256,6 +281,34 @@ def test_a_leak_older_than_the_slow_disturbance_is_found_all_the_same(watch_of):
         for _ in range(100):
             watch.cycle((i, "stuck on", 0.0), use=0.0)
         assert watch.found == [(NAMES[i], "stuck on")]
+
+
+@pytest.mark.parametrize(
+    ("name", "load"),
+    [
+        long_unless(name in ("D1", "A2"), name, load)
+        for name in ("D1", "D6", "A2", "P3")
+        for load in (0.0, 2e3)
+    ],
+)
+def test_without_meters_an_old_leak_is_not_taken_for_a_dead_thruster(watch_of, name, load):
+    """The slow part holds all that the leak does; when the thruster is used it does not respond, as a dead
+    one.
+    """
+    watch, number = watch_of(4, metered=False), NAMES.index(name)
+    who = np.array([not other.startswith("F") for other in NAMES])
+    watch.params["enabled"] = 0
+    for _ in range(150):
+        watch.cycle((number, "stuck on", 0.0), use=0.0, load=load)
+    restart_residual(watch.memory["residual"][0])
+    for _ in range(50):
+        watch.cycle((number, "stuck on", 0.0), use=0.0, load=load)
+    watch.params["enabled"] = 1
+    while not watch.found and watch.t < 60.0:
+        watch.cycle((number, "stuck on", 0.0), who=who, load=load)
+    assert watch.found == [(name, "stuck on")]
+    assert np.flatnonzero(watch.shut).tolist() == [watch.branch[number]]
+    assert np.flatnonzero(watch.healthy == 0).tolist() == list(watch.mates(number))
 
 
 def test_of_two_that_fire_against_each_other_only_the_dead_one_is_named(watch_of):
@@ -341,7 +394,7 @@ def test_slow_part_is_the_late_mean_by_numpy():
     history, slow = [], np.zeros(6)
     for k in range(200):
         unexplained = rng.normal(size=6) + 50.0
-        known = without_slow_part(0.4, unexplained, np.zeros(32), 22, DT, memory)
+        known = without_slow_part(0.4, unexplained, DT, memory)
         if k >= WINDOW:
             slow = slow + max(DT / 0.4, 1.0 / (k - WINDOW + 1)) * (history[k - WINDOW] - slow)
             assert memory["value"] == pytest.approx(unexplained - slow, abs=1e-12)

@@ -14,9 +14,10 @@ from scipy.stats import chi2
 from edl6dof.fsw.navigation.filters.kalman.states import STATES
 
 FLIGHTS = 100
-ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
+#: Slopes so small that ranges are linear in them.
+ONBOARD, PARAMS = belief.onboard_record(), belief.params_record(slope_sigma_deg=2.0, slope_change_deg=0.5)
 #: Parts of the error state, that are looked at one by one too.
-PARTS = {"position": (0, 3), "velocity": (3, 6), "attitude": (6, 9), "biases": (9, 15)}
+PARTS = {"position": (0, 3), "velocity": (3, 6), "attitude": (6, 9), "biases": (9, 15), "slope": (16, 18)}
 
 
 def flights(flown, reports, **how):

@@ -13,12 +13,17 @@ from scipy.linalg import expm
 from textbook_filter import TextbookFilter, matrix, skew
 
 from edl6dof.fsw.navigation.filters.error_state import correct, start
-from edl6dof.fsw.navigation.filters.kalman.antenna import expected_range, level_axes, place_antenna
+from edl6dof.fsw.navigation.filters.kalman.antenna import (
+    expected_range,
+    ground_normal,
+    level_axes,
+    place_antenna,
+)
 from edl6dof.fsw.navigation.filters.kalman.gate import median, refused_again, weighted_noise
 from edl6dof.fsw.navigation.filters.kalman.process_noise import spread_of
 from edl6dof.fsw.navigation.filters.kalman.ranges import range_row
 from edl6dof.fsw.navigation.filters.kalman.speeds import speed_row
-from edl6dof.fsw.navigation.filters.kalman.states import MOVING, STATES, WIDTH
+from edl6dof.fsw.navigation.filters.kalman.states import ACTING, MOVING, STATES, WIDTH
 from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
 
 ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
@@ -26,6 +31,8 @@ ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
 ALL_COUNT = belief.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
 UNSURE = belief.params_record(unknown_rate_deg_s=60.0)
 FILL_TRANSITION = "mu, r_I, memory.interval, memory.transition"
+#: Rise of the ground towards north and east, in the derivatives.
+SLOPE = np.array([0.2, -0.1])
 CENTRE, ARM = np.array(instruments.CENTRE), np.array(instruments.ARM)
 
 
@@ -48,7 +55,8 @@ def followed(onboard, params, flown, first, cycles):
     sensed, motion, solution, health, memory = (record[0] for record in records)
     book = TextbookFilter(
         *(onboard[0]["instruments"], onboard[0]["planet"], onboard[0]["site"]["altitude"]),
-        *(params[0]["terrain_sigma"], params[0]["terrain_change"]),
+        params[0][["terrain_sigma", "terrain_change"]].item(),
+        params[0][["slope_sigma", "slope_change"]].item(),
         *(2.0 * params[0]["gravity"] ** 2 * params[0]["gravity_time"], flown[2][first]),
     )
 
@@ -60,27 +68,31 @@ def followed(onboard, params, flown, first, cycles):
         correct(params[0], onboard[0], health, sensed, motion, solution, memory)
         book.move(course.DT, motion["angle"], motion["gain"], before["q_I2B"])
         if memory["interval"]["dt"] == 0.0:
-            look(book, before, motion, sensed)
+            before["terrain"] += look(book, before, motion, sensed)
             yield before, solution, memory, book
             book.dx = np.zeros(len(book.dx))
 
 
 def look(book, before, motion, sensed):
-    """Let the textbook take in what the filter took in."""
+    """Let the textbook take in what the filter took in; the ground rises below as it moves on."""
     q, r, v, t = before["q_I2B"], before["r_I"], before["v_I"], before["t"]
     spin, C = np.array([0.0, 0.0, course.SPIN]), matrix(q)
-    up = np.array(level_axes(ONBOARD[0]["planet"], tuple(r), t)[2])
-    book.carry_forward(r, v - np.cross(spin, r), up, q)
+    north, east, up, altitude = map(np.array, level_axes(ONBOARD[0]["planet"], tuple(r), t))
+    v_rel, slope = v - np.cross(spin, r), before["slope"]
+    rise = slope @ (north @ v_rel, east @ v_rel) * sum(dt for dt, *_ in book.cycles)
+    terrain = before["terrain"] + rise
+    book.carry_forward(r, v_rel, (north, east, up), altitude - book.site - terrain, q)
     place = r + C @ (ARM - CENTRE)
-    _, _, up, altitude = level_axes(ONBOARD[0]["planet"], tuple(place), t)
-    height = altitude - book.site - before["terrain"]
-    for beam in range(4):
-        book.take_range(beam, sensed["radar"]["range"][beam], C, ARM - CENTRE, np.array(up), height)
+    north, east, up, altitude = map(np.array, level_axes(ONBOARD[0]["planet"], tuple(place), t))
+    height = altitude - book.site - terrain
     for beam in range(4):
         swing = C @ np.cross(motion["rate"], ARM - CENTRE)
-        book.take_speed(
-            beam, sensed["radar"]["speed"][beam], C, np.array(up), v - np.cross(spin, place), swing
+        book.take_speed(beam, sensed["radar"]["speed"][beam], C, up, v - np.cross(spin, place), swing)
+    for beam in range(4):
+        book.take_range(
+            beam, sensed["radar"]["range"][beam], C, ARM - CENTRE, (north, east, up), slope, height
         )
+    return rise
 
 
 def test_filter_agrees_with_a_textbook_filter(descent):
@@ -94,6 +106,7 @@ def test_filter_agrees_with_a_textbook_filter(descent):
             found = solution[name] - before[name] - book.dx[at : at + 3]
             assert np.abs(found).max() < 1e-9 * max(size[at], np.abs(before[name]).max()), name
         assert abs(solution["terrain"] - before["terrain"] - book.dx[15]) < 1e-9 * size[15]
+        assert np.abs(solution["slope"] - before["slope"] - book.dx[16:18]).max() < 1e-9
         turned = (np.eye(3) + skew(book.dx[6:9])) @ matrix(before["q_I2B"])
         assert np.abs(matrix(solution["q_I2B"]) - turned).max() < 1e-9 + np.abs(book.dx[6:9]).max() ** 2
         compared += 1
@@ -124,42 +137,45 @@ def test_transition_is_the_exponential_of_constant_motion():
     F[3:6, 0:3] = course.MU / size**3 * (3.0 * np.outer(r, r) / size**2 - np.eye(3))
     F[3:6, 6:9], F[3:6, 12:15], F[6:9, 9:12] = -skew(f), -C, -C
     for k in range(3):
-        F[6:9, 16 + 3 * k : 19 + 3 * k], F[3:6, 25 + 3 * k : 28 + 3 * k] = -C * w[k], -C * (C.T @ f)[k]
+        F[6:9, 18 + 3 * k : 21 + 3 * k], F[3:6, 27 + 3 * k : 30 + 3 * k] = -C * w[k], -C * (C.T @ f)[k]
     as_flown(fill_transition, "mu, r_I, memory", FILL_TRANSITION)(course.MU, tuple(r), memory)
-    made = memory["transition"][:MOVING, :34]
-    assert made == pytest.approx(expm(F * T)[:MOVING, :34], rel=1e-6, abs=1e-6)
+    made = memory["transition"][:MOVING, :ACTING]
+    assert made == pytest.approx(expm(F * T)[:MOVING, :ACTING], rel=1e-6, abs=1e-6)
 
 
 def expected(flown, error, beam):
     """What a solution ``error`` away from a flight at 2.7 km expects of a beam, and its direction."""
     solution, motion = np.zeros(1, landing.SOLUTION)[0], np.zeros(1, landing.MOTION)[0]
     solution["r_I"], solution["v_I"] = flown[0][1000] + error[:3], flown[1][1000] + error[3:6]
-    solution["terrain"] = error[15]
+    solution["terrain"], solution["slope"] = error[15], SLOPE + error[16:]
     turned = landing.multiply((1.0, *(0.5 * error[6:9])), tuple(flown[2][1000]))
     solution["q_I2B"] = turned / np.linalg.norm(turned)
     motion["rate"], motion["centre"] = (0.1, -0.2, 0.05), CENTRE
     q, lever, velocity, swing, up, height = place_antenna(ONBOARD[0], motion, solution, 0.0)
     u = instruments.from_frame(q, tuple(ONBOARD[0]["instruments"]["beam_axis"][beam]))
-    reach, slope, _ = expected_range(u, up, height, course.RADIUS)
-    return np.array([reach, np.dot(u, np.add(velocity, swing))]), (u, lever, velocity, up, slope)
+    normal = ground_normal(up, tuple(solution["slope"]))
+    above = height - np.dot(lever, np.subtract(up, normal))
+    reach, steepness, _ = expected_range(u, up, normal, above, course.RADIUS)
+    speed = np.dot(u, np.add(velocity, swing))
+    return np.array([reach, speed]), (u, up, normal, lever, velocity, steepness)
 
 
 @pytest.mark.parametrize("beam", range(4))
 def test_rows_are_the_derivatives_of_what_is_expected(descent, beam):
-    (reach, speed), (u, lever, velocity, up, slope) = expected(descent, np.zeros(16), beam)
-    rows, found = np.zeros((2, WIDTH)), np.zeros((2, 16))
-    range_row(u, up, lever, slope, reach, course.RADIUS, beam, rows[0])
+    (reach, speed), (u, up, normal, lever, velocity, steepness) = expected(descent, np.zeros(STATES), beam)
+    rows, found = np.zeros((2, WIDTH)), np.zeros((2, STATES))
+    range_row(u, up, normal, lever, steepness, reach, course.RADIUS, beam, rows[0])
     speed_row(u, course.SPIN, velocity, speed, beam, rows[1])
-    steps = np.array([*[10.0] * 3, *[0.1] * 3, *[1e-5] * 3, *[1.0] * 7])
-    for state in range(16):
-        away = np.zeros(16)
+    steps = np.array([*[10.0] * 3, *[0.1] * 3, *[1e-5] * 3, *[1.0] * 7, *[1e-4] * 2])
+    for state in range(STATES):
+        away = np.zeros(STATES)
         away[state] = steps[state]
         both = expected(descent, away, beam)[0] - expected(descent, -away, beam)[0]
         found[:, state] = both / (2.0 * steps[state])
     # second order: the planet's curvature under the beam, its turning over the lever
-    assert rows[0, :16] == pytest.approx(found[0], rel=2e-3, abs=2e-3 * np.abs(found[0, :3]).max())
+    assert rows[0, :STATES] == pytest.approx(found[0], rel=5e-3, abs=2e-3 * np.abs(found[0, :3]).max())
     assert rows[1, :3] == pytest.approx(found[1, :3], rel=1e-3, abs=1e-9)
-    assert rows[1, 3:16] == pytest.approx(found[1, 3:], rel=1e-4, abs=1e-3)
+    assert rows[1, 3:STATES] == pytest.approx(found[1, 3:], rel=1e-4, abs=1e-3)
 
 
 def test_gate_weighs_and_refuses():

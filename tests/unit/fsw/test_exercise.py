@@ -9,9 +9,10 @@ from thruster_bench import modulate, open_for_test, opposite, pair_to_test
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.exercise import ExerciseParams
-from edl6dof.fsw.diagnosis.hypotheses import NONE, STUCK_OFF
+from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.modulation import ModulationParams
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.thrusters import STUCK_OFF
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 LANDER = 0b111

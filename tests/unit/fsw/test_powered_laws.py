@@ -10,9 +10,9 @@ from scipy.optimize import minimize_scalar
 
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.apollo import quadratic
-from edl6dof.fsw.guidance.powered.constant_thrust import against_velocity, burn_time
+from edl6dof.fsw.guidance.powered.constant_thrust import against_velocity, too_fast
 from edl6dof.fsw.guidance.powered.e_guidance import optimal_time, zem_zev
-from edl6dof.fsw.guidance.powered.planning import root
+from edl6dof.fsw.guidance.powered.planning import planned_upward, root
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 
 WITH_A_POINT = [name for name in POWERED_LAWS.names if name != "gravity_turn"]  # which has none
@@ -116,20 +116,23 @@ def test_closed_loop_in_constant_gravity_ends_at_the_target_at_rest(law, miss, v
         assert ends == pytest.approx(c1 + c2 * duration - G, abs=1e-2)
 
 
-@pytest.mark.parametrize("strong, weak", [(4.2, 1.4), (3.0, 1.5)])
-@pytest.mark.parametrize("descent", [62.0, 72.0])
-def test_burn_leaves_just_what_a_constant_deceleration_can_do(strong, weak, descent):
-    height = 1000.0
-    t = burn_time(strong, weak, height, descent)
-    after, left = descent - strong * t, height - descent * t + 0.5 * strong * t * t
-    assert 0.0 < t < descent / strong
-    assert after**2 / (2.0 * left) == pytest.approx(weak, rel=1e-9)
-
-
-def test_burn_where_even_the_strong_deceleration_is_too_little_lasts_until_rest():
-    assert burn_time(2.0, 1.0, 500.0, 62.0) == pytest.approx(62.0 / 2.0)
-    assert burn_time(1.0, 1.4, 1000.0, 62.0) == 0.0  # an engine that has no stronger level
-    assert burn_time(4.0, 1.4, 1000.0, 50.0) == 0.0  # no need of it
+@pytest.mark.parametrize("height", [150.0, 600.0, 1200.0])
+def test_constant_thrust_burns_until_a_constant_deceleration_within_the_band_does_the_rest(onboard, height):
+    """Whenever it is asked: a burn time that was planned once stopped the lander high above the target."""
+    body = PointMass(height, (0.0, 0.0, 60.0))
+    guided, settings = Guided(onboard[0], "constant_thrust", body), onboard[0]["guidance"]["powered"]
+    p = settings["constant_thrust"]
+    for speed, burns in ((0.99, False), (1.01, True)):
+        body.v[2] = 40.0
+        for _ in range(50):  # what the band gives depends on the speed itself, by the propellant for it
+            body.see()
+            weak = planned_upward(p["thrust_reserve"], guided.state, body.nav, guided.target)
+            body.v[2] = speed * (2.0 * weak * (height - guided.target["height"])) ** 0.5
+        body.see()
+        assert too_fast(p, guided.state, body.nav, guided.target) == burns
+    body.v[2] = -1.0
+    body.see()
+    assert not too_fast(p, guided.state, body.nav, guided.target)
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, 60.0), (12.0, -5.0, 70.0)])

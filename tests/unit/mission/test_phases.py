@@ -168,6 +168,14 @@ def test_time_of_the_trim_wing_counts_from_its_command():
     assert s.run(5.0).entered[1][0] == pytest.approx(6.0, abs=1.01 * DT)
 
 
+def test_force_angle_is_watched_in_degrees():
+    s = Sequencer(plan(Phase(name="a", until=trigger("force_angle_deg", "above", 0.4)), last()))
+    s.vehicle["force_angle"] = radians(0.39)
+    assert s.run(1.0).fsw["phase"] == 0
+    s.vehicle["force_angle"] = radians(0.41)
+    assert s.run(0.1).fsw["phase"] == 1
+
+
 def test_empty_mission_does_nothing():
     s = Sequencer(plan()).run(1.0)
     assert s.fsw["phase"] == 0

@@ -159,7 +159,7 @@ def instruments():
 
 def in_use():
     health = np.zeros(1, INSTRUMENT_HEALTH)
-    health["beam"] = 1
+    health["beam_range"] = health["beam_speed"] = 1
     return health
 
 

@@ -34,7 +34,7 @@ def onboard():
 
 def new_memory():
     memory = np.zeros(1, NAVIGATION)
-    for name in ("gyro", "accelerometer", "beam", "star_tracker"):
+    for name in NAVIGATION["health"].names:
         memory["health"][name] = 1
     return memory
 

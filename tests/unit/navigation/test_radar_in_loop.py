@@ -29,7 +29,7 @@ def flight(off_deg, higher=0.0, **params):
     planet, instruments = onboard["planet"], onboard["instruments"]
     planet["equatorial_radius"], planet["mu"] = RADIUS, 3.72 * RADIUS**2
     instruments["beam_axis"][0, :4], instruments["n_beams"] = BEAMS, 4
-    health["beam"] = 1
+    health["beam_range"] = health["beam_speed"] = 1
     solution["r_I"] = (RADIUS + HEIGHT + higher, 0.0, 0.0)
     solution["v_I"] = (-DESCENT, 0.0, 0.0)
     # upright: x of B points down, that is along -x of I; turned about z of I, which is north

@@ -36,14 +36,26 @@ class Beams:
         self.params = filled(BeamWatchParams(refused_looks=10, silent_looks=20, agreed_looks=30, **changed))
         self.radar, self.solution = np.zeros(1, RADAR), np.zeros(1, SOLUTION)
         self.health, self.memory = healthy(), np.zeros(1, BEAM_WATCH)
+        self.instruments = np.zeros(1, INSTRUMENTS)
+        self.instruments["n_beams"], self.instruments["beam_axis"][0, :4] = 4, (1.0, 0.0, 0.0)
+        self.solution["r_I"], self.solution["q_I2B"] = (-3.4e6, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
 
     def look(self, times, refused=(), silent=(), looked=1):
         self.solution["looked"] = looked
-        self.solution["beams_refused"] = sum(1 << i for i in refused)
+        self.solution["ranges_refused"] = self.solution["speeds_refused"] = sum(1 << i for i in refused)
         self.radar["locked"][0, :4] = [i not in silent for i in range(4)]
         for _ in range(times):
-            watch_beams(self.params, 4, self.radar[0], self.solution[0], self.health[0], self.memory[0])
-        return [i for i in range(4) if not self.health["beam"][0, i]]
+            watch_beams(
+                self.params,
+                self.instruments[0],
+                self.radar[0],
+                self.solution[0],
+                self.health[0],
+                self.memory[0],
+            )
+        out = [[i for i in range(4) if not self.health[name][0, i]] for name in ("beam_range", "beam_speed")]
+        assert out[0] == out[1]
+        return out[0]
 
 
 def test_a_beam_refused_again_and_again_is_excluded_and_given_back_when_it_agrees_for_long():
@@ -65,6 +77,24 @@ def test_most_beams_at_once_are_not_wrong(refused):
     assert Beams().look(1000, refused=refused) == []
 
 
+def test_a_range_that_is_refused_leaves_the_speed_in_use_and_the_reverse():
+    for wrong, sound in (("range", "speed"), ("speed", "range")):
+        beams = Beams()
+        beams.look(1)
+        beams.solution[f"{wrong}s_refused"] = 0b0100
+        for _ in range(10):
+            watch_beams(
+                beams.params,
+                beams.instruments[0],
+                beams.radar[0],
+                beams.solution[0],
+                beams.health[0],
+                beams.memory[0],
+            )
+        assert list(beams.health[f"beam_{wrong}"][0, :4]) == [1, 1, 0, 1]
+        assert list(beams.health[f"beam_{sound}"][0, :4]) == [1, 1, 1, 1]
+
+
 def test_of_two_beams_with_an_echo_none_can_be_told_wrong():
     beams = Beams()
     assert 0 not in beams.look(15, refused=[0], silent=[2, 3])
@@ -75,6 +105,13 @@ def test_a_beam_without_echo_is_excluded_unless_most_have_none():
     assert beams.look(19, silent=[3]) == beams.look(1) == []
     assert beams.look(20, silent=[3]) == [3]
     assert Beams().look(1000, silent=[1, 2, 3]) == []
+
+
+@pytest.mark.parametrize(("angle_deg", "excluded"), [(44.0, [3]), (46.0, [])])
+def test_a_beam_that_looks_too_flat_for_ground_that_slopes_may_be_silent(angle_deg, excluded):
+    beams, angle = Beams(), np.radians(angle_deg)
+    beams.instruments["beam_axis"][0, 3] = np.cos(angle), np.sin(angle), 0.0
+    assert beams.look(1000, silent=[3]) == excluded
 
 
 def test_beams_are_left_alone_where_nobody_looked_or_nobody_asks():
@@ -141,7 +178,7 @@ def test_log_notes_each_change_once_and_is_full_in_the_end():
     known["n_beams"], motion["rate_known"] = 4, 1
     note_changes(known[0], 1.0, health[0], motion[0], log[0])
     assert log["n_changes"][0] == 0
-    health["beam"][0, 2], motion["rate_known"] = 0, 0
+    health["beam_range"][0, 2], motion["rate_known"] = 0, 0
     for t in (2.0, 3.0):
         note_changes(known[0], t, health[0], motion[0], log[0])
     motion["rate_known"] = 1

@@ -24,6 +24,9 @@ def chute(attachments=ATTACHMENTS):
         record,
         ParachuteParams(
             name="main",
+            diameter_m=16.0,
+            drag_coefficient=0.62,
+            mortar_speed_m_s=30.0,
             line_length_m=LINE,
             stiffness_n_m=40000.0,
             confluence_m=tuple(MEETING),

@@ -21,6 +21,7 @@ from edl6dof.vehicle.propulsion.engine import (
 
 G0 = 9.80665
 BAND = {"full_thrust_n": 7500.0, "throttle_min_n": 1500.0, "throttle_max_n": 5000.0}
+BAND |= {"full_specific_impulse_s": 300.0, "nozzle_m": (0.0, 0.0, 0.0)}
 
 
 def engine(**changes):

@@ -7,8 +7,9 @@ from broken_vehicle import CYCLE, IGNITION, MORTAR, broken
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
+from edl6dof.interface.thrusters import THRUSTER_FAILURES
 from edl6dof.vehicle.actuate import actuate
-from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
+from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of, failure_of
 from edl6dof.vehicle.parachutes.parachute import INFLATING
 
 INSTRUMENTS = (
@@ -50,6 +51,12 @@ def put_to_use(command, *plants):
     command["closes"][:22], command["thrust"], command["request"][[MORTAR, IGNITION]] = 0.7, 3000.0, 1
     for plant in plants:
         plant["canopy"] = INFLATING
+
+
+@pytest.mark.parametrize("kind", FAULT_KINDS.names)
+def test_a_kind_that_is_about_thrusters_says_how_they_fail(kind):
+    about_thrusters = set(components_of(kind)) <= {"thruster", "branch", "rcs"}
+    assert (failure_of(kind) in THRUSTER_FAILURES) == about_thrusters
 
 
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)

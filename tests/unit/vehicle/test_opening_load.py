@@ -30,6 +30,7 @@ def opening(diameter, mass, packed, mach, pressure, vehicle_area, stiffness):
     """Peak tension (N), and peak deceleration of the vehicle (m/s2)."""
     chute = np.zeros(1, PARACHUTE_PARAMS).view(np.recarray)[0]
     params = {"diameter_m": diameter, "line_length_m": 40.0, "stiffness_n_m": stiffness, "damping_ratio": 0.3}
+    params |= {"mortar_speed_m_s": 30.0, "confluence_m": (0.0, 0.0, 0.0)}
     fill(chute, ParachuteParams(name="main", drag_coefficient=0.62, **params))
     speed = mach * SOUND
     density = 2.0 * pressure / speed**2

@@ -17,10 +17,19 @@ from edl6dof.vehicle.parachutes import parachute as kernels
 from edl6dof.vehicle.parachutes.models.registry import efficiency_of_model
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams
 
+CANOPY = {
+    "name": "main",
+    "diameter_m": 15.96,
+    "drag_coefficient": 0.62,
+    "mortar_speed_m_s": 30.0,
+    "line_length_m": 31.0,
+    "confluence_m": (0.0, 0.0, 0.0),
+}
+
 
 def chute(**changes):
     record = np.zeros(1, PARACHUTE_PARAMS).view(np.recarray)[0]
-    fill(record, ParachuteParams(**{"name": "main", "diameter_m": 15.96, "line_length_m": 31.0, **changes}))
+    fill(record, ParachuteParams(**CANOPY | changes))
     return record
 
 

@@ -83,7 +83,15 @@ PARTS = (
          separation_velocity_m_s=(-0.4, 2.0, -1.0), drag_area_m2=0.1),
     Part(name="drogue", mass_kg=6.0, centre_m=(-2.3, -0.2, 0.1), inertia_kg_m2=(0.2, 0.1, 0.1)),
 )  # fmt: skip
-CHUTES = (ParachuteParams(name="main", diameter_m=15.96), ParachuteParams(name="drogue", diameter_m=4.0))
+CANOPY = {
+    "drag_coefficient": 0.62,
+    "mortar_speed_m_s": 30.0,
+    "line_length_m": 31.0,
+    "confluence_m": (0.0, 0.0, 0.0),
+}
+CHUTES = tuple(
+    ParachuteParams(name=name, diameter_m=size, **CANOPY) for name, size in (("main", 15.96), ("drogue", 4.0))
+)
 
 
 def tumbling(seed, gone=()):

@@ -18,9 +18,19 @@ D, AREA = 3.4, pi / 4 * 3.4**2
 CG = (-0.25 * D, 0.0, -0.0100 * D)  # above the axis: lift up at alpha -10 deg
 
 
+WING = {
+    "name": "wing",
+    "area_m2": 0.16,
+    "force_coefficient": 1.7,
+    "position_x_m": -0.95,
+    "position_z_m": -1.904,
+    "deploy_time_s": 0.7,
+}
+
+
 def wing_record(**changes):
     wing = np.zeros(1, SURFACE)
-    fill(wing[0], SurfaceParams(name="wing", **changes))
+    fill(wing[0], SurfaceParams(**WING | changes))
     return wing.view(np.recarray)[0]
 
 

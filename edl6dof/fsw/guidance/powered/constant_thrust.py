@@ -1,11 +1,11 @@
 """Constant thrust at a preset offset from the anti-velocity direction, then the polynomial law.
 
-The engine burns at its full level, turned from the anti-velocity direction towards the target, so long that
-a constant deceleration within the throttle band, less the reserve, takes the lander from there to the target:
-the burn time follows from initial and target state.  The polynomial law meets the target after that.  Source:
-CN108594802B, claim 1 (Tianwen-1: constant thrust at a preset offset from the anti-velocity, burn time from
-initial and target state, then a refinement); offset, the condition at the end of the burn, and the refinement
-are estimates.
+The engine burns at its full level, turned from the anti-velocity direction towards the target, until a
+constant deceleration within the throttle band, less the reserve, takes the lander from where it is to the
+target, which is asked in each call.  The polynomial law, with a planned time to go, meets the target after
+that.  Source: CN108594802B, claim 1 (Tianwen-1: constant thrust at a preset offset from the anti-velocity,
+burn time from initial and target state, then a refinement); offset, the condition at the end of the burn, and
+the refinement are estimates.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ import numpy as np
 from edl6dof.config.base import param
 from edl6dof.fsw.guidance.powered.planning import (
     LEAST_HEIGHT,
+    PLAN,
     PlanningParams,
-    planned_sideways,
+    plan_arrival,
     planned_upward,
-    time_to_divert,
 )
 from edl6dof.fsw.guidance.powered.polynomial import meet
 from edl6dof.jit import kernel
@@ -37,22 +37,21 @@ class ConstantThrustParams(PlanningParams):
     )
 
 
+#: At arrival the upward acceleration of the polynomial law is (6 h - 2 V T) / T^2.
+GAINS = (2.0, 6.0)
+
 MEMORY = np.dtype(
-    [("begun", FLAG), ("over", FLAG), ("burn_end", "f8"), ("arrival", "f8")],  # s, flight times
+    [("over", FLAG), ("rest", PLAN)],  # the burn, and the plan of what follows it
     align=True,
 )
 
 
 @kernel
-def burn_time(strong, weak, height, descent):
-    """How long (s) to decelerate with ``strong`` so that ``weak`` (m/s2, gravity taken off) does the rest of
-    the ``height`` (m) to rest; as long as it takes to come to rest if even that is too little, and not at all
-    if ``weak`` can do it alone.
-    """
-    excess = descent * descent - 2.0 * weak * height
-    if excess <= 0.0 or strong <= weak:
-        return 0.0
-    return (descent - sqrt(max(descent * descent - strong * excess / (strong - weak), 0.0))) / strong
+def too_fast(p, state, nav, target):
+    """Whether a constant deceleration within the throttle band, less the reserve, is too little from here."""
+    height = max(nav.height - target.height, LEAST_HEIGHT)
+    weak = planned_upward(p.thrust_reserve, state, nav, target)
+    return nav.v_N[2] > 0.0 and nav.v_N[2] * nav.v_N[2] > 2.0 * weak * height
 
 
 @kernel
@@ -71,39 +70,16 @@ def against_velocity(offset, size, nav, target):
 
 
 @kernel
-def plan_burn(p, state, nav, target, memory):
-    """When the constant burn that begins now ends."""
-    memory.begun = 1
-    strong = state.engine.full_thrust / state.mass * cos(p.offset) - nav.gravity
-    height = max(nav.height - target.height, LEAST_HEIGHT)
-    weak = planned_upward(p.thrust_reserve, state, nav, target)
-    memory.burn_end = nav.t + burn_time(strong, weak, height, nav.v_N[2])
-
-
-@kernel
-def plan_rest(p, state, nav, target, memory):
-    """When the polynomial law that begins now arrives: after a constant deceleration, or as late as the
-    divert asks for.
-    """
-    memory.over = 1
-    straight = 2.0 * max(nav.height - target.height, LEAST_HEIGHT) / max(nav.v_N[2], 1.0)
-    sideways = planned_sideways(p.thrust_reserve, p.tilt_limit, state)
-    memory.arrival = nav.t + max(straight, time_to_divert(sideways, nav, target))
-
-
-@kernel
 def guide(params, vehicle, state, nav, target, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
     p = params
-    if memory.begun == 0:
-        plan_burn(p, state, nav, target, memory)
-    if nav.t < memory.burn_end:
-        out.time_to_go = max(target.arrival - nav.t, memory.burn_end - nav.t + p.lateral_time_floor)
+    if memory.over == 0 and too_fast(p, state, nav, target):
+        out.time_to_go = max(target.arrival - nav.t, p.lateral_time_floor)
         north, east, up = against_velocity(p.offset, state.engine.full_thrust / state.mass, nav, target)
         return north, east, max(up, 0.5 * nav.gravity), p.tilt_limit
-    if memory.over == 0:
-        plan_rest(p, state, nav, target, memory)
-    out.time_to_go = memory.arrival - nav.t
+    memory.over = 1
+    limits = (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor)
+    out.time_to_go = plan_arrival(limits, GAINS, 0.0, state, nav, target, memory.rest)
     north, east, up = meet(p.time_floor, p.lateral_time_floor, out.time_to_go, nav, target)
     return north, east, up, p.tilt_limit
 

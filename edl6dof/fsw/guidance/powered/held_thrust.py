@@ -19,11 +19,11 @@ from math import sqrt
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
+from edl6dof.fsw.guidance.powered.stopping import LEAST_DESCENT, stop_height
 from edl6dof.fsw.guidance.powered.terminal import command_thrust, push_sideways
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.interface.thrusters import AXIAL
 from edl6dof.jit import kernel
-from edl6dof.spatial.elementary import tan
 
 
 class HeldThrustDescentParams(Params):
@@ -49,11 +49,6 @@ class HeldThrustDescentParams(Params):
     )
 
 
-#: Step (s) in which the stop is looked for, how far below the ground (m), and least descent rate (m/s) that
-#: thrust is turned by.
-STEP, DEEP, LEAST_DESCENT = 0.1, 1000.0, 3.0
-
-
 @kernel
 def axial_force(thrusters, count):
     """Force of all axial thrusters together, N."""
@@ -62,40 +57,6 @@ def axial_force(thrusters, count):
         if thrusters[i].group == AXIAL:
             total += thrusters[i].thrust
     return total
-
-
-@kernel
-def stop_height(tilt_limit, stop_speed, thrust, flow, mass, gravity, height, sideways, descent):
-    """Height (m) at which a gravity turn from here is down to a descent rate of ``stop_speed``; far below
-    zero where it is not stopped.
-
-    Args:
-        tilt_limit: of the thrust, rad.
-        stop_speed: m/s.
-        thrust: N, constant.
-        flow: propellant, kg/s.
-        mass: kg.
-        gravity: m/s2.
-        height: above ground, m.
-        sideways: horizontal speed, m/s.
-        descent: descent rate, m/s.
-    """
-    steepest = tan(tilt_limit)
-    while descent > stop_speed and height > -DEEP:
-        upward = max(descent, LEAST_DESCENT)
-        lean = min(sideways, steepest * upward)
-        along = thrust / (mass * sqrt(lean * lean + upward * upward))
-        braking = along * upward - gravity
-        step = STEP
-        if braking * step > descent - stop_speed:
-            step = (descent - stop_speed) / braking
-        height -= (descent - 0.5 * braking * step) * step
-        descent -= braking * step
-        sideways = max(sideways - along * lean * step, 0.0)
-        mass -= flow * step
-        if step < STEP:
-            return height
-    return height
 
 
 @kernel

@@ -20,9 +20,9 @@ from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import exp, sin
 
-#: Least upward acceleration at arrival (m/s2) that is planned for, however weak the engine, and least height
-#: to lose (m).
-LEAST_UPWARD, LEAST_HEIGHT = 0.1, 1.0
+#: Least upward acceleration at arrival (m/s2) that is planned for, however weak the engine, as the propellant
+#: has to last, and least height to lose (m).
+LEAST_UPWARD, LEAST_HEIGHT = 0.5, 1.0
 
 
 class PlanningParams(Params):

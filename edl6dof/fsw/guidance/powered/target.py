@@ -18,6 +18,8 @@ from edl6dof.records import FLAG
 
 #: Least height above the target (m) and descent rate (m/s) from which the time of arrival is worked out.
 LEAST_HEIGHT, LEAST_DESCENT = 50.0, 5.0
+#: Share of the target's height at which the lander may come to rest where it cannot at the target.
+LEAST_SHARE = 0.3
 
 
 class PoweredTargetParams(Params):
@@ -47,6 +49,7 @@ POWERED_TARGET = np.dtype(
         ("arrival", "f8"),  # s, flight time at which the lander is expected there
         ("point_L", "f8", (2,)),  # m, east and north of the landing site
         ("height", "f8"),  # m, above ground
+        ("least_height", "f8"),  # m, likewise: to come to rest at where the target cannot be reached
     ],
     align=True,
 )
@@ -65,7 +68,7 @@ def choose_target(p, nav, point, target):
     if target.set != 0:
         return
     target.set = 1
-    target.height = p.height
+    target.height, target.least_height = p.height, LEAST_SHARE * p.height
     descent = max(nav.v_N[2], LEAST_DESCENT)
     duration = p.time_factor * 2.0 * max(nav.height - p.height, LEAST_HEIGHT) / descent
     target.arrival = nav.t + duration

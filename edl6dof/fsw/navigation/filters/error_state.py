@@ -1,5 +1,5 @@
-"""Error-state Kalman filter: position, velocity, attitude, biases of gyros and accelerometers, and the height
-of the ground, corrected by star fixes and by range and speed of each radar beam.
+"""Error-state Kalman filter: position, velocity, attitude, biases of gyros and accelerometers, height and
+slope of the ground, corrected by star fixes and by range and speed of each radar beam.
 
 The covariance is carried forward at a low rate, and whenever a reading is taken in; errors that the readings
 share (scale factors and misalignments, bias of a beam's range, of the star tracker) are considered, not
@@ -24,11 +24,12 @@ from edl6dof.fsw.navigation.filters.kalman.transition import (
     accumulate,
     begin_interval,
     fill_transition,
+    follow_slope,
     move_covariance,
 )
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import take3
+from edl6dof.spatial.vector import dot, scale, take3
 
 
 class ErrorStateParams(Params):
@@ -59,6 +60,28 @@ class ErrorStateParams(Params):
     terrain_change_m: float = param(
         5.0,
         "standard deviation of how much the ground rises or falls over 1 km",
+        status="estimate",
+        gt=0.0,
+        le=1000.0,
+    )
+    slope_sigma_deg: float = param(
+        12.0,
+        "standard deviation of the slope of the ground, north and east, before the radar sees it",
+        status="estimate",
+        gt=0.0,
+        le=45.0,
+    )
+    slope_change_deg: float = param(
+        2.0,
+        "standard deviation of how much it changes over a way as long as the height",
+        status="estimate",
+        gt=0.0,
+        le=45.0,
+    )
+    unevenness_m: float = param(
+        120.0,
+        "most by which ground 1 km off may lie off the plane, growing with the root of the distance: a range "
+        "beyond has failed",
         status="estimate",
         gt=0.0,
         le=1000.0,
@@ -96,7 +119,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
     radar = radar and count_usable(health, sensed.radar, onboard.instruments.n_beams) > 0
     if stars or radar or memory.interval.dt > params.covariance_interval - early:
-        _carry_forward(params, onboard, health, solution, memory)
+        _carry_forward(params, onboard, health, radar, solution, memory)
         if stars:
             look_at_stars(params, onboard, sensed, motion, solution, memory)
         if radar:
@@ -106,17 +129,23 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 
 @kernel
-def _carry_forward(params, onboard, health, solution, memory):
-    """Bring the covariance up to the time of the solution."""
+def _carry_forward(params, onboard, health, radar, solution, memory):
+    """Bring the covariance up to the time of the solution, with the height of the ground where the ``radar``
+    sees it.
+    """
     planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
     mind_exclusions(instruments, health, memory)
     fill_transition(planet.mu, r_I, memory.interval, memory.transition)
     move_covariance(memory.transition, memory.considered, memory.moved, memory.covariance)
-    _, _, up, _ = level_axes(planet, r_I, solution.t)
+    north, east, up, altitude = level_axes(planet, r_I, solution.t)
     spin, v_I = planet.rotation_rate, take3(solution.v_I, 0)
     v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
-    add_process_noise(params, instruments, v_rel_I, up, q, memory)
+    if radar:
+        way = scale(memory.interval.dt, v_rel_I)
+        follow_slope(dot(north, way), dot(east, way), solution, memory.covariance)
+    height = altitude - onboard.site.altitude - solution.terrain
+    add_process_noise(params, instruments, v_rel_I, up, height, q, memory)
     begin_interval(memory.interval)
 
 

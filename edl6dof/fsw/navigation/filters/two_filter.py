@@ -109,9 +109,11 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
         _carry_forward(params, memory)
         q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
         speeds = _fit_speeds(params, onboard, health, sensed.radar, q, add(velocity, swing), solution, memory)
-        ranges = _buffer_heights(params, onboard, health, sensed.radar, q, up, height, solution, memory)
+        ranges = _buffer_heights(
+            params, onboard, health, sensed.radar, speeds, q, up, height, solution, memory
+        )
         solution.beams_used = speeds | ranges
-        solution.beams_refused = locked_beams(sensed.radar, n_beams) & ~speeds
+        solution.speeds_refused = locked_beams(sensed.radar, n_beams) & ~speeds
         solution.looked = 1
         _correct_velocity(params, solution, memory)
         _correct_height(params, solution, memory)
@@ -146,7 +148,7 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
     put3(row, 3, (0.0, 0.0, 0.0))
     for beam in range(instruments.n_beams):
         solution.speed_innovation[beam] = 0.0
-        if usable(health, radar, beam):
+        if usable(health.beam_speed, radar, beam):
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
             speed = dot(u, velocity)
             put3(row, 0, u)
@@ -166,16 +168,19 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
 
 
 @kernel
-def _buffer_heights(params, onboard, health, radar, q, up, height, solution, memory):
-    """Put the heights of the beams that agree with their median into the buffer; a bit for each."""
+def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solution, memory):
+    """Put the heights of the beams whose speed was used (bits ``speeds``) and that agree with their median
+    into the buffer; a bit for each.
+    """
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
     used, count = 0, 0
     for step in range(2):  # the median first
         common = median(memory.look, count, memory.ordered) if count > 0 else 0.0
         for beam in range(instruments.n_beams):
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
-            if usable(health, radar, beam) and -dot(u, up) > STEEPEST:
-                reach, slope, _ = expected_range(u, up, height, radius)
+            sound = speeds >> beam & 1 and usable(health.beam_range, radar, beam)
+            if sound and -dot(u, up) > STEEPEST:
+                reach, slope, _ = expected_range(u, up, up, height, radius)
                 error = (reach - radar.range[beam]) * slope
                 sigma = slope * (instruments.range_sigma + instruments.range_sigma_relative * abs(reach))
                 if step == 0:

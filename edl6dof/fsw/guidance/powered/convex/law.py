@@ -2,7 +2,9 @@
 again while it burns; between plans the thrust of the plan, with feedback of what the lander is off it.
 
 A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
-plan lands at the target, the one with the least error is flown, and ``landing_error`` says by how much.
+plan lands at the target, one constraint after another is relaxed, and stays so: the shortest time in the
+throttle band, the height of arrival, the glide slope, the tilt, and the target itself.  What is flown then is
+the plan with the least error, and ``landing_error`` says how large it is.
 Where the engine turns out to be weaker than planned with, or a weak one cannot land in its throttle band, the
 next plan begins from nothing, and may give full level again.
 
@@ -30,16 +32,19 @@ from edl6dof.fsw.guidance.powered.convex.grid import control_at, full_controls, 
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
+from edl6dof.fsw.guidance.powered.relaxation import ARRIVAL, DWELL, GLIDE_SLOPE, TARGET, TILT
 from edl6dof.jit import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import atan, cos, tan
 from edl6dof.spatial.vector import norm, take3
 
 #: First guess of the time of flight: least descent rate (m/s), and longest time (s).
 LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
-#: Error of a plan (m) beyond which thrust is no longer held back.
-TOLERATED = 1.0
+#: Error of a plan (m) beyond which thrust is no longer held back, and beyond which constraints are relaxed.
+TOLERATED, UNACCEPTABLE = 1.0, 5.0
+#: Shortest time in the throttle band, s, where that constraint is relaxed: the engine takes it to come down.
+LEAST_THROTTLED = 2.0
 #: How much earlier a new plan tries to arrive, over the time to go.
 EARLIER = 0.015
 #: How long thrust that was held back is used, where it is needed, s.
@@ -85,6 +90,7 @@ MEMORY = np.dtype(
         ("plans", COUNT),
         ("start", "f8"),  # s, flight time of the start of the plan
         ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
+        ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
         ("landing", LANDING),  # the state that the plan begins in
         ("plan", PLAN),
         ("other", PLAN),
@@ -95,8 +101,8 @@ MEMORY = np.dtype(
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem that the present state poses: what the engine is believed to lack is taken
-    from the thrust that is held back.
+    """Write the landing problem that the present state poses, with no constraint relaxed: what the engine is
+    believed to lack is taken from the thrust that is held back.
     """
     left = 1.0 - state.thrust_lost
     landing.mass = state.mass
@@ -118,12 +124,34 @@ def describe(p, state, nav, target, landing):
 
 
 @kernel
-def first_plan(p, landing, memory):
-    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity."""
+def relax(p, nav, target, memory):
+    """Take the constraints that are relaxed out of the landing problem."""
+    landing, relaxed = memory.landing, memory.relaxed
+    if relaxed >= ARRIVAL:
+        landing.position[2] = nav.height - target.least_height
+    if relaxed >= GLIDE_SLOPE:
+        landing.slope = -1.0
+    if relaxed >= TILT:
+        landing.cos_tilt = landing.cos_last_tilt = cos(p.tilt_limit)
+    if relaxed >= TARGET:
+        landing.miss_price = 0.0
+
+
+@kernel
+def least_throttled(p, memory):
+    """Shortest time in the throttle band, s."""
+    return LEAST_THROTTLED if memory.relaxed >= DWELL else p.throttled
+
+
+@kernel
+def first_plan(p, landing, throttled, memory):
+    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and
+    ``throttled`` s in the throttle band at least.
+    """
     stay_apart()
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
-    plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * p.throttled), LONGEST_GUESS)
+    plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * throttled), LONGEST_GUESS)
     plan.full_time = 0.0
     plan.u[:] = 0.0
     plan.glide[:] = 0.0
@@ -132,7 +160,7 @@ def first_plan(p, landing, memory):
         plan.u[k, 2] = landing.gravity
     plan.primer_end[0] = plan.primer_end[1] = 0.0
     plan.primer_end[2] = -1.0
-    search_times(landing, p.throttled, p.iterations, plan, memory.other)
+    search_times(landing, throttled, p.iterations, plan, memory.other)
 
 
 @kernel
@@ -142,7 +170,7 @@ def throttled_of(plan):
 
 
 @kernel
-def next_plan(p, landing, elapsed, plan, other):
+def next_plan(p, landing, elapsed, memory):
     """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival or a
     little earlier.
 
@@ -150,47 +178,58 @@ def next_plan(p, landing, elapsed, plan, other):
     arrival is searched.  If none will do, the engine gives all of the throttle band now.
     """
     stay_apart()
+    plan, other = memory.plan, memory.other
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
     shift_controls(plan, elapsed, time, full_time)
     throttled = throttled_of(plan)
     solve(landing, p.iterations, plan)
-    if error_of(plan) <= TOLERATED:
+    if error_of(landing, plan) <= TOLERATED:
         try_earlier(landing, throttled, EARLIER, p.iterations, plan, other)
         return
     landing.now = NOW
     solve(landing, p.iterations, plan)
-    if error_of(plan) <= TOLERATED:
+    if error_of(landing, plan) <= TOLERATED:
         return
     search_time(landing, throttled, REACH, p.iterations, plan)
-    if error_of(plan) > TOLERATED and throttled < inf:
-        refine_throttled(landing, throttled, p.throttled, FACTOR, p.iterations, plan, other)
-    if error_of(plan) > TOLERATED:
+    if error_of(landing, plan) > TOLERATED and throttled < inf:
+        refine_throttled(landing, throttled, least_throttled(p, memory), FACTOR, p.iterations, plan, other)
+    if error_of(landing, plan) > TOLERATED:
         landing.low_now = landing.high = landing.high_now
         search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
 
 
 @kernel
 def make_plan(p, state, nav, target, memory):
-    """Plan from the present state."""
+    """Plan from the present state; where it cannot land, from nothing with more constraints relaxed."""
     landing, plan = memory.landing, memory.plan
     weaker = state.engine.full_thrust < WEAKER * landing.full
     describe(p, state, nav, target, landing)
+    relax(p, nav, target, memory)
     if memory.plans == 0 or weaker:
-        first_plan(p, landing, memory)
+        first_plan(p, landing, least_throttled(p, memory), memory)
     else:
-        next_plan(p, landing, nav.t - memory.start, plan, memory.other)
-        if state.thrust_lost > 0.0 and error_of(plan) > TOLERATED:
+        next_plan(p, landing, nav.t - memory.start, memory)
+        if state.thrust_lost > 0.0 and error_of(landing, plan) > TOLERATED:
             describe(p, state, nav, target, landing)
-            first_plan(p, landing, memory)
+            relax(p, nav, target, memory)
+            first_plan(p, landing, least_throttled(p, memory), memory)
+    while error_of(landing, plan) > UNACCEPTABLE and memory.relaxed < TARGET:
+        memory.relaxed += 1
+        describe(p, state, nav, target, landing)
+        relax(p, nav, target, memory)
+        first_plan(p, landing, p.throttled, memory)
+        if error_of(landing, plan) > UNACCEPTABLE:
+            first_plan(p, landing, LEAST_THROTTLED, memory)
     memory.plans += 1
     memory.start = nav.t
-    memory.landing_error = error_of(plan)
+    memory.landing_error = error_of(landing, plan)
 
 
 @kernel
-def error_of(plan):
-    """How far from the target a plan ends, and how far it would go on in a second, m."""
-    return plan.miss + plan.height_error + norm(take3(plan.end_velocity, 0))
+def error_of(landing, plan):
+    """How far from the target a plan ends, if there is one, and how far it would go on in a second, m."""
+    miss = plan.miss if landing.miss_price > 0.0 else 0.0
+    return miss + plan.height_error + norm(take3(plan.end_velocity, 0))
 
 
 @kernel
@@ -202,13 +241,15 @@ def guide(params, vehicle, state, nav, target, memory, out):
         make_plan(p, state, nav, target, memory)
         elapsed = 0.0
     out.time_to_go = plan.time - elapsed
+    out.relaxed, out.landing_error = memory.relaxed, memory.landing_error
     (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, elapsed)
     k = control_at(plan, elapsed)
     out.full_wanted = 1 if k < full_controls(plan) else 0
     k_r, k_v = p.position_gain, p.velocity_gain
     east = plan.w[k, 0] + k_r * (x - nav.site_L[0] + target.point_L[0]) + k_v * (vx - nav.v_N[1])
     north = plan.w[k, 1] + k_r * (y - nav.site_L[1] + target.point_L[1]) + k_v * (vy - nav.v_N[0])
-    up = plan.w[k, 2] + k_r * (z - nav.height + target.height) + k_v * (vz + nav.v_N[2])
+    height = target.least_height if memory.relaxed >= ARRIVAL else target.height
+    up = plan.w[k, 2] + k_r * (z - nav.height + height) + k_v * (vz + nav.v_N[2])
     return north, east, up, p.tilt_limit
 
 

@@ -8,9 +8,9 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
-from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3, unit
 
-#: Least cosine of a beam to the vertical with which its range tells anything of the height.
+#: Least cosine of a beam to the normal of the ground with which its range tells anything of the height.
 STEEPEST = 0.1
 
 
@@ -67,12 +67,28 @@ def place_antenna(onboard, motion, solution, t):
 
 
 @kernel
-def expected_range(u, up, height, radius):
-    """Range (m) along ``u`` to level ground ``height`` (m) below, on a sphere of ``radius``; the cosine of
-    the beam to the vertical, and how far off its spot lies.
+def horizontal(up):
+    """North and east at the vertical ``up``, all I."""
+    east = unit((-up[1], up[0], 0.0))
+    return cross(up, east), east
+
+
+@kernel
+def ground_normal(up, slope):
+    """Normal (I) of ground that rises by ``slope`` per metre towards north and east, of length one along
+    ``up``.
+    """
+    north, east = horizontal(up)
+    return sub(up, add(scale(slope[0], north), scale(slope[1], east)))
+
+
+@kernel
+def expected_range(u, up, normal, height, radius):
+    """Range (m) along ``u`` to ground of a ``normal`` of length one along ``up``, ``height`` (m) below, on a
+    sphere of ``radius``; minus the component of ``u`` along the normal, and how far off the spot lies.
 
     ``u`` must not be flatter than ``STEEPEST``.
     """
-    slope = -dot(u, up)
-    off = abs(height) / slope * norm(cross(u, up))
-    return (height + 0.5 * off * off / radius) / slope, slope, off
+    steepness = -dot(u, normal)
+    off = abs(height) / steepness * norm(cross(u, up))
+    return (height + 0.5 * off * off / radius) / steepness, steepness, off

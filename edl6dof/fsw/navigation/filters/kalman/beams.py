@@ -6,17 +6,17 @@ from edl6dof.jit import kernel
 
 
 @kernel
-def usable(health, radar, beam):
-    """Whether a beam has an echo and is trusted."""
-    return health.beam[beam] != 0 and radar.locked[beam] != 0
+def usable(healthy, radar, beam):
+    """Whether a beam has an echo, and its range or speed is trusted by the flags ``healthy``."""
+    return healthy[beam] != 0 and radar.locked[beam] != 0
 
 
 @kernel
 def count_usable(health, radar, n_beams):
-    """How many beams there are to look at."""
+    """How many beams have an echo of which range or speed is trusted."""
     count = 0
     for beam in range(n_beams):
-        count += usable(health, radar, beam)
+        count += usable(health.beam_range, radar, beam) or usable(health.beam_speed, radar, beam)
     return count
 
 

@@ -10,6 +10,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     ATTITUDE_ERROR,
     GYRO_BIAS,
     POSITION,
+    SLOPE,
     STATES,
     TERRAIN,
     VELOCITY,
@@ -34,6 +35,8 @@ def apply_correction(memory, solution):
         solution.gyro_bias[i] += found[GYRO_BIAS + i]
         solution.accelerometer_bias[i] += found[ACCELEROMETER_BIAS + i]
     solution.terrain += found[TERRAIN]
+    for i in range(2):
+        solution.slope[i] += found[SLOPE + i]
     for i in range(STATES):
         found[i] = 0.0
 

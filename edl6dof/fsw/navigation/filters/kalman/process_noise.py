@@ -10,15 +10,19 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     ACCELEROMETER_BIAS,
     ATTITUDE_ERROR,
     GYRO_BIAS,
+    SLOPE,
     TERRAIN,
     VELOCITY,
 )
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub
 
 #: Variance about one axis (rad2) of an attitude of which nothing is known.
 ANYHOW = pi * pi / 3.0
+#: Height (m) below which the beams meet the same ground.
+LOWEST = 5.0
 
 
 @kernel
@@ -92,8 +96,11 @@ def mind_exclusions(instruments, health, memory):
 
 
 @kernel
-def add_process_noise(params, instruments, v_rel_I, up, q, memory):
-    """Add what chance brings in ``memory.interval`` to the covariance."""
+def add_process_noise(params, instruments, v_rel_I, up, height, q, memory):
+    """Add what chance brings in ``memory.interval`` to the covariance; ``height``: m above the ground.
+
+    The slope is that of the ground between the beams, which changes as they move on or draw together.
+    """
     covariance, interval = memory.covariance, memory.interval
     gyro, accelerometer, dt = memory.gyro_spread, memory.accelerometer_spread, interval.dt
     add_turned(covariance, ATTITUDE_ERROR, instruments.gyro_noise**2 * dt, gyro, q)
@@ -103,6 +110,10 @@ def add_process_noise(params, instruments, v_rel_I, up, q, memory):
     add_block(covariance, ACCELEROMETER_BIAS, walk, accelerometer)
     along = norm(sub(v_rel_I, scale(dot(v_rel_I, up), up)))
     covariance[TERRAIN, TERRAIN] += params.terrain_change**2 * along * dt / 1000.0
+    moved = norm(v_rel_I) * dt / max(height, LOWEST)
+    for i in range(SLOPE, SLOPE + 2):
+        room = max(tan(params.slope_sigma) ** 2 - covariance[i, i], 0.0)
+        covariance[i, i] += min(tan(params.slope_change) ** 2 * moved, room)
     gravity = 2.0 * params.gravity**2 * params.gravity_time * dt  # white noise of the same long-term growth
     for i in range(3):
         covariance[VELOCITY + i, VELOCITY + i] += interval.unknown_gain + gravity

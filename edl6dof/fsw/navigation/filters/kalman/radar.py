@@ -1,6 +1,7 @@
-"""A look at the radar: range and speed of each beam, one scalar after the other.
+"""A look at the radar: speed and range of each beam, one scalar after the other.
 
-A beam that is excluded is still compared with what it should return, so that it can be given back.
+What is excluded is still compared with what it should be, so that it can be given back.  The speeds come
+first: no ground explains a wrong one, so the beam looks at something else, and its range is worth nothing.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ def look_at_radar(params, onboard, health, sensed, motion, solution, memory):
     """Take in a fresh look at the radar, into covariance and correction."""
     q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
     radar = sensed.radar
-    ranges, off_ranges = look_at_ranges(
-        params, onboard, health, radar, q, lever, up, height, solution, memory
-    )
     speeds, off_speeds = look_at_speeds(
         params, onboard, health, radar, q, up, velocity, swing, solution, memory
     )
-    solution.beams_used, solution.beams_refused, solution.looked = ranges | speeds, off_ranges | off_speeds, 1
+    ranges, off_ranges = look_at_ranges(
+        params, onboard, health, radar, speeds, q, lever, up, height, solution, memory
+    )
+    solution.beams_used, solution.looked = ranges | speeds, 1
+    solution.ranges_refused, solution.speeds_refused = off_ranges, off_speeds
     memory.radar_t = sensed.t

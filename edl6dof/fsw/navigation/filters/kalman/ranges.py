@@ -1,5 +1,5 @@
-"""The ranges of a look at the radar: along each beam to ground at the elevation of the site plus the terrain
-state.
+"""The ranges of a look at the radar: along each beam to a plane, as high below the vehicle as the elevation
+of the site and the terrain state say, that slopes as the state of the slope says.
 
 Source: Farrell, Aided Navigation (2008), chapter 12; Busnardo, Aitken, Tolson, Pierrottet and Amzajerdian,
 "LIDAR-aided inertial navigation with extended Kalman filtering for pinpoint landing", AIAA 2011-6428.
@@ -9,124 +9,93 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.fsw.navigation.filters.kalman.antenna import STEEPEST, expected_range
-from edl6dof.fsw.navigation.filters.kalman.beams import usable
-from edl6dof.fsw.navigation.filters.kalman.gate import median, refused_again
-from edl6dof.fsw.navigation.filters.kalman.reading import clear, take_in
+from edl6dof.fsw.navigation.filters.kalman.antenna import (
+    STEEPEST,
+    expected_range,
+    ground_normal,
+    horizontal,
+)
+from edl6dof.fsw.navigation.filters.kalman.look import take_in_look
+from edl6dof.fsw.navigation.filters.kalman.reading import clear
+from edl6dof.fsw.navigation.filters.kalman.start import reopen_slope
 from edl6dof.fsw.navigation.filters.kalman.states import (
     ATTITUDE_ERROR,
     POSITION,
     RANGE_BIAS,
     RANGE_SCALE,
+    SLOPE,
     TERRAIN,
 )
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
-
-#: Gates beyond which no slope of the ground explains a range.
-FAR_OFF = 3.0
+from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 
 
 @kernel
-def range_row(u, up, lever, slope, reach, radius, beam, row):
+def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
     """Write what the range of a ``beam`` along ``u`` sees of the errors; ``reach`` is the range expected.
 
     A place to the side has another vertical, too.
     """
     clear(row)
-    level = scale(reach / (slope * radius), add(u, scale(slope, up)))
-    put3(row, POSITION, add(scale(1.0 / slope, up), level))
-    put3(row, ATTITUDE_ERROR, scale(1.0 / slope, add(cross(lever, up), scale(reach, cross(u, up)))))
-    row[TERRAIN] = -1.0 / slope
+    spot = add(lever, scale(reach, u))
+    level = scale(reach / (steepness * radius), sub(u, scale(dot(u, up), up)))
+    put3(row, POSITION, add(scale(1.0 / steepness, up), level))
+    put3(row, ATTITUDE_ERROR, scale(1.0 / steepness, cross(spot, normal)))
+    row[TERRAIN] = -1.0 / steepness
+    for i, axis in enumerate(horizontal(up)):
+        row[SLOPE + i] = -dot(spot, axis) / steepness
     row[RANGE_SCALE + beam] = reach
     row[RANGE_BIAS + beam] = 1.0
 
 
 @kernel
-def range_noise(params, instruments, reach, slope, off):
-    """Noise variance of a range: of the instrument, and of ground that is not as high below the vehicle as
+def range_noise(params, instruments, reach, steepness, off):
+    """Noise variance of a range: of the instrument, and of ground that is uneven between the vehicle and
     where the beam meets it.
     """
     own = instruments.range_sigma + instruments.range_sigma_relative * reach
-    return own**2 + params.terrain_change**2 * off / (1000.0 * slope * slope)
+    return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)
 
 
 @kernel
-def common_height_error(onboard, health, radar, q, up, height, memory):
-    """Fill ``memory.height_error`` with how much higher each beam says the vehicle is; how many tell, and
-    the median.
+def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
+    """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory``; bits of the beams with an echo
+    that are not too flat, and of those whose spot lies farther off the plane than uneven ground does.
+    ``height``: of the antenna, m.
     """
-    instruments, count = onboard.instruments, 0
+    instruments, radius, present, off_ground = onboard.instruments, onboard.planet.equatorial_radius, 0, 0
     for beam in range(instruments.n_beams):
-        if usable(health, radar, beam):
-            u = from_frame(q, take3(instruments.beam_axis[beam], 0))
-            if -dot(u, up) > STEEPEST:
-                reach, slope, _ = expected_range(u, up, height, onboard.planet.equatorial_radius)
-                memory.height_error[count] = (radar.range[beam] - reach) * slope
-                count += 1
-    if count == 0:
-        return 0, 0.0
-    return count, median(memory.height_error, count, memory.sorted)
+        u = from_frame(q, take3(instruments.beam_axis[beam], 0))
+        if radar.locked[beam] != 0 and -dot(u, normal) > STEEPEST:
+            reach, steepness, off = expected_range(u, up, normal, height, radius)
+            memory.innovation[beam] = radar.range[beam] - reach
+            memory.noise[beam] = range_noise(params, instruments, reach, steepness, off)
+            range_row(u, up, normal, lever, steepness, reach, radius, beam, memory.rows[beam])
+            present |= 1 << beam
+            if abs(memory.innovation[beam]) * steepness > params.unevenness * sqrt(off / 1000.0):
+                off_ground |= 1 << beam
+    return present, off_ground
 
 
 @kernel
-def apart(instruments, error, common, slope, off, reach, noise, memory):
-    """How far the height of a beam differs from the median of all, over what noise, bias and attitude
-    explain; beyond the gate the beam is wrong, however unsure the solution is.
+def look_at_ranges(params, onboard, health, radar, speeds, q, lever, up, height, solution, memory):
+    """Take in the ranges of the beams whose speed was used (bits ``speeds``); bits of the beams that were
+    used, and of the one whose range no ground explains.
+
+    Of several that are refused none is wrong: the slope is opened again, and of most of them the height, too.
     """
-    covariance = memory.covariance
-    level = covariance[ATTITUDE_ERROR, ATTITUDE_ERROR]
-    level += (
-        covariance[ATTITUDE_ERROR + 1, ATTITUDE_ERROR + 1]
-        + covariance[ATTITUDE_ERROR + 2, ATTITUDE_ERROR + 2]
+    normal = ground_normal(up, solution.slope)
+    above = height - dot(lever, sub(up, normal))
+    present, off_ground = expect_ranges(params, onboard, radar, q, lever, up, normal, above, memory)
+    used, refused, tried, against, least = take_in_look(
+        *(params, onboard.instruments.n_beams, present & speeds, health.beam_range, up, memory),
+        solution.range_innovation,
     )
-    lasting = instruments.range_bias**2 + (instruments.range_scale * reach) ** 2
-    spread = 2.0 * slope * slope * (noise + lasting) + 2.0 * off * off * level
-    return abs(error - common) / sqrt(spread)
-
-
-@kernel
-def look_at_ranges(params, onboard, health, radar, q, lever, up, height, solution, memory):
-    """Take in the ranges; bits of the beams that were used, and of those that are far off.
-
-    Ground that slopes puts a sound beam beyond the gate, too, for as long as it does: only what is several
-    gates off counts against the beam.
-    """
-    instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
-    told, common = common_height_error(onboard, health, radar, q, up, height, memory)
-    used, refused, tried, against, least = 0, 0, 0, 0, 0.0
-    for beam in range(instruments.n_beams):
-        solution.range_innovation[beam] = 0.0
-        u, trusted = from_frame(q, take3(instruments.beam_axis[beam], 0)), health.beam[beam] != 0
-        if radar.locked[beam] == 0 or -dot(u, up) <= STEEPEST:
-            continue
-        reach, slope, off = expected_range(u, up, height, radius)
-        innovation = radar.range[beam] - reach
-        noise = range_noise(params, instruments, reach, slope, off)
-        alone = 0.0
-        if told > 2:
-            alone = apart(instruments, innovation * slope, common, slope, off, reach, noise, memory)
-        if alone > FAR_OFF * params.gate:
-            refused |= 1 << beam
-        if alone > params.gate:
-            continue
-        range_row(u, up, lever, slope, reach, radius, beam, memory.row)
-        deviation, agrees = take_in(params, noise, innovation, up, trusted, memory.row, memory)
-        if abs(deviation) > FAR_OFF * params.gate:
-            refused |= 1 << beam
-        if trusted:
-            solution.range_innovation[beam] = deviation
-            tried += 1
-            if agrees:
-                used |= 1 << beam
-            else:
-                against += 1
-                square = (innovation * slope) ** 2
-                least = square if against == 1 else min(least, square)
-    if tried > 1:  # a beam alone may be wrong itself
-        memory.ranges_refused = refused_again(memory.ranges_refused, against, tried)
+    memory.ranges_refused = memory.ranges_refused + 1 if against > 1 else 0
     if memory.ranges_refused >= params.patience:
-        memory.covariance[TERRAIN, TERRAIN] += least
+        reopen_slope(params, memory.covariance)
+        if 2 * against > tried:
+            memory.covariance[TERRAIN, TERRAIN] += least
         memory.ranges_refused = 0
-    return used, refused
+    return used, refused & off_ground if against < 2 else 0

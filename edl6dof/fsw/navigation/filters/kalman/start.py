@@ -12,6 +12,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     POSITION,
     RANGE_BIAS,
     RANGE_SCALE,
+    SLOPE,
     SPEED_SCALE,
     STAR_BIAS,
     STATES,
@@ -21,6 +22,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
 )
 from edl6dof.fsw.navigation.filters.kalman.transition import begin_interval
 from edl6dof.jit import kernel
+from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.quaternion import axes
 
 
@@ -37,6 +39,13 @@ def consider(instruments, gyro_spread, accelerometer_spread, considered):
         considered[RANGE_SCALE + beam] = instruments.range_scale**2
         considered[SPEED_SCALE + beam] = instruments.speed_scale**2
         considered[RANGE_BIAS + beam] = instruments.range_bias**2
+
+
+@kernel
+def reopen_slope(params, covariance):
+    """Let the slope be any that ground may have."""
+    for i in range(SLOPE, SLOPE + 2):
+        covariance[i, i] = max(covariance[i, i], tan(params.slope_sigma) ** 2)
 
 
 @kernel
@@ -61,6 +70,7 @@ def begin(params, instruments, solution, memory):
         covariance[ATTITUDE_ERROR + i, STAR_BIAS + 1] = -y[i] * instruments.star_bias**2
         covariance[ATTITUDE_ERROR + i, STAR_BIAS + 2] = -z[i] * instruments.star_bias**2
     covariance[TERRAIN, TERRAIN] = params.terrain_sigma**2
+    reopen_slope(params, covariance)
     _begin_biases(instruments, memory)
     consider(instruments, memory.gyro_spread, memory.accelerometer_spread, memory.considered)
     begin_interval(memory.interval)

@@ -16,18 +16,19 @@ import numpy as np
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
 from edl6dof.records import COUNT, whole
 
-#: First place of each part of the error state: m, m/s, rad (all I), rad/s, m/s2 (B), m.
-POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN = 0, 3, 6, 9, 12, 15
-STATES = 16
+#: First place of each part of the error state: m, m/s, rad (all I), rad/s, m/s2 (B), m, and the rise of the
+#: ground per metre towards north and east.
+POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN, SLOPE = 0, 3, 6, 9, 12, 15, 16
+STATES = 18
 #: First place of the considered errors.  Scale and misalignment: what a rate of one about each axis of B in
 #: turn adds to the measured one, B; likewise of the specific force.  Bias of the star tracker (rad, B).
 #: Scale of the range of each beam, and of its speed; bias of its range (m).
-GYRO_SCALE, ACCELEROMETER_SCALE = 16, 25
-STAR_BIAS, RANGE_SCALE = 34, 37
+GYRO_SCALE, ACCELEROMETER_SCALE = STATES, STATES + 9
+STAR_BIAS, RANGE_SCALE = STATES + 18, STATES + 21
 SPEED_SCALE, RANGE_BIAS = RANGE_SCALE + MAX_BEAMS, RANGE_SCALE + 2 * MAX_BEAMS
 WIDTH = RANGE_BIAS + MAX_BEAMS
 #: How many of the states move within an interval, and how many errors may act on them: the first of each.
-MOVING, ACTING = 9, 34
+MOVING, ACTING = 9, STAR_BIAS
 
 #: What moved since the covariance was last brought up to date.
 INTERVAL = np.dtype(
@@ -75,8 +76,6 @@ ERROR_STATE = np.dtype(
         ("spread", "f8", (MAX_BEAMS, MAX_BEAMS)),
         ("product", "f8", (WIDTH,)),
         ("gain", "f8", (STATES,)),
-        ("height_error", "f8", (MAX_BEAMS,)),
-        ("sorted", "f8", (MAX_BEAMS,)),
     ],
     align=True,
 )

@@ -21,7 +21,9 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     GYRO_SCALE,
     MOVING,
     POSITION,
+    SLOPE,
     STATES,
+    TERRAIN,
     VELOCITY,
     WIDTH,
 )
@@ -165,3 +167,17 @@ def move_covariance(transition, considered, moved, covariance):
                 value += moved[i, j] * transition[k, j]
             covariance[i, k] = value
             covariance[k, i] = value
+
+
+@kernel
+def follow_slope(north, east, solution, covariance):
+    """Bring the height of the ground, and its covariance, from the ground below to that some metres ``north``
+    and ``east`` of it.
+    """
+    solution.terrain += solution.slope[0] * north + solution.slope[1] * east
+    for j in range(WIDTH):
+        covariance[TERRAIN, j] += north * covariance[SLOPE, j] + east * covariance[SLOPE + 1, j]
+    for j in range(STATES):
+        if j != TERRAIN:
+            covariance[j, TERRAIN] = covariance[TERRAIN, j]
+    covariance[TERRAIN, TERRAIN] += north * covariance[TERRAIN, SLOPE] + east * covariance[TERRAIN, SLOPE + 1]

@@ -1,0 +1,42 @@
+"""Verifies: a backshell that is released late.  No law that plans comes down faster than the gravity turn,
+and what a law gives up is an event, a figure and, before a crash, a cause.
+"""
+
+from functools import cache
+
+import pytest
+
+import edl6dof
+from edl6dof.fsw.guidance.powered import relaxation
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+
+PLANNING = [name for name in POWERED_LAWS.names if name != "gravity_turn"]
+
+
+@cache
+def released(law, height):
+    """A flight whose backshell leaves at a height (m)."""
+    settings = (f"mission.phases.parachute.until.value={height}", "simulation.log_every=50")
+    return edl6dof.fly("tianwen1", [f"flight_software.guidance.powered.law={law}", *settings])
+
+
+@pytest.mark.parametrize("height", [300.0, 400.0, 450.0, 550.0, 600.0])
+@pytest.mark.parametrize("law", PLANNING)
+def test_no_law_that_plans_comes_down_faster_than_the_gravity_turn(law, height):
+    """300 m are too low for any; 450 m were lost by convex alone (30 m/s), 600 m by constant_thrust."""
+    speed, reference = (
+        released(name, height).metrics["touchdown_vertical_m_s"] for name in (law, "gravity_turn")
+    )
+    assert speed < reference + 0.5
+    assert height < 350.0 or speed < 3.0
+
+
+def test_what_convex_gives_up_is_an_event_a_figure_and_a_cause():
+    flight = released("convex", 300.0)
+    events = [event for event in flight.events if event["key"] == "relaxed"]
+    assert [event["name"] for event in events] == ["powered guidance: braking at full thrust"]
+    assert flight.metrics["constraints_relaxed"] == relaxation.EVERYTHING
+    assert 20.0 < flight.metrics["landing_error_m"] < 300.0
+    assert ": braking at full thrust from " in flight.outcome
+    kept = released("convex", 1200.0)
+    assert "constraints_relaxed" not in kept.metrics and all(e["key"] != "relaxed" for e in kept.events)

@@ -1,0 +1,44 @@
+"""Landings on ground that slopes: sound beams stay in use, velocity and height are known, and a beam that has
+failed is still found.
+"""
+
+import numpy as np
+import pytest
+
+import edl6dof
+
+
+def fly(scenario, slope_deg, downhill_deg, seed, *more):
+    tilted = [f"terrain.slope_deg={slope_deg}", f"terrain.slope_azimuth_deg={downhill_deg}"]
+    return edl6dof.fly(scenario, [*tilted, "terrain.slope_radius_m=20000", f"seed={seed}", *more])
+
+
+def excluded(flight):
+    return [one.instrument for one in flight.exclusions if one.component == "beam"]
+
+
+@pytest.mark.parametrize(("slope_deg", "downhill_deg", "seed"), [(8, 270, 1), (14, 45, 2), (20, 160, 3)])
+def test_velocity_and_height_are_known_on_any_slope(slope_deg, downhill_deg, seed):
+    flight = fly("tianwen1", slope_deg, downhill_deg, seed)
+    channels = (
+        "t_s",
+        *(f"nav.error_v_{axis}_m_s" for axis in ("north", "east", "down")),
+        "nav.error_height_m",
+    )
+    t, north, east, down, height = (np.array(flight.telemetry[name]) for name in channels)
+    met = flight.metrics["touchdown_s"]
+    near = (t > met - 40.0) & (t < met)
+    assert excluded(flight) == []
+    assert np.sqrt(north**2 + east**2 + down**2)[near].max() < 0.1
+    assert np.abs(height)[near & (t > met - 10.0)].max() < 0.5
+
+
+@pytest.mark.parametrize("scenario", ["msl_landing", "insight"])
+def test_other_beams_and_filters_keep_all_beams(scenario):
+    assert excluded(fly(scenario, 12, 90, 1)) == []
+
+
+def test_a_beam_that_is_locked_on_something_else_is_found_on_a_slope():
+    fault = '{"kind": "false_lock", "beam": "b2", "at": {"time_s": 100.0}}'
+    flight = fly("tianwen1", 14, 45, 2, f"faults=[{fault}]")
+    assert excluded(flight) == ["b2"] and flight.landed
