@@ -85,7 +85,7 @@ def command_lines(text):
 
 def usage_error(line):
     """Why a command line is none; empty for a good one."""
-    words = shlex.split(re.split(r" #| > | \| | && ", line)[0], comments=True)
+    words = shlex.split(re.split(r" #| > | >/|; | \| | && ", line)[0], comments=True)
     words = [NUMBERS.get(word, word) for word in words if word not in ("...", "…")]
     if words[:1] == ["--help"] or words[:1] == ["--version"] or words[0] == "COMMAND":
         return ""
@@ -128,7 +128,8 @@ def test_a_bad_command_line_or_link_is_found():
     ]
     assert list(command_lines("    edl6dof fly a\n`edl6dof check b`")) == ["fly a", "check b"]
     assert list(dangling(DOCS / "index.md", "[a](nowhere.md) [b](air.md) [c](reference/vehicle.md)")) == [
-        "nowhere.md"
+        "nowhere.md",
+        "reference/vehicle.md",
     ]
 
 

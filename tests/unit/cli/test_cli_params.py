@@ -15,9 +15,9 @@ def test_section_shows_everything_about_its_parameters(capsys, monkeypatch):
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert "vehicle.parachutes[]" in lines
-    first = next(i for i, line in enumerate(lines) if line.startswith("  mortar_speed_m_s "))
-    assert lines[first].split() == ["mortar_speed_m_s", "30.0", "m/s", ">", "0,", "<=", "100000"]
-    assert lines[first + 1].strip() == "speed of the pack relative to the vehicle at mortar fire (estimate)"
+    first = next(i for i, line in enumerate(lines) if line.startswith("  pack_drag_area_m2 "))
+    assert lines[first].split() == ["pack_drag_area_m2", "0.3", "m2", ">=", "0,", "<=", "50000"]
+    assert lines[first + 1].strip() == "drag area of the pack before line stretch (estimate)"
     assert "initial" not in out
 
 
@@ -75,9 +75,9 @@ def test_json_has_the_same_rows(capsys, monkeypatch):
         "type": "number",
         "unit": "m/s",
         "bounds": "> 0 and <= 100000",
-        "default": "30.0",
+        "default": "required",
         "meaning": "speed of the pack relative to the vehicle at mortar fire",
-        "status": "estimate",
+        "status": "design",
         "source": "",
         "printed": "",
     }
