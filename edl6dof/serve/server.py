@@ -2,35 +2,45 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import socketserver
 import sys
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
+from hmac import compare_digest
+from secrets import token_hex
 from threading import BoundedSemaphore
 from typing import Any
 
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.serve.session import Session, refused
-from edl6dof.serve.wire import Unreadable, Wire
+from edl6dof.serve.wire import Unreadable, Wire, exactly
 
 HOST = "127.0.0.1"
-#: Clients at a time; each has some megabytes of records.
+#: Clients that fly at a time; each has some megabytes of records.
 MOST_CLIENTS = 8
-#: How long a client that finds no place may take to say something.
-_PATIENCE_S = 5.0
+#: Connections at a time that have not sent the token, and how long (s) each may take to send it.
+_MOST_STRANGERS, _GREETING_S = 64, 5.0
+#: Longest time (s) between the requests of a client.
+IDLE_S = 900.0
 
 
 class FlightServer(socketserver.ThreadingTCPServer):
     """Answers the requests of each client in a thread of its own, in the order in which they come.
 
+    A client first sends the token, as it stands in the token file; whoever cannot read that file is told so
+    and takes nobody's place.
+
     Args:
         begin: makes the flight of a client.
         port: 0: any that is free.
+        idle_s: longest time between the requests of a client.
 
     Attributes:
         port: where it listens.
+        token: what a client sends first: 32 letters and digits.
 
     Raises:
         ImportError: msgpack is not installed.
@@ -41,8 +51,9 @@ class FlightServer(socketserver.ThreadingTCPServer):
     #: Elsewhere it would let two servers share a port.
     allow_reuse_address = os.name == "posix"
 
-    def __init__(self, begin: Callable[[], Session], port: int = 0) -> None:
-        self.begin, self.wire, self.places = begin, Wire(), BoundedSemaphore(MOST_CLIENTS)
+    def __init__(self, begin: Callable[[], Session], port: int = 0, idle_s: float = IDLE_S) -> None:
+        self.begin, self.wire, self.idle_s, self.token = begin, Wire(), idle_s, token_hex(16)
+        self.places, self.doors = BoundedSemaphore(MOST_CLIENTS), BoundedSemaphore(_MOST_STRANGERS)
         try:
             super().__init__((HOST, port), _Client)
         except OSError as error:
@@ -50,8 +61,8 @@ class FlightServer(socketserver.ThreadingTCPServer):
         self.port: int = self.server_address[1]
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that hangs up is no error."""
-        if not isinstance(sys.exception(), ConnectionError):
+        """A client that hangs up, or does not take its answer, is no error."""
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)
 
 
@@ -60,32 +71,51 @@ class _Client(socketserver.StreamRequestHandler):
     disable_nagle_algorithm = True
 
     def handle(self) -> None:
-        """Answer until the client closes, is gone, or cannot be made out any more."""
+        """Answer until the client closes, is gone, falls silent, or cannot be made out any more."""
+        if not self._let_in():
+            return
         if not self.server.places.acquire(blocking=False):
-            self._turn_away()
+            self._turn_away(f"{MOST_CLIENTS} clients fly already; come back when one has closed")
             return
         try:
             self._fly()
         finally:
             self.server.places.release()
+            gc.collect()  # the records of a flight refer to each other
 
-    def _turn_away(self) -> None:
+    def _let_in(self) -> bool:
+        """Whether the client sends the token, soon."""
+        if not self.server.doors.acquire(blocking=False):
+            return False
+        try:
+            token = self.server.token.encode()
+            if compare_digest(exactly(self.request, len(token), _GREETING_S) or b"", token):
+                return True
+            self._turn_away("a connection begins with the token, as it stands in the token file")
+        except TimeoutError:
+            self._send(refused(f"no token within {_GREETING_S:g} s"))
+        finally:
+            self.server.doors.release()
+        return False
+
+    def _turn_away(self, reason: str) -> None:
         """Answer the first request, if it comes soon: left unread, it would take the answer with it."""
-        self.request.settimeout(_PATIENCE_S)
         with suppress(TimeoutError, Unreadable):
-            self.server.wire.receive(self.rfile)
-        self._send(refused(f"{MOST_CLIENTS} clients fly already; come back when one has closed"))
+            self.server.wire.receive(self.request, _GREETING_S)
+        self._send(refused(reason))
 
     def _fly(self) -> None:
         session = None
         try:
-            while (body := self.server.wire.receive(self.rfile)) is not None:
+            while (body := self.server.wire.receive(self.request, self.server.idle_s)) is not None:
                 session = session or self.server.begin()  # nothing is made for who says nothing
                 self._send(self._answer(session, body))
                 if not session.open:
                     return
         except (Unreadable, ConfigError) as error:
             self._send(refused(str(error)))
+        except TimeoutError:
+            self._send(refused("silent for too long: the flight is closed"))
 
     def _answer(self, session: Session, body: bytes) -> dict[str, Any]:
         try:

@@ -20,7 +20,7 @@ from edl6dof.sim.checkpoint import State
 from edl6dof.sim.commanding import unknown
 
 #: Version of the protocol: it goes up where a program that was written for the one before would fail.
-PROTOCOL = 1
+PROTOCOL = 2
 #: Base cycles of a step, and seeds, at most.
 MOST_CYCLES, LARGEST_SEED = 10_000_000, 2**31 - 1
 #: What a change names, and the texts that it may set: words, so that nobody has this program read a file.

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from io import BufferedIOBase
+from socket import socket
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,10 @@ LARGEST = 16 * 1024 * 1024
 #: byte on the wire and a hundred in memory.
 _CONTAINERS, _LONGEST = 256, 1024
 _LENGTH = struct.Struct(">I")
+
+
+#: Longest time (s) for a message to be complete once it has begun.
+_MESSAGE_S = 30.0
 
 
 class Unreadable(ValueError):
@@ -38,14 +43,19 @@ class Wire:
     def __init__(self) -> None:
         self._msgpack = library("msgpack", "edl6dof serve", extra="serve")
 
-    def receive(self, stream: BufferedIOBase) -> bytes | None:
+    def receive(self, line: socket, idle_s: float) -> bytes | None:
         """The next message; ``None`` where its sender is gone, in the middle of it or before.
+
+        Args:
+            line: where it comes from.
+            idle_s: longest time (s) until it begins.
 
         Raises:
             Unreadable: it would be too long.
+            TimeoutError: it does not begin, or is not complete, in time.
         """
-        head = stream.read(_LENGTH.size)
-        if len(head) < _LENGTH.size:
+        head = exactly(line, _LENGTH.size, idle_s)
+        if head is None:
             return None
         (size,) = _LENGTH.unpack(head)
         if size > LARGEST:
@@ -53,8 +63,7 @@ class Wire:
                 f"a message has at most {LARGEST} bytes (this one says {size}: does it begin with its "
                 "length, four bytes, the highest first?)"
             )
-        body = stream.read(size)
-        return body if len(body) == size else None
+        return exactly(line, size, _MESSAGE_S)
 
     def unpack(self, body: bytes) -> Any:
         """What a message says.
@@ -84,6 +93,24 @@ class Wire:
         """A message, its length before it."""
         body = self._msgpack.packb(message, default=_listed)
         return _LENGTH.pack(len(body)) + body
+
+
+def exactly(line: socket, size: int, within_s: float) -> bytes | None:
+    """So many bytes; ``None`` where the sender is gone before.
+
+    Raises:
+        TimeoutError: they are not complete within a time (s), however they drip.
+    """
+    found, until = bytearray(), monotonic() + within_s
+    while len(found) < size:
+        if (left := until - monotonic()) <= 0.0:
+            raise TimeoutError
+        line.settimeout(left)
+        part = line.recv(min(size - len(found), 65536))
+        if not part:
+            return None
+        found += part
+    return bytes(found)
 
 
 class _TooMany(Exception):

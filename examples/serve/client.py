@@ -1,7 +1,7 @@
 """A client of ``edl6dof serve`` in Python: needs msgpack and nothing of edl6dof.
 
-    edl6dof serve tianwen1 --port 4242
-    python client.py 4242
+    edl6dof serve tianwen1 --port 4242        # names its token file
+    python client.py 4242 TOKEN_FILE
 
 flies a whole flight cycle by cycle, once under no command and once with the bank angle commanded, and prints
 how many cycles a second went over the socket.
@@ -13,6 +13,7 @@ import socket
 import struct
 import sys
 import time
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -20,11 +21,12 @@ import msgpack
 
 
 class Client:
-    """A flight on a server of this machine."""
+    """A flight on a server of this machine, whose token a file holds."""
 
-    def __init__(self, port: int, timeout_s: float | None = None):
+    def __init__(self, port: int, token: str, timeout_s: float | None = None):
         self.line = socket.create_connection(("127.0.0.1", port), timeout_s)
         self.line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.line.sendall(token.encode())
         self._answers = self.line.makefile("rb")
 
     def ask(self, what: str, **fields: Any) -> dict[str, Any]:
@@ -67,7 +69,7 @@ class Client:
 
 def main() -> None:
     observed = ["altitude_m", "drag_m_s2", "v_N_m_s", "bank_deg"]
-    with Client(int(sys.argv[1])) as client:
+    with Client(int(sys.argv[1]), Path(sys.argv[2]).read_text()) as client:
         for words, fields in (("under no command", {}), ("bank commanded", {"command": {"bank_deg": 60.0}})):
             seen = client.ask("reset")
             began = time.perf_counter()

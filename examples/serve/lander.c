@@ -1,10 +1,10 @@
 /*
  * A lander with a guidance of its own, in C: `edl6dof serve` flies the vehicle, this program the powered descent.
  *
- *     edl6dof serve tianwen1 --port 4242
+ *     edl6dof serve tianwen1 --port 4242        (names its token file)
  *     cc -std=c99 -Wall -Wextra -Werror -O2 -o lander lander.c -lm
- *     ./lander 4242            the scenario as it stands
- *     ./lander 4242 7          the flight of seed 7
+ *     ./lander 4242 FILE       the scenario as it stands
+ *     ./lander 4242 FILE 7     the flight of seed 7
  *
  * To the ignition of its engine the vehicle flies itself.  From there on this program commands the thrust vector in
  * every cycle, from what the flight computer knows of height, velocity and mass; attitude control stays on board.
@@ -200,6 +200,18 @@ static int connected(int port)
     return line;
 }
 
+/* Send the token, which a file holds. */
+static void greet(int line, const char *path)
+{
+    char token[32];
+    FILE *file = fopen(path, "rb");
+    if (file == NULL || fread(token, 1, sizeof token, file) != sizeof token)
+        fail("the token file cannot be read");
+    fclose(file);
+    if (send(line, token, sizeof token, 0) != (ssize_t)sizeof token)
+        fail("the server is gone");
+}
+
 static void receive(int line, unsigned char *bytes, size_t size)
 {
     while (size > 0) {
@@ -317,13 +329,14 @@ int main(int count, char **words)
     struct rest answer, found;
     double thrust[3], began;
     int line, cycles = 0;
-    if (count < 2)
-        fail("say which port: lander PORT [SEED]");
+    if (count < 3)
+        fail("say which port and token file: lander PORT FILE [SEED]");
     line = connected(atoi(words[1]));
-    begin(&request, "reset", count > 2);
-    if (count > 2) {
+    greet(line, words[2]);
+    begin(&request, "reset", count > 3);
+    if (count > 3) {
         put_text(&request, "seed");
-        put_whole(&request, (uint32_t)strtoul(words[2], NULL, 10));
+        put_whole(&request, (uint32_t)strtoul(words[3], NULL, 10));
     }
     asked(line, &request);
     do {

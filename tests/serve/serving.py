@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
 
-from edl6dof.serve.server import FlightServer
+from edl6dof.serve.server import IDLE_S, FlightServer
 from edl6dof.serve.session import Session
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "serve"
@@ -19,9 +19,9 @@ __all__ = ["EXAMPLES", "Client", "main", "serving"]
 
 
 @contextmanager
-def serving(scenario: str, *sets: str) -> Iterator[FlightServer]:
+def serving(scenario: str, *sets: str, idle_s: float = IDLE_S) -> Iterator[FlightServer]:
     """Serve flights of a scenario to whoever connects."""
-    with FlightServer(lambda: Session(scenario, sets)) as server:
+    with FlightServer(lambda: Session(scenario, sets), idle_s=idle_s) as server:
         thread = Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
         thread.start()
         try:

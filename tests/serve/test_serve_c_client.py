@@ -24,10 +24,11 @@ def flown(program, *words):
     return subprocess.run([program, *map(str, words)], capture_output=True, text=True, timeout=300)
 
 
-def test_it_lands_by_its_own_guidance(lander, nominal):
+def test_it_lands_by_its_own_guidance(lander, nominal, tmp_path):
     """It does not hover as the flight software does, and is down half a minute earlier."""
     with serving("tianwen1") as server:
-        done = flown(lander, server.port)
+        (tmp_path / "token").write_text(server.token)
+        done = flown(lander, server.port, tmp_path / "token")
     assert (done.returncode, done.stderr) == (0, ""), done
     found = re.search(r"landed at ([\d.]+) s, ([\d.]+) kg left", done.stdout)
     own = next(event["t_s"] for event in nominal.events if event.get("phase") == "landed")
@@ -35,8 +36,9 @@ def test_it_lands_by_its_own_guidance(lander, nominal):
     assert 850.0 < float(found[2]) < 900.0
 
 
-def test_it_tells_what_the_server_refuses(lander, server):
-    done = flown(lander, server.port, 2**31)
+def test_it_tells_what_the_server_refuses(lander, server, tmp_path):
+    (tmp_path / "token").write_text(server.token)
+    done = flown(lander, server.port, tmp_path / "token", 2**31)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith("lander: seed must be a whole number from 0 to 2147483647")
 
@@ -44,5 +46,5 @@ def test_it_tells_what_the_server_refuses(lander, server):
 def test_it_tells_that_nobody_serves(lander):
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))  # taken, so that nobody else listens there meanwhile
-        done = flown(lander, silent.getsockname()[1])
+        done = flown(lander, silent.getsockname()[1], "token")
     assert (done.returncode, done.stderr) == (1, "lander: nobody serves flights at this port\n")

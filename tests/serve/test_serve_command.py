@@ -20,16 +20,20 @@ def test_it_says_where_it_listens_flies_and_ends_with_ctrl_c(monkeypatch, capsys
     process = subprocess.Popen(program, stdout=pipe, stderr=pipe, text=True, env=environment)
     try:
         host, _, port = process.stdout.readline().strip().partition(":")
-        assert (host, process.stdout.readline()[:6]) == ("127.0.0.1", "Ctrl-C")
-        monkeypatch.setattr(sys, "argv", ["client.py", port])
+        words, _, file = process.stdout.readline().strip().partition(": ")
+        assert (host, words, process.stdout.readline()[:6]) == ("127.0.0.1", "token file", "Ctrl-C")
+        assert Path(file).parent.stat().st_mode & 0o77 == 0
+        token = Path(file).read_text()
+        monkeypatch.setattr(sys, "argv", ["client.py", port, file])
         main()
-        with Client(int(port), 120.0) as still_there:
+        with Client(int(port), token, 120.0) as still_there:
             still_there.ask("step")
             process.send_signal(signal.SIGINT)
             out, err = process.communicate(timeout=120)
     finally:
         process.kill()
     assert (process.returncode, out, err) == (0, "", "")
+    assert not Path(file).exists()
     said = capsys.readouterr().out.splitlines()
     assert [line.partition(",")[0] for line in said] == [
         "under no command: time limit at 5.00 s",

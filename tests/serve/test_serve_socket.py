@@ -5,6 +5,7 @@ import re
 import socket
 import struct
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import msgpack
@@ -12,6 +13,7 @@ import pytest
 from serving import Client, serving
 
 import edl6dof
+from edl6dof.serve import wire
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
 
@@ -21,15 +23,22 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture
 def client(server):
-    with Client(server.port, WAIT_S) as connected:
+    with Client(server.port, server.token, WAIT_S) as connected:
         connected.ask("reset")
         yield connected
 
 
 @pytest.fixture
 def line(server):
-    with socket.create_connection(("127.0.0.1", server.port), WAIT_S) as raw:
+    with greeted(server) as raw:
         yield raw
+
+
+def greeted(server):
+    """A connection that has sent the token."""
+    raw = socket.create_connection(("127.0.0.1", server.port), WAIT_S)
+    raw.sendall(server.token.encode())
+    return raw
 
 
 def flown_to_the_end(client, portions):
@@ -52,8 +61,8 @@ def test_two_clients_fly_side_by_side_each_its_own_flight(nominal):
     short = "simulation.time_limit_s=75"
     with (
         serving("tianwen1", short) as server,
-        Client(server.port, WAIT_S) as one,
-        Client(server.port, WAIT_S) as two,
+        Client(server.port, server.token, WAIT_S) as one,
+        Client(server.port, server.token, WAIT_S) as two,
     ):
         one.ask("reset")
         two.ask("reset", seed=9)
@@ -149,7 +158,7 @@ def test_a_length_that_no_message_has_ends_the_connection(line, head, capfd):
 def test_a_client_that_hangs_up_leaves_its_place(server, sent, capfd):
     """More often than there are places: they would run out."""
     for _ in range(10):
-        with socket.create_connection(("127.0.0.1", server.port), WAIT_S) as raw:
+        with greeted(server) as raw:
             raw.sendall(sent)
     wait_for_places(server)
     assert capfd.readouterr().err == ""
@@ -159,7 +168,7 @@ def wait_for_places(server):
     """Until a client gets one again: those that hung up leave when the server sees it."""
     end = time.monotonic() + WAIT_S
     while True:
-        with Client(server.port, WAIT_S) as client:
+        with Client(server.port, server.token, WAIT_S) as client:
             try:
                 return client.ask("describe")
             except (ValueError, ConnectionError):
@@ -170,10 +179,13 @@ def test_a_ninth_client_is_told_to_come_back():
     from contextlib import ExitStack
 
     with serving("tianwen1") as server, ExitStack() as stack:
-        clients = [stack.enter_context(Client(server.port, WAIT_S)) for _ in range(8)]
+        clients = [stack.enter_context(Client(server.port, server.token, WAIT_S)) for _ in range(8)]
         for client in clients:
             client.ask("step")
-        with Client(server.port, WAIT_S) as ninth, pytest.raises(ValueError, match="8 clients fly already"):
+        with (
+            Client(server.port, server.token, WAIT_S) as ninth,
+            pytest.raises(ValueError, match="8 clients fly already"),
+        ):
             ninth.ask("describe")
         clients[3].ask("close")
         wait_for_places(server)
@@ -220,3 +232,67 @@ def test_a_port_that_is_taken_is_refused(server):
 
     with pytest.raises(edl6dof.ConfigError, match="--port: .* cannot be had: Address already in use"):
         FlightServer(lambda: None, server.port)
+
+
+def refusal(raw):
+    return received(raw)["error"]
+
+
+@pytest.mark.parametrize("sent", [b"", b"x" * 32, b"\x00\x00\x00\x0b" + STEP + b"more than that....."])
+def test_whoever_has_no_token_is_told_so_and_flies_nothing(sent):
+    begun = []
+    with serving("tianwen1") as server:
+        server.begin = lambda: begun.append(1)
+        with socket.create_connection(("127.0.0.1", server.port), WAIT_S) as raw:
+            raw.sendall(sent)
+            assert "token" in refusal(raw)
+    assert not begun
+
+
+def test_silent_strangers_take_no_place():
+    """More of them than there are places; eight blocked the server for ever."""
+    with serving("tianwen1") as server:
+        silent = [socket.create_connection(("127.0.0.1", server.port), WAIT_S) for _ in range(12)]
+        with Client(server.port, server.token, WAIT_S) as client:
+            assert client.ask("describe")["ok"]
+        assert all(refusal(raw) == "no token within 5 s" for raw in silent)
+        for raw in silent:
+            raw.close()
+
+
+def test_client_that_falls_silent_loses_its_place():
+    with serving("tianwen1", idle_s=0.3) as server:
+        silent = [Client(server.port, server.token, WAIT_S) for _ in range(8)]
+        for client in silent:
+            assert "silent for too long" in client.answer()["error"]
+            client.close()
+        wait_for_places(server)
+
+
+def test_message_that_drips_is_not_waited_for(monkeypatch):
+    monkeypatch.setattr(wire, "_MESSAGE_S", 0.5)
+    with serving("tianwen1") as server, greeted(server) as raw:
+        raw.sendall(struct.pack(">I", 1000))
+        began = time.monotonic()
+        with suppress(ConnectionError):
+            while time.monotonic() < began + 3.0:
+                raw.sendall(b"x")
+                time.sleep(0.05)
+        assert "silent for too long" in refusal(raw)
+
+
+def test_flights_that_are_closed_leave_no_memory():
+    """Their records were kept until Python happened to look: 1.3 GB after some hundred."""
+    import resource
+
+    def peak_mb():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+    with serving("tianwen1") as server:
+        for count in range(60):
+            if count == 20:
+                before = peak_mb()
+            with Client(server.port, server.token, WAIT_S) as client:
+                client.ask("step")
+                client.ask("close")
+    assert peak_mb() < before + 30.0
