@@ -88,6 +88,8 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
     content = lines[line] if line < len(lines) else ""
     if "\t" in content[: len(content) - len(content.lstrip())]:
         message = "a tab cannot indent a line; use spaces"
+    elif "nesting depth" in (error.problem or ""):  # newer parsers have a limit of their own, beyond ours
+        message = f"nested more than {DEEPEST} levels deep"
     else:
         message = "not valid YAML: " + ", ".join(part for part in (error.problem, error.context) if part)
     return Problem(file, line + 1, column + 1, "", message)
