@@ -8,13 +8,15 @@ import gymnasium
 import numpy as np
 
 from edl6dof.gym.episodes import Episodes, known_options
+from edl6dof.gym.task import Task
 from edl6dof.gym.tasks import task_called
 
 
 class FlightEnv(gymnasium.Env[np.ndarray, Any]):
     """A task in one flight.
 
-    The information of the last step of an episode holds ``is_success``.
+    It can be copied and pickled, in the middle of an episode too.  The information of the last step of an
+    episode holds ``is_success``.
 
     Args:
         task: name of the task, of :data:`edl6dof.gym.TASKS`.
@@ -28,9 +30,13 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
     def __init__(self, task: str, pool: int = 64, first_case: int = 0, render_mode: str | None = None):
         self.render_mode = render_mode
         self._episodes = Episodes(task_called(task), 1, 1, pool, first_case)
-        self.task = self._episodes.task
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        return self._episodes.task
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import deepcopy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +47,7 @@ class Episodes:
     """
 
     def __init__(self, task: type[Task], count: int, workers: int, pool: int, first_case: int = 0):
+        self._made_with = task, count, workers, pool, first_case
         self._starts = StartPool(task, pool, first_case)
         self.fleet = self._starts.fleet(count, workers)
         self.task = task(self._starts.loaded, self.fleet)
@@ -53,6 +55,25 @@ class Episodes:
         base = self._starts.loaded.scenario.flight_software.rates.base_hz
         self._cycles, self._longest = round(task.interval_s * base), round(task.longest_s / task.interval_s)
         self._steps = np.zeros(count, np.int64)
+
+    def __getstate__(self) -> dict[str, Any]:
+        own = {name: value for name, value in vars(self.task).items() if name not in ("loaded", "fleet")}
+        return {
+            "made_with": self._made_with,
+            "known": self._starts.known,
+            "flights": self.fleet.flights,
+            "steps": self._steps,
+            "task": own,
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Made anew, with the flights where they were."""
+        self.__init__(*state["made_with"])  # type: ignore[misc]
+        self._starts.known.update(state["known"])
+        for mine, saved in zip(self.fleet.flights, state["flights"], strict=True):
+            mine[:] = saved
+        self._steps[:] = state["steps"]
+        vars(self.task).update(deepcopy(state["task"]))
 
     def begin(self, which: Iterable[int], generators: list[np.random.Generator]) -> None:
         """Let some episodes begin anew, each with a case of the pool that its own generator draws."""

@@ -27,6 +27,7 @@ class StartPool:
 
     Attributes:
         drawn: case numbers that an episode draws from.
+        known: the beginnings that were flown, by case number.
     """
 
     def __init__(self, task: type[Task], size: int, first: int):
@@ -35,15 +36,16 @@ class StartPool:
         Raises:
             ValueError: there are no such cases.
         """
-        if size < 1 or first < 0 or first + size > _CASES:
+        whole = all(isinstance(one, int | np.integer) and not isinstance(one, bool) for one in (size, first))
+        if not whole or size < 1 or first < 0 or first + size > _CASES:
             raise ValueError(
-                f"pool must be at least 1 and first_case at least 0, together at most {_CASES} "
+                f"pool must be at least 1 and first_case at least 0, whole numbers of together at most {_CASES} "
                 f"(got pool={size}, first_case={first})"
             )
         self.drawn = range(first, first + size)
         self._task, self._lock = task, Lock()
         self._flights = Starts(task.scenario, task.overrides, task.faults)
-        self._known: dict[int, Start] = {}
+        self.known: dict[int, Start] = {}
         self.loaded = self._flights.loaded
 
     def __getitem__(self, case: int) -> Start:
@@ -55,9 +57,9 @@ class StartPool:
         if isinstance(case, bool) or not isinstance(case, int | np.integer) or not 0 <= case < _CASES:
             raise ValueError(f"a case must be a whole number from 0 to {_CASES - 1} (got {case!r})")
         with self._lock:
-            if case not in self._known:
-                self._known[case] = self._flown(case)
-            return self._known[case]
+            if case not in self.known:
+                self.known[case] = self._flown(case)
+            return self.known[case]
 
     def fleet(self, count: int, workers: int) -> Fleet:
         """As many flights of the scenario."""

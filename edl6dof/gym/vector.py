@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from edl6dof.gym.episodes import Episodes, known_options
+from edl6dof.gym.task import Task
 from edl6dof.gym.tasks import task_called
 
 
@@ -46,13 +47,17 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         self._mode = AutoresetMode(autoreset_mode)
         self.metadata = {"autoreset_mode": self._mode, "render_modes": []}
         self._episodes = Episodes(task_called(task), num_envs, workers, pool, first_case)
-        self.task = self._episodes.task
         self.single_observation_space = self.task.observation_space
         self.single_action_space = self.task.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._generators: list[np.random.Generator] = []
         self._ended = np.zeros(num_envs, bool)
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        return self._episodes.task
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None

@@ -86,6 +86,14 @@ class Fleet:
         )
         return lambda count: fly_each(*records, count, steps, NO_TICKS, NO_BRIEFS)
 
+    @property
+    def flights(self) -> tuple[np.ndarray, ...]:
+        """All that changes as the flights go on: arrays with an element for each flight."""
+        return (
+            *(self.cases, self.onboards, self.plants, self.outputs, self.peaks, self.sensors, self.memories),
+            *(self.cycles, self.outcomes, self._works, self._current),
+        )
+
     def __len__(self) -> int:
         return len(self.cycles)
 

@@ -1,7 +1,9 @@
 """The learning environments keep gymnasium's word, and fly what a flight flies."""
 
 import builtins
+import copy
 import importlib
+import pickle
 import sys
 import warnings
 
@@ -140,7 +142,9 @@ def test_a_case_that_is_none_is_refused(diagnosis, case):
         diagnosis.reset(options={"case": case})
 
 
-@pytest.mark.parametrize("pool, first_case", [(0, 0), (1, -1), (2, 2**26 - 1)])
+@pytest.mark.parametrize(
+    "pool, first_case", [(0, 0), (-1, 0), (1, -1), (2, 2**26 - 1), (1.5, 0), (True, 0), (2, "0")]
+)
 def test_a_pool_that_is_none_is_refused(pool, first_case):
     with pytest.raises(ValueError, match="pool must be at least 1"):
         gym.FlightEnv("FaultDiagnosis", pool=pool, first_case=first_case)
@@ -181,6 +185,30 @@ def ended(mode):
     env = gym.FlightVectorEnv("FaultDiagnosis", 2, pool=1, autoreset_mode=mode)
     begun, _ = env.reset(seed=1)
     return env, begun, env.step(np.array([22, 0]))
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("name", gym.TASKS)
+def test_a_copy_flies_on_as_its_original_and_apart_from_it(environments, name, copied):
+    env = environments[name]
+    env.reset(seed=3)
+    for _ in range(3):
+        env.step(env.baseline())
+    other = copied(env)
+    action = env.baseline()
+    (seen, *results), (seen_of_copy, *results_of_copy) = env.step(action), other.step(action)
+    assert np.array_equal(seen, seen_of_copy) and results == results_of_copy
+    env.step(env.baseline())
+    assert np.array_equal(other.baseline(), copied(other).baseline())
+    assert np.array_equal(env.reset()[0], other.reset()[0])  # their generators stand where they stood
+
+
+def test_a_copy_of_many_flights_flies_on_as_its_original():
+    envs = gym.FlightVectorEnv("PoweredDescent", 3, pool=2, workers=2)
+    envs.reset(seed=1)
+    envs.step(envs.baseline())
+    other = pickle.loads(pickle.dumps(envs))
+    assert np.array_equal(envs.step(envs.baseline())[0], other.step(other.baseline())[0])
 
 
 def test_an_episode_begins_anew_in_the_next_step():
