@@ -39,7 +39,7 @@ class StartPool:
         whole = all(isinstance(one, int | np.integer) and not isinstance(one, bool) for one in (size, first))
         if not whole or size < 1 or first < 0 or first + size > _CASES:
             raise ValueError(
-                f"pool must be at least 1 and first_case at least 0, whole numbers of together at most {_CASES} "
+                f"pool must be at least 1 and first_case at least 0, whole and together at most {_CASES} "
                 f"(got pool={size}, first_case={first})"
             )
         self.drawn = range(first, first + size)
