@@ -1,5 +1,5 @@
-"""Compiled code contains the values of the globals that it reads, and is kept for other processes.  So each must
-follow from the sources alone, which are the key of the cache: from no processor, library, time or file.
+"""Compiled code contains the values of the globals that it reads, and is kept for other processes.  So each
+must follow from the sources alone, which are the key of the cache: from no processor, library, time or file.
 """
 
 import json
