@@ -84,7 +84,7 @@ class _Client(socketserver.StreamRequestHandler):
             gc.collect()  # the records of a flight refer to each other
 
     def _let_in(self) -> bool:
-        """Whether the client sends the token, soon."""
+        """True once the client has sent the token, which it must within ``_GREETING_S``."""
         if not self.server.doors.acquire(blocking=False):
             return False
         try:

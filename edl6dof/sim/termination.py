@@ -87,7 +87,7 @@ def _what(flight: Flight) -> tuple[str, str]:
 
 
 def _moving(flight: Flight) -> bool:
-    """Whether the vehicle moves at the end."""
+    """True if the vehicle is not at rest in the last state."""
     return float(flight.plant["moved_time"][0]) == flight.time_s
 
 
