@@ -85,8 +85,8 @@ def test_torn_canopy_sinks_faster_by_the_root_of_the_drag_that_is_left(nominal, 
         i = np.argmax((table["guide.phase"] == 3) & (table["truth.height_m"] < 3000.0))
         return table["truth.v_down_m_s"][i]
 
-    # 200 m2 at 0.649, and 9.1 m2 at about 1.4
-    whole = 200.0 * 0.649
+    # 200 m2 at 0.640, and 9.1 m2 at about 1.4
+    whole = 200.0 * 0.640
     lander = 9.1 * 1.4
     expected = np.sqrt((whole + lander) / (factor * whole + lander))
     assert sinks(flight) / sinks(nominal) == pytest.approx(expected, rel=0.05)
@@ -183,7 +183,7 @@ def test_engine_with_a_fifth_of_its_thrust_gone_goes_back_to_full_level_and_land
 
 
 def test_sound_flight_keeps_its_parachute_to_the_usual_height(nominal):
-    assert nominal.metrics["backshell_height_m"] == pytest.approx(1219.0, abs=10.0)
+    assert nominal.metrics["backshell_height_m"] == pytest.approx(1231.0, abs=10.0)
 
 
 # ---- several faults ----------------------------------------------------------------------------------------
