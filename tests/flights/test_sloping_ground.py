@@ -38,7 +38,9 @@ def test_other_beams_and_filters_keep_all_beams(scenario):
     assert excluded(fly(scenario, 12, 90, 1)) == []
 
 
-def test_a_beam_that_is_locked_on_something_else_is_found_on_a_slope():
+@pytest.mark.parametrize(("slope_deg", "downhill_deg", "seed"), [(14, 45, 2), (8, 137.5, 1), (16, 327.5, 5)])
+def test_a_beam_that_is_locked_on_something_else_is_found_on_a_slope(slope_deg, downhill_deg, seed):
+    """And no other: three beams are left, whose ranges a plane always fits."""
     fault = '{"kind": "false_lock", "beam": "b2", "at": {"time_s": 100.0}}'
-    flight = fly("tianwen1", 14, 45, 2, f"faults=[{fault}]")
+    flight = fly("tianwen1", slope_deg, downhill_deg, seed, f"faults=[{fault}]")
     assert excluded(flight) == ["b2"] and flight.landed

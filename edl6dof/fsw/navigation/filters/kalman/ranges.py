@@ -30,6 +30,9 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 
+#: Ranges that some plane always fits: its height and two slopes.
+PLANE = 3
+
 
 @kernel
 def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
@@ -83,7 +86,8 @@ def look_at_ranges(params, onboard, health, radar, speeds, q, lever, up, height,
     """Take in the ranges of the beams whose speed was used (bits ``speeds``); bits of the beams that were
     used, and of the one whose range no ground explains.
 
-    Of several that are refused none is wrong: the slope is opened again, and of most of them the height, too.
+    Of several that are refused none is wrong, nor is one of three before three have agreed, since a plane
+    fits any three ranges: the slope is opened again, and the height, too, unless most of them agreed.
     """
     normal = ground_normal(up, solution.slope)
     above = height - dot(lever, sub(up, normal))
@@ -92,10 +96,13 @@ def look_at_ranges(params, onboard, health, radar, speeds, q, lever, up, height,
         *(params, onboard.instruments.n_beams, present & speeds, health.beam_range, up, memory),
         solution.range_innovation,
     )
-    memory.ranges_refused = memory.ranges_refused + 1 if against > 1 else 0
+    if tried >= PLANE and against == 0:
+        memory.plane_seen = 1
+    other_ground = against > 1 or against == 1 and tried <= PLANE and memory.plane_seen == 0
+    memory.ranges_refused = memory.ranges_refused + 1 if other_ground else 0
     if memory.ranges_refused >= params.patience:
         reopen_slope(params, memory.covariance)
-        if 2 * against > tried:
+        if 2 * against > tried or memory.plane_seen == 0:
             memory.covariance[TERRAIN, TERRAIN] += least
         memory.ranges_refused = 0
-    return used, refused & off_ground if against < 2 else 0
+    return used, 0 if other_ground else refused & off_ground

@@ -75,6 +75,7 @@ def begin(params, instruments, solution, memory):
     consider(instruments, memory.gyro_spread, memory.accelerometer_spread, memory.considered)
     begin_interval(memory.interval)
     memory.ranges_refused, memory.speeds_refused, memory.fixes_refused = 0, 0, 0
+    memory.plane_seen = 0
     memory.unknown_rate_time, memory.unknown_force_time = 0.0, 0.0
     memory.stars_t = memory.radar_t = solution.t
 

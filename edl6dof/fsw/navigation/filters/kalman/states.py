@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, FLAG, whole
 
 #: First place of each part of the error state: m, m/s, rad (all I), rad/s, m/s2 (B), m, and the rise of the
 #: ground per metre towards north and east.
@@ -63,6 +63,7 @@ ERROR_STATE = np.dtype(
         ("radar_t", "f8"),  # s: and of the last look at the radar
         # looks in a row in which most ranges, most speeds, or the star fix were refused
         ("ranges_refused", COUNT),
+        ("plane_seen", FLAG),  # whether three ranges have agreed
         ("speeds_refused", COUNT),
         ("fixes_refused", COUNT),
         # workspace
