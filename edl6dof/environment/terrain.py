@@ -45,10 +45,22 @@ class TerrainParams(Params):
     model: Literal["mola", "plane", "none"] = param(
         "mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m"
     )
-    site_elevation_m: float = param(REQUIRED, "height of the site above the areoid", ge=-9e3, le=22e3)
+    site_elevation_m: float = param(
+        REQUIRED,
+        "height of the site above the areoid",
+        ge=-9e3,
+        le=22e3,
+        usual=(-9000, 23000, "Hellas to Olympus Mons"),
+    )
     site_latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-89.0, le=89.0)
     site_longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
-    slope_deg: float = param(0.0, "tilt of the plane through the site", ge=0.0, le=45.0)
+    slope_deg: float = param(
+        0.0,
+        "tilt of the plane through the site",
+        ge=0.0,
+        le=45.0,
+        usual=(0, 35, "loose ground does not lie steeper"),
+    )
     slope_azimuth_deg: float = param(0.0, "downhill direction, from north through east", ge=-360.0, le=360.0)
     slope_radius_m: float = param(
         2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3
