@@ -11,7 +11,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.areoid import areoid_at, areoid_height
@@ -91,7 +90,6 @@ def ground(terrain, grid, lat, lon):
     """Elevation (m above the areoid), and its rise per metre towards north and east, at geodetic ``lat`` and
     east ``lon``, rad.
     """
-    stay_apart()
     elevation, north, east = regional(terrain, grid, lat, lon)
     if terrain.landing_area.model == GENERATED:
         y, x = place_of(terrain, lat, lon)
