@@ -2,22 +2,20 @@
 
 A static choice is compiled whole with its caller: for the small kernels in the equations of motion.  A lazy
 one is compiled kernel by kernel, each when it is first called (:mod:`edl6dof.lazy_calls`): for whatever a
-flight can do without.  Another target than the processor gets a static one, of whose kernels each stays a
-function of its own.
+flight can do without.
 """
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, update_wrapper
+from dataclasses import dataclass
+from functools import update_wrapper
 from typing import Any
 
-from numba import njit, types
+from numba import types
 from numba.extending import overload
 
-from edl6dof.apart import stay_apart
 from edl6dof.lazy_calls import LazyCall
 
 #: What a kernel returns that is called lazily: nothing, or a number.
@@ -58,20 +56,18 @@ class Choice:
 def static(choice: Choice) -> Callable[..., Any]:
     """Function ``f(index, *arguments)`` that calls kernel ``index``, from Python and from kernels."""
     chain = _chain(choice)
-    return _function(choice, chain, lambda: chain)
+    return _function(choice, chain, chain)
 
 
 def lazy(choice: Choice, returns: types.Type) -> Callable[..., Any]:
     """As :func:`static`, of kernels that are compiled when they are first called, and return ``returns``."""
     own = [name in choice.own for name in choice.arguments]
     scope = {"call": LazyCall(choice.name, choice.kernels, choice.sections, own, returns).intrinsic()}
-    function = _function(choice, _chain(choice), cache(lambda: _chain(_apart(choice))))
     arguments = ", ".join(choice.arguments)
     index, parameters = ("0" if choice.alone else "index"), _parameters(choice)
     exec(f"def by_address({parameters}): return call({index}, ({arguments},))", scope)
-    exec(f"def choose({parameters}): return by_address", scope)
-    overload(function, target="cpu")(scope["choose"])
-    return function
+    by_address: Callable[..., Any] = scope["by_address"]
+    return _function(choice, _chain(choice), by_address)
 
 
 def on_its_own(returns: types.Type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -106,24 +102,11 @@ def _chain(choice: Choice) -> Callable[..., Any]:
     return chain
 
 
-def _apart(choice: Choice) -> Choice:
-    """The choice among kernels that are not copied into their caller."""
-    arguments, found = ", ".join(choice.arguments), []
-    for kernel in choice.kernels:
-        scope: dict[str, Any] = {"stay_apart": stay_apart, "kernel": kernel}
-        name = f"{kernel.__module__.rpartition('.')[2]}_{kernel.__name__}"  # as the tools tell of it
-        exec(f"def {name}({arguments}):\n    stay_apart()\n    return kernel({arguments})", scope)
-        found.append(njit(error_model="numpy")(scope[name]))
-    return replace(choice, kernels=tuple(found))
-
-
-def _function(
-    choice: Choice, chain: Callable[..., Any], compiled: Callable[[], Callable[..., Any]]
-) -> Callable[..., Any]:
-    """The function, which calls ``chain`` from Python; ``compiled`` gives what it is to kernels."""
+def _function(choice: Choice, chain: Callable[..., Any], compiled: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, which calls ``chain`` from Python, and ``compiled`` from kernels."""
     scope: dict[str, Any] = {"chain": chain, "compiled": compiled}
     exec(f"def function({_parameters(choice)}): return chain({_parameters(choice)})", scope)
-    exec(f"def choose({_parameters(choice)}): return compiled()", scope)
+    exec(f"def choose({_parameters(choice)}): return compiled", scope)
     overload(scope["function"])(scope["choose"])
     function: Callable[..., Any] = scope["function"]
     return function

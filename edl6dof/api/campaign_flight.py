@@ -14,7 +14,7 @@ from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import refusal
 
 #: What may fly a campaign.
-ENGINES = ("threads", "dask", "gpu")
+ENGINES = ("threads", "dask")
 
 #: As many threads, or processes, at most.
 MOST_WORKERS = 1024
@@ -38,27 +38,17 @@ class EngineChoice:
             ConfigError: there is not.
         """
         if self.name not in ENGINES:
-            raise refusal("--engine", f"must be threads, dask or gpu (got {self.name!r})")
+            raise refusal("--engine", f"must be threads or dask (got {self.name!r})")
         if self.cluster is not None and self.name != "dask":
             raise refusal("--cluster", "needs --engine dask")
         if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
             raise refusal("--workers", f"must be 1 .. {MOST_WORKERS} (got {self.workers})")
-        if self.workers is not None and self.name == "gpu":
-            raise refusal("--workers", "a GPU flies as many at a time as its memory holds; leave it out")
 
     @contextmanager
     def start(self) -> Iterator[Engine]:
         """The engine, as long as the block lasts."""
         if self.name == "threads":
             yield Threads(self.workers)
-            return
-        if self.name == "gpu":
-            from edl6dof.campaign.gpu.device import require
-
-            device = require()  # before what needs numba-cuda is imported
-            from edl6dof.campaign.gpu.engine import gpu_engine
-
-            yield gpu_engine(device)
             return
         try:
             with dask_engine(self.cluster, self.workers) as engine:
@@ -105,7 +95,7 @@ def fly_new(
     with store.lock(make=True):
         store.check_new(force)
         with engine.start() as started:  # before anything is replaced: it may not be there
-            run.begin(plan, store, until, force, started.device)
+            run.begin(plan, store, until, force)
             _fly(plan, store, started, watch)
 
 
@@ -121,15 +111,13 @@ def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
         store.tidy()
         if not store.complete:
             with engine.start() as started:
-                run.require_device(store, started.device)
                 _fly(plan, store, started, watch)
         return plan
 
 
 def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch) -> None:
     with watch(plan.count) as report:
-        if engine.device is None:
-            _warm_up(plan)
+        _warm_up(plan)
         run.fly(plan, store, engine, report)
 
 

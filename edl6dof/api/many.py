@@ -47,7 +47,7 @@ def campaign(
         seed: of the dispersions.
         sampling: ``monte_carlo``, ``latin_hypercube``, ``sobol`` or ``sobol_indices``.
         until: when to stop early, such as ``"p_success +- 0.5%"``.
-        engine: ``threads``, ``dask`` or ``gpu``.
+        engine: ``threads`` or ``dask``.
         workers: threads or processes; all cores if not given.
         cluster: address of a Dask scheduler.
         out: folder to keep it in, which can be gone on with; in memory only if not given.

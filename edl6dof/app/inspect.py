@@ -36,6 +36,8 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
             print(error, file=sys.stderr)
             bad = True
         else:
+            for warning in loaded.warnings:
+                print(f"warning: {warning}", file=sys.stderr)
             print(f"{name}: ok ({', '.join(shown(file) for file in loaded.document.files)})")
     return BAD_INPUT if bad else 0
 

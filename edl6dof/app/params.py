@@ -91,6 +91,7 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
         kind = "" if row.type == "number" else f"; {row.type}"
         if limits and not is_range:
             kind += f", {limits}"
+        kind += f"; usually {row.usual}" if row.usual else ""
         yield from _paragraph(f"{row.meaning}{kind}" + (f" ({claim})" if claim else ""), width)
 
 

@@ -1,5 +1,5 @@
 """What flies the cases of a campaign: threads of this process, or the workers of a Dask cluster.  Rows are
-the same from each.  A GPU is an engine of its own, :mod:`edl6dof.campaign.gpu.engine`.
+the same from each.
 """
 
 from __future__ import annotations
@@ -42,13 +42,7 @@ LOOK_S = 2.0
 
 
 class Engine(Protocol):
-    """Flies ranges of cases.
-
-    Attributes:
-        device: what computes the flights, where that is not the processor.
-    """
-
-    device: str | None
+    """Flies ranges of cases."""
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
         """Rows of each range, in order; ranges are read only a little ahead."""
@@ -56,8 +50,6 @@ class Engine(Protocol):
 
 class Threads:
     """Threads of this process."""
-
-    device: str | None = None
 
     def __init__(self, workers: int | None = None):
         self.workers = workers or available_cores()
@@ -97,8 +89,6 @@ class Dask:
     """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins
     takes part.
     """
-
-    device: str | None = None
 
     def __init__(self, client: Client):
         self.client = client

@@ -48,15 +48,13 @@ class Tally:
 Report = Callable[[Tally], None]
 
 
-def begin(
-    plan: Plan, store: Store, until: str | None, force: bool = False, device: str | None = None
-) -> None:
-    """Make the folder of a new campaign; ``device`` is what computes it, if that is not the processor.
+def begin(plan: Plan, store: Store, until: str | None, force: bool = False) -> None:
+    """Make the folder of a new campaign.
 
     Raises:
         StoreError: there is something already; with ``force``, something that is no campaign's.
     """
-    store.begin(plan.text, Info(until=until, identity=identity(plan), device=device), force)
+    store.begin(plan.text, Info(until=until, identity=identity(plan)), force)
 
 
 def resumed_plan(store: Store) -> Plan:
@@ -71,19 +69,6 @@ def resumed_plan(store: Store) -> Plan:
     plan = parse_plan(text, str(store.folder / "campaign.yaml"))
     _require_same(store, compared(recorded, identity(plan)))
     return plan
-
-
-def require_device(store: Store, device: str | None) -> None:
-    """See that a campaign goes on with what it was begun with.
-
-    Raises:
-        StoreError: another device computed the rows that there are.
-    """
-    if store.info.device != device:
-        was, now = (f"a GPU ({name})" if name else "the processor" for name in (store.info.device, device))
-        raise refused(
-            store.folder, f"was begun on {was}, not on {now}: go on there, or begin anew with --force"
-        )
 
 
 def _require_same(store: Store, found: list[str]) -> None:

@@ -34,9 +34,7 @@ def campaign(
             ),
         ),
     ] = None,
-    engine: Annotated[
-        str, typer.Option(metavar="NAME", help="threads (this machine), dask, or gpu.")
-    ] = "threads",
+    engine: Annotated[str, typer.Option(metavar="NAME", help="threads (this machine) or dask.")] = "threads",
     cluster: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")
     ] = None,

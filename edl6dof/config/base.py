@@ -169,6 +169,7 @@ def param(
     record: bool = True,
     factory: Callable[[], Any] | None = None,
     printed: float | None = None,
+    usual: tuple[float, float, str] | None = None,
     **bounds: Any,
 ) -> Any:
     """Declare one parameter.
@@ -182,11 +183,14 @@ def param(
         factory: makes the default instead of ``default`` (for lists and sub-models).
         printed: the number of ``source``, where the default is this software's (see
             :mod:`~edl6dof.config.as_printed`).
+        usual: smallest and largest usual value, and the reason (see :mod:`~edl6dof.config.usual`).
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
     extra: JsonDict = {"status": status, "source": source, "record": record}
     if printed is not None:
         extra["printed"] = printed
+    if usual is not None:
+        extra["usual"] = list(usual)
     if factory is not None:
         return Field(default_factory=factory, description=meaning, json_schema_extra=extra, **bounds)
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)

@@ -10,6 +10,7 @@ from pydantic_core import PydanticUndefined, to_jsonable_python
 
 from edl6dof.config.document.scalars import write_flow
 from edl6dof.config.introspect import Slot, field_slot, is_model, type_slot
+from edl6dof.config.usual import usual_range
 from edl6dof.config.wording import in_bounds, in_length, kinds
 
 
@@ -25,6 +26,7 @@ class Row(NamedTuple):
     status: str
     source: str
     printed: str
+    usual: str
 
 
 def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
@@ -62,7 +64,7 @@ def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     words = [word.removeprefix("a ") for word in kinds(slot)]
     limits = in_bounds(slot).removesuffix(slot.unit.label).strip()
-    length = in_length(slot)
+    length, given = in_length(slot), usual_range(info)
     return Row(
         path=path,
         type=" or ".join(words),
@@ -73,6 +75,9 @@ def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
         status=str(extra.get("status", "")),
         source=str(extra.get("source", "")),
         printed=write_flow(extra["printed"]) if "printed" in extra else "",
+        usual=""
+        if given is None or given.of_magnitude
+        else f"{given.low:g} to {given.high:g}: {given.reason}",
     )
 
 

@@ -48,7 +48,7 @@ def refuse(document: Document, problems: Mapping[str, str]) -> None:
         ConfigError: there are.
     """
     if problems:
-        raise ConfigError(document.problem(_steps(path), message) for path, message in problems.items())
+        raise ConfigError(document.problem(steps(path), message) for path, message in problems.items())
 
 
 def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> list[Problem]:
@@ -68,7 +68,7 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
             refused.add(path)
         if isinstance(cause := error.get("ctx", {}).get("error"), Inconsistent):
             for below, message in cause.problems.items():
-                inner = (*path, *_steps(below))
+                inner = (*path, *steps(below))
                 problems.setdefault(inner, document.problem(inner, message))
             continue
         if error["type"] == "missing":
@@ -111,7 +111,8 @@ def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[t
     return tuple(path), slot, parent
 
 
-def _steps(dotted_path: str) -> tuple[str | int, ...]:
+def steps(dotted_path: str) -> tuple[str | int, ...]:
+    """Keys and list indices of a dotted path."""
     return tuple(int(part) if part.isdecimal() else part for part in dotted_path.split(".") if part)
 
 

@@ -18,7 +18,13 @@ class AppearanceParams(Params):
     haze: Vec3 = param(GREY, "far ground through the air", record=False)
     sky_horizon: Vec3 = param(GREY, "sky at the horizon, seen from the ground", record=False)
     sky_zenith: Vec3 = param(GREY, "sky overhead, seen from the ground", record=False)
-    sky_scale_m: float = param(10e3, "height over which the sky darkens by e", record=False, gt=0.0)
+    sky_scale_m: float = param(
+        10e3,
+        "height over which the sky darkens by e",
+        record=False,
+        gt=0.0,
+        usual=(1000, 200000, "thin air to Titan"),
+    )
     sky_top_m: float = param(100e3, "height above which there is no sky", record=False, gt=0.0)
     relief: list[Tint] = param(
         None,

@@ -15,10 +15,21 @@ from edl6dof.spatial.elementary import cos, exp, sin
 class SurfacePressureParams(Params):
     """Pressure at the ground: exponential in the elevation, two harmonics of the season."""
 
-    pressure_pa: float = param(REQUIRED, "mean over the year at that elevation", record=False, gt=0.0)
+    pressure_pa: float = param(
+        REQUIRED,
+        "mean over the year at that elevation",
+        record=False,
+        gt=0.0,
+        usual=(0.5, 1e7, "Pluto to Venus"),
+    )
     elevation_m: float = param(REQUIRED, "elevation above the areoid that it is of", record=False)
     scale_height_m: float = param(
-        REQUIRED, "elevation over which it falls by e", record=False, gt=100.0, le=1e6
+        REQUIRED,
+        "elevation over which it falls by e",
+        record=False,
+        gt=100.0,
+        le=1e6,
+        usual=(3000, 80000, "Venus to Saturn"),
     )
     season: tuple[float, float, float, float] = param(
         (0.0, 0.0, 0.0, 0.0),

@@ -38,7 +38,13 @@ class GasParams(Params):
     """Gas of the atmosphere, a thermally perfect one; part of the planet file."""
 
     gas_constant_j_kg_k: float = param(
-        REQUIRED, "specific gas constant", status="published", source="planet file", gt=50.0, lt=5000.0
+        REQUIRED,
+        "specific gas constant",
+        status="published",
+        source="planet file",
+        gt=50.0,
+        lt=5000.0,
+        usual=(60, 4300, "xenon to hydrogen"),
     )
     heat_capacity_ratio: float = param(
         REQUIRED,
@@ -47,6 +53,7 @@ class GasParams(Params):
         source="planet file",
         gt=1.0,
         lt=1.7,
+        usual=(1.05, 1.67, "polyatomic to monatomic gas"),
     )
     vibrations: Annotated[list[Vibration], Capacity(MAX_VIBRATIONS)] = param(
         None,
@@ -59,7 +66,7 @@ class GasParams(Params):
         REQUIRED, "ratio of specific heats behind the bow shock: stagnation pressure", status="estimate",
         source="planet file",
         record=False, gt=1.0, lt=1.7,
-    )  # fmt: skip
+    usual=(1.05, 1.67, "polyatomic to monatomic gas"))  # fmt: skip
     molecular_diameter_m: float = param(
         REQUIRED,
         "hard-sphere diameter of the molecule: mean free path",
@@ -67,6 +74,7 @@ class GasParams(Params):
         source="planet file",
         gt=0.0,
         le=1e-6,
+        usual=(2e-10, 6e-10, "helium to heavy molecules"),
     )
     molecular_mass_kg: float = param(
         REQUIRED,
@@ -75,12 +83,13 @@ class GasParams(Params):
         source="planet file",
         gt=0.0,
         le=1e-20,
+        usual=(3e-27, 2.2e-25, "hydrogen to xenon"),
     )
     sutton_graves_constant: float = param(
         REQUIRED, ("convective heating at the stagnation point: heat flux / (sqrt(density / nose radius) "
             "speed^3), kg^0.5/m"),
         status="published", source="planet file", gt=0.0, le=1.0,
-    )  # fmt: skip
+    usual=(3e-5, 0.001, "hydrogen to argon"))  # fmt: skip
 
 
 #: Spacing (K) and number of the rows that a vibrating gas has its ratio of specific heats in: it errs by less

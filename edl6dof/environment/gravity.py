@@ -41,7 +41,12 @@ class GravityParams(Params):
     model: Literal["harmonics", "j2", "central", "none"] = param("harmonics", "how detailed the field is")
     degree: int = param(4, "highest degree and order that is used of the harmonics", ge=2, le=MAX_DEGREE)
     mu_m3_s2: float = param(
-        REQUIRED, "gravitational parameter", status="published", source="planet file", gt=0.0
+        REQUIRED,
+        "gravitational parameter",
+        status="published",
+        source="planet file",
+        gt=0.0,
+        usual=(1e9, 1.3e17, "small moons to Jupiter"),
     )
     reference_radius_m: float = param(
         REQUIRED,
@@ -49,6 +54,7 @@ class GravityParams(Params):
         status="published",
         source="planet file",
         gt=0.0,
+        usual=(100000, 8e7, "small moons to Jupiter"),
     )
     j2: float = param(
         REQUIRED,
@@ -57,6 +63,7 @@ class GravityParams(Params):
         source="planet file",
         ge=0.0,
         lt=0.1,
+        usual=(0, 0.02, "sphere to Saturn"),
     )
     coefficients: str = param("", "harmonics file in edl6dof/data/gravity, or an absolute path", record=False)
 

@@ -40,6 +40,7 @@ class PlanetParams(Params):
         status="published",
         source="planet file",
         gt=0.0,
+        usual=(100000, 8e7, "small moons to Jupiter"),
     )
     mean_radius_m: float = param(
         REQUIRED,
@@ -48,6 +49,7 @@ class PlanetParams(Params):
         source="planet file",
         record=False,
         gt=0.0,
+        usual=(100000, 8e7, "small moons to Jupiter"),
     )
     flattening: float = param(
         REQUIRED,
@@ -56,6 +58,7 @@ class PlanetParams(Params):
         source="planet file",
         ge=0.0,
         lt=0.1,
+        usual=(0, 0.1, "sphere to Saturn"),
     )
     rotation_rate_rad_s: float = param(
         REQUIRED,
@@ -64,6 +67,7 @@ class PlanetParams(Params):
         source="planet file",
         ge=-1e-3,
         le=1e-3,
+        usual=(-0.0002, 0.0002, "as fast as Jupiter"),
     )
     orientation: OrientationParams | None = param(
         None, "pole and prime meridian in the celestial frame: for CCSDS messages", record=False

@@ -11,7 +11,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.areoid import areoid_at, areoid_height
@@ -45,10 +44,22 @@ class TerrainParams(Params):
     model: Literal["mola", "plane", "none"] = param(
         "mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m"
     )
-    site_elevation_m: float = param(REQUIRED, "height of the site above the areoid", ge=-9e3, le=22e3)
+    site_elevation_m: float = param(
+        REQUIRED,
+        "height of the site above the areoid",
+        ge=-9e3,
+        le=22e3,
+        usual=(-9000, 23000, "Hellas to Olympus Mons"),
+    )
     site_latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-89.0, le=89.0)
     site_longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
-    slope_deg: float = param(0.0, "tilt of the plane through the site", ge=0.0, le=45.0)
+    slope_deg: float = param(
+        0.0,
+        "tilt of the plane through the site",
+        ge=0.0,
+        le=45.0,
+        usual=(0, 35, "loose ground does not lie steeper"),
+    )
     slope_azimuth_deg: float = param(0.0, "downhill direction, from north through east", ge=-360.0, le=360.0)
     slope_radius_m: float = param(
         2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3
@@ -79,7 +90,6 @@ def ground(terrain, grid, lat, lon):
     """Elevation (m above the areoid), and its rise per metre towards north and east, at geodetic ``lat`` and
     east ``lon``, rad.
     """
-    stay_apart()
     elevation, north, east = regional(terrain, grid, lat, lon)
     if terrain.landing_area.model == GENERATED:
         y, x = place_of(terrain, lat, lon)

@@ -88,7 +88,13 @@ class EntryGuidanceParams(_EntryLaws):
     )
     bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
     bank_rate_deg_s: float = param(
-        20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1e5
+        20.0,
+        "largest rate of the commanded bank angle",
+        status="published",
+        source="S1",
+        gt=0.0,
+        le=1e5,
+        usual=(1, 20000, "attitude control to the instant turns of a paper"),
     )
     reference_bank: ReferenceBankParams = group(
         ReferenceBankParams, "open-loop bank of the reference trajectory"

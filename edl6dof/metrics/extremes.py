@@ -1,7 +1,6 @@
 """The figures that are an extreme over a part of the flight, declared once: which columns, and which part.
 
-Figures of a flight are formed from this table (:mod:`edl6dof.metrics.evaluation`), and so is the choice of
-the rows that they can be formed from (:mod:`edl6dof.metrics.telling_rows`).
+Figures of a flight are formed from this table (:mod:`edl6dof.metrics.evaluation`).
 """
 
 from __future__ import annotations

@@ -67,6 +67,8 @@ def show_flight(console: Console, flight: Flight) -> None:
         console.print(navigation_table(flight))
     if flight.checks:
         console.print(limits_table(flight))
+    for warning in flight.loaded.warnings:
+        console.print(f"warning: {warning}", style="yellow", markup=False)
     console.print(headline(flight))
 
 

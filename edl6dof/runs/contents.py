@@ -35,6 +35,7 @@ class Summary(TypedDict):
     outcome: str
     success: bool
     reached_goal: NotRequired[bool]
+    warnings: NotRequired[list[str]]
     time_s: float
     phase: str
     edl6dof_version: str

@@ -44,6 +44,7 @@ def summary(flight: Flight) -> dict[str, Any]:
         "edl6dof_version": __version__,
         "seed": flight.scenario.seed,
         "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
+        "warnings": flight.loaded.warnings,
         "figures": flight.metrics,
         "limits": [
             {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}

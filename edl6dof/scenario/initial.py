@@ -43,6 +43,7 @@ class InitialState(Params):
         record=False,
         ge=-10e3,
         le=1e7,
+        usual=(0, 2e6, "drop tests to entry at Titan"),
     )
     height_above_areoid_m: float | None = param(
         None, "height above the areoid, instead of altitude_m", record=False, ge=-10e3, le=1e7
@@ -55,6 +56,7 @@ class InitialState(Params):
         record=False,
         ge=0.0,
         le=20000.0,
+        usual=(0, 20000, "drop tests to returns from the outer solar system"),
     )
     flight_path_angle_deg: float | None = param(
         None,
@@ -87,9 +89,15 @@ class InitialState(Params):
         record=False,
         ge=-180.0,
         le=180.0,
+        usual=(-40, 40, "capsules and lifting bodies"),
     )
     beta_deg: float | None = param(
-        None, "sideslip angle; 0 when not given, as alpha_deg", record=False, ge=-90.0, le=90.0
+        None,
+        "sideslip angle; 0 when not given, as alpha_deg",
+        record=False,
+        ge=-90.0,
+        le=90.0,
+        usual=(-40, 40, "capsules and lifting bodies"),
     )
     bank_deg: float | None = param(
         None, "bank angle; 0 when not given, as alpha_deg", record=False, ge=-180.0, le=180.0

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 from edl6dof.another_version import resolver, told
@@ -14,12 +14,13 @@ from edl6dof.config.document.locate import shown
 from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.validate import refuse, validate
+from edl6dof.config.validate import refuse, steps, validate
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.mesh_paths import with_whole_paths
+from edl6dof.scenario.plausible import unusual_in
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario
 
@@ -40,6 +41,12 @@ class LoadedScenario:
 
     def __repr__(self) -> str:
         return f"<LoadedScenario {self.scenario.name}: {self.scenario.description}>"
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What is unusual in it, one line each with file, line and key: allowed, and perhaps a mistake."""
+        found = unusual_in(self.scenario) | unusual_in(self.truth)
+        return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 
 
 #: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and

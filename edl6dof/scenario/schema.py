@@ -34,7 +34,13 @@ class SimulationParams(Params):
     canopy_step_s: float = param(0.01, "longest step while a parachute is out", ge=1e-4, le=0.1)
     contact_step_s: float = param(0.0025, "longest step once the ground was touched", ge=1e-4, le=0.1)
     log_every: int = param(1, "base cycles of the flight software per row of telemetry", ge=1, le=1000)
-    time_limit_s: float = param(900.0, "flight time after which the run ends", gt=0.0, le=20000.0)
+    time_limit_s: float = param(
+        900.0,
+        "flight time after which the run ends",
+        gt=0.0,
+        le=20000.0,
+        usual=(1, 20000, "drop tests to descents through thick air"),
+    )
     rest_s: float = param(
         2.0,
         "time at rest on the ground after which a flight has landed; 0: it lands at contact",

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.apart import stay_apart
 from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
 from edl6dof.spatial.elementary import atan2, cos
@@ -45,7 +44,6 @@ def over_ground(case, tables, areoid, r_F):
     """Height (m) of a point above the ground below it, and the upward normals of the ellipsoid and of the
     ground there.
     """
-    stay_apart()
     planet = case.planet
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     lat, lon = atan2(sin_lat, cos_lat), atan2(sin_lon, cos_lon)

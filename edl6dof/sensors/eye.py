@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import in_si
 from edl6dof.jit import kernel
@@ -49,7 +48,6 @@ def lay_in_view(case, tables, origin, axes, height, reach, patch):
     """Lay the ground around the place where an eye looks that reaches so far (m); origin, axes and height are
     those of :func:`~edl6dof.sensors.sight.sight`.
     """
-    stay_apart()
     ahead = axes[0]
     way = height / max(-ahead[2], LEVEL)
     if way <= reach:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.apart import stay_apart
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
@@ -39,7 +38,6 @@ def sight(case, tables, plant, outputs, position, turn):
         axes: its own (those of B but for the turn), each as m north, east and up for a metre along it.
         height: m above the ground below.
     """
-    stay_apart()
     planet, areoid = case.planet, plant.inputs.areoid
     c, s = planet_rotation(planet, plant.t)
     r, _ = antenna(case, plant, outputs, position, (c, s))

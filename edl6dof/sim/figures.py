@@ -16,10 +16,8 @@ from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.hazard import hazard_figures
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.relaxation import relaxation_figures
-from edl6dof.metrics.telling_rows import telling
 from edl6dof.metrics.touchdown import touchdown_state
-from edl6dof.scenario.schema import Scenario
-from edl6dof.telemetry.timeline import first_times, milestone, moments
+from edl6dof.telemetry.timeline import first_times, moments
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
@@ -46,14 +44,6 @@ def figures_of(flight: Flight) -> dict[str, float]:
             figures |= navigation_figures(flight.telemetry, when)
             figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, plant)
         return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
-
-
-def telling_of(scenario: Scenario) -> np.ndarray | None:
-    """Which rows of a brief log the figures of a scenario need, ``TELLING`` of shape (1,); ``None``: all."""
-    if scenario.flight_software.hazard.detection != "given":
-        return None
-    kinds = (milestone(event, scenario.vehicle) for event in scenario.mission.events.values())
-    return telling(tuple(kinds), tuple(scenario.phase_roles))
 
 
 def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
@@ -52,7 +51,6 @@ def look(cases, tables_, plants, outputs_, works):
 @kernel
 def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
     """Log the present state as row ``row`` of the one of the two logs that is not empty, if one is not."""
-    stay_apart()
     if len(log) > 0:
         record(case, plant, outputs, sensed, fsw, log[row])
     elif len(brief) > 0:

@@ -33,7 +33,12 @@ class LandingGearParams(Hardware):
     )
     damping_n_s_m: float = param(6000.0, "damping of one leg while it is pressed", status="estimate", ge=0.0)
     friction: float = param(
-        0.6, "Coulomb friction coefficient of a footpad on the soil", status="estimate", ge=0.0, le=2.0
+        0.6,
+        "Coulomb friction coefficient of a footpad on the soil",
+        status="estimate",
+        ge=0.0,
+        le=2.0,
+        usual=(0.05, 1.5, "ice to rough rock"),
     )
     slip_speed_m_s: float = param(0.05, "speed over which friction builds up (keeps it smooth)", gt=0.0)
 

@@ -38,16 +38,30 @@ class Part(Body):
         "none", "what meets the air while this is the first part of the list that shows anything"
     )
     separation_velocity_m_s: Vec3 = param(
-        (0.0, 0.0, 0.0), "velocity at which springs part it from the rest, in B", status="estimate"
+        (0.0, 0.0, 0.0),
+        "velocity at which springs part it from the rest, in B",
+        status="estimate",
+        usual=(-20, 20, "springs to rockets"),
     )
-    drag_area_m2: float = param(0.0, "drag area once it falls alone", status="estimate", ge=0.0)
+    drag_area_m2: float = param(
+        0.0,
+        "drag area once it falls alone",
+        status="estimate",
+        ge=0.0,
+        usual=(0, 200, "parts of such a vehicle"),
+    )
 
 
 class Tank(Body):
     """The propellant of a tank; the tank itself is a piece of the lander."""
 
     name: Key = param(REQUIRED, "name that engines and thrusters call it by", record=False)
-    mass_kg: float = param(REQUIRED, "propellant loaded at entry interface", ge=0.0)
+    mass_kg: float = param(
+        REQUIRED,
+        "propellant loaded at entry interface",
+        ge=0.0,
+        usual=(0.1, 100000, "tanks of such a vehicle"),
+    )
     centre_m: Vec3 = param((0.0, 0.0, 0.0), "centre of mass of the propellant in B")
     inertia_kg_m2: Vec3 = param(
         (0.0, 0.0, 0.0), "Ixx, Iyy, Izz of the load about its own centre; it shrinks with what is left"
@@ -70,7 +84,12 @@ class MassParams(Hardware):
         **{name: PART_FORM.replace("NAME", name) for name in ("heat_shield", "backshell", "parachute")},
     }
 
-    entry_kg: float = param(REQUIRED, "mass of the whole vehicle at entry interface", gt=0.0)
+    entry_kg: float = param(
+        REQUIRED,
+        "mass of the whole vehicle at entry interface",
+        gt=0.0,
+        usual=(5, 200000, "Deep Space 2 to a crewed lander"),
+    )
     entry_centre_m: Vec3 = param(
         REQUIRED, "centre of mass at entry interface in B; the radial offset sets the trim angle"
     )

@@ -255,7 +255,7 @@ def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path, mon
 @pytest.mark.parametrize(
     "options, words",
     [
-        ({"engine": "thread"}, "must be threads, dask or gpu"),
+        ({"engine": "thread"}, "must be threads or dask"),
         ({"cluster": "tcp://x"}, "needs --engine dask"),
         ({"until": "soon"}, "until: must"),
     ],

@@ -151,7 +151,7 @@ def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
         (["campaign"], "name a campaign file"),
         (["campaign", "tianwen1"], "has no campaign: and no sweep: section"),
         (["campaign", "tianwen1_mc", "--until", "soon"], "must have the form 'p_success +- 0.5%'"),
-        (["campaign", "tianwen1_mc", "--engine", "cloud"], "must be threads, dask or gpu"),
+        (["campaign", "tianwen1_mc", "--engine", "cloud"], "must be threads or dask"),
         (["campaign", "tianwen1_mc", "--cluster", "tcp://127.0.0.1:1"], "needs --engine dask"),
         (["refly", "nowhere", "3"], "is not the folder of a campaign"),
         (["campaign", "--compare", "a", "b"], "--compare: is a command now: edl6dof compare a b"),

@@ -95,11 +95,11 @@ def test_there_is_something_to_run():
 PAGE = """
 <!-- before: edl6dof fly msl -->
 <!-- run with: `-n 1000` => `-n 4` -->
-<!-- not run: `gpu`: needs one -->
+<!-- not run: `dask`: needs a cluster -->
 <!-- or status 1: `faults`: not all land -->
 ```sh
 edl6dof campaign a_mc -n 1000        # many
-edl6dof campaign a_mc --engine gpu
+edl6dof campaign a_mc --engine dask
 edl6dof faults a --set 'x=[1]'  # '#' begins a remark
 edl6dof replay runs/a
 edl6dof fly genesis  # exit status 1: as flown
@@ -125,7 +125,7 @@ def test_remarks_say_what_is_run():
     assert [(step.run, step.reason, step.statuses) for step in found if not step.python] == [
         ("edl6dof fly msl", "", (0,)),
         ("edl6dof campaign a_mc -n 4", "", (0,)),
-        ("edl6dof campaign a_mc --engine gpu", "needs one", (0,)),
+        ("edl6dof campaign a_mc --engine dask", "needs a cluster", (0,)),
         ("edl6dof faults a --set 'x=[1]'", "", (0, 1)),
         ("edl6dof replay runs/a --html replay.html --force", "", (0,)),
         ("edl6dof fly genesis", "", (1,)),

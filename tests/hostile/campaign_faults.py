@@ -57,8 +57,6 @@ Folder = frozenset[tuple[str, bytes | None]]
 class Recorded:
     """An engine with the rows of flights flown before; it may stop after the first range."""
 
-    device = None
-
     def __init__(self, rows: dict[int, list[dict[str, Any]]], stops: bool = False):
         self.flown, self.stops = rows, stops
 

@@ -44,12 +44,10 @@ class Info(Sealed):
     Attributes:
         until: when to stop early, as ``--until`` says it.
         identity: what the rows follow from.
-        device: what computed them, if that is not the processor: their last digits follow from it too.
     """
 
     until: str | None
     identity: Identity
-    device: str | None = None
 
 
 class Cause(Sealed):

@@ -16,10 +16,17 @@ from edl6dof.spatial.elementary import exp
 class ExponentialParams(Params):
     """Isothermal atmosphere, and the temperature of model none."""
 
-    density_kg_m3: float = param(REQUIRED, "density at altitude 0", gt=0.0, le=1e20)
-    scale_height_m: float = param(REQUIRED, "scale height", gt=0.0, le=1e16)
+    density_kg_m3: float = param(
+        REQUIRED, "density at altitude 0", gt=0.0, le=1e20, usual=(1e-6, 100, "Pluto to Venus")
+    )
+    scale_height_m: float = param(
+        REQUIRED, "scale height", gt=0.0, le=1e16, usual=(3000, 80000, "Venus to Saturn")
+    )
     temperature_k: float = param(
-        REQUIRED, "temperature; also that of model none, for a finite Mach number", gt=0.0
+        REQUIRED,
+        "temperature; also that of model none, for a finite Mach number",
+        gt=0.0,
+        usual=(30, 800, "Pluto to Venus"),
     )
 
 

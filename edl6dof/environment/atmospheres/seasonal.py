@@ -73,6 +73,7 @@ class SeasonalParams(Params):
         record=False,
         ge=-100.0,
         le=100.0,
+        usual=(-30, 30, "profiles of other seasons and places"),
     )
     temperature_perturbation: TemperatureWavesParams = group(
         TemperatureWavesParams, "random temperature profile; not known on board", record=False

@@ -13,8 +13,8 @@ from edl6dof.registry import Member
 class ConstantParams(Params):
     """The same wind at all altitudes."""
 
-    east_m_s: float = param(0.0, "wind towards east", ge=-200.0, le=200.0)
-    north_m_s: float = param(0.0, "wind towards north", ge=-200.0, le=200.0)
+    east_m_s: float = param(0.0, "wind towards east", ge=-200.0, le=200.0, usual=(-150, 150, "jet streams"))
+    north_m_s: float = param(0.0, "wind towards north", ge=-200.0, le=200.0, usual=(-150, 150, "jet streams"))
 
 
 @kernel

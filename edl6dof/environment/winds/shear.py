@@ -13,13 +13,25 @@ from edl6dof.registry import Member
 class ShearParams(Params):
     """Wind that grows linearly with altitude."""
 
-    east_m_s: float = param(0.0, "wind towards east at altitude 0", ge=-200.0, le=200.0)
-    north_m_s: float = param(0.0, "wind towards north at altitude 0", ge=-200.0, le=200.0)
+    east_m_s: float = param(
+        0.0, "wind towards east at altitude 0", ge=-200.0, le=200.0, usual=(-150, 150, "jet streams")
+    )
+    north_m_s: float = param(
+        0.0, "wind towards north at altitude 0", ge=-200.0, le=200.0, usual=(-150, 150, "jet streams")
+    )
     east_shear: float = param(
-        0.0, "growth of the wind towards east, (m/s) per metre of altitude", ge=-1.0, le=1.0
+        0.0,
+        "growth of the wind towards east, (m/s) per metre of altitude",
+        ge=-1.0,
+        le=1.0,
+        usual=(-0.05, 0.05, "strong shear is 0.01 to 0.03 1/s"),
     )
     north_shear: float = param(
-        0.0, "growth of the wind towards north, (m/s) per metre of altitude", ge=-1.0, le=1.0
+        0.0,
+        "growth of the wind towards north, (m/s) per metre of altitude",
+        ge=-1.0,
+        le=1.0,
+        usual=(-0.05, 0.05, "strong shear is 0.01 to 0.03 1/s"),
     )
 
 

@@ -18,7 +18,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
 from edl6dof.fsw.diagnosis.flow import (
@@ -258,7 +257,6 @@ def diagnose(
         healthy: written, 0 for a thruster that is not to be used.
         shut: written, 1 for a branch whose latch valve is to be shut.
     """
-    stay_apart()
     best, flow = memory.hypotheses, memory.flow
     known = without_slow_part(params.slow, unexplained, dt, memory.residual)
     if params.enabled == 0:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.units import G0
 from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
@@ -174,7 +173,6 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
 @kernel
 def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
     """Ask for the scan, take what it brings, and choose the spot when it is whole."""
-    stay_apart()
     params, eyes = onboard.hazard, onboard.instruments.eyes
     if memory.scanning == 0:
         if begins_to_scan(params.scan, nav, elapsed):

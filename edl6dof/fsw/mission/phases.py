@@ -83,7 +83,12 @@ class Trigger(Condition):
     """A condition inside a time window of the phase."""
 
     earliest_s: float = param(0.0, "phase time before which the trigger cannot fire", ge=0.0)
-    latest_s: float = param(NEVER, "phase time at which it fires whatever the quantity", gt=0.0)
+    latest_s: float = param(
+        NEVER,
+        "phase time at which it fires whatever the quantity",
+        gt=0.0,
+        usual=(0, 1e9, "a time after the start of a phase"),
+    )
 
 
 #: Words of the field that are no action of their own, and what says the same.

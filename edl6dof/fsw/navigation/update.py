@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.fsw.navigation.alignment import align
 from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, watch_beams
 from edl6dof.fsw.navigation.exclusions import EXCLUSIONS, note_changes
@@ -95,7 +94,6 @@ def estimate_state(onboard, state, sensed, memory):
 @kernel
 def navigate(onboard, state, sensed, memory):
     """Bring ``memory.solution`` up to the reading of the inertial unit that arrives with ``sensed``."""
-    stay_apart()
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     body = onboard.vehicle.configuration[state.configuration]
     centre = take3(body.centre, 0)

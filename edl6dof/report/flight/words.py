@@ -71,6 +71,8 @@ def limits_and_published(run: Run) -> Iterator[Block]:
     yield of_limits if of_limits.rows else Text("No limit applies as far as this flight went.")
     if of_published.rows:
         yield of_published
+    if unusual := run.summary.get("warnings"):
+        yield Table(["unusual value"], [[warning] for warning in unusual], "Warnings")
 
 
 def limits(run: Run) -> Table:

@@ -27,10 +27,16 @@ class ConstantAeroParams(Hardware):
 class LiftDragParams(Hardware):
     """Constant drag and lift coefficient whatever the attitude: the vehicle of point-mass studies."""
 
-    reference_area_m2: float = param(1.0, "reference area", gt=0.0)
+    reference_area_m2: float = param(
+        1.0, "reference area", gt=0.0, usual=(0.1, 1000, "probes to crewed landers")
+    )
     drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
     lift_to_drag: float = param(
-        0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0
+        0.0,
+        "L/D; lift stands on the velocity in the plane of x and z of B, towards -z",
+        ge=-5.0,
+        le=5.0,
+        usual=(0, 1.5, "ballistic capsule to lifting body"),
     )
 
 

@@ -19,9 +19,14 @@ class SurfaceParams(Hardware):
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
     carried_by: str | None = param(None, "part that it goes with; none: it stays", record=False)
-    area_m2: float = param(REQUIRED, "area of the plate", ge=0.0)
+    area_m2: float = param(
+        REQUIRED, "area of the plate", ge=0.0, usual=(0.01, 20, "trim wings and flaps of capsules")
+    )
     force_coefficient: float = param(
-        REQUIRED, "normal force coefficient of the plate, broadside to the flow", ge=0.0
+        REQUIRED,
+        "normal force coefficient of the plate, broadside to the flow",
+        ge=0.0,
+        usual=(0.5, 3, "flat plate in hypersonic to subsonic flow"),
     )
     position_x_m: float = param(REQUIRED, "body station of the centre of the plate")
     position_z_m: float = param(
@@ -34,7 +39,9 @@ class SurfaceParams(Hardware):
         gt=-90.0,
         lt=90.0,
     )
-    deploy_time_s: float = param(REQUIRED, "time from closed to open", gt=0.0)
+    deploy_time_s: float = param(
+        REQUIRED, "time from closed to open", gt=0.0, usual=(0.05, 30, "springs to motors")
+    )
     moment_factor: float = param(
         1.0, "multiplies the effectiveness (force, hence moment); 0 is a lost wing", ge=0.0, le=10.0
     )

@@ -8,7 +8,6 @@ propellant is used, both below 1e-4 of the control torque.
 
 from __future__ import annotations
 
-from edl6dof.apart import stay_apart
 from edl6dof.environment.gas import stagnation_heat_flux
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
 from edl6dof.jit import inlined_kernel, kernel
@@ -68,7 +67,6 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
     A function of these and of what ``plant`` says of parts, commands and ``inputs``: of nothing evaluated
     before.
     """
-    stay_apart()
     loads(case, tables, plant, t, rotation, y, outputs)
     if case.dynamics == POINT_MASS:
         point_motion(case, plant, t, y, outputs, dy)

@@ -10,7 +10,6 @@ and from the first contact with the ground on, steps are shorter (``simulation.c
 
 from __future__ import annotations
 
-from edl6dof.apart import stay_apart
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import put3, take3
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step
@@ -45,7 +44,6 @@ def remember_start(case, plant, work):
 @kernel
 def restart(case, tables, plant, outputs, work):
     """Return to the start of the step."""
-    stay_apart()
     for i in range(STATES):
         plant.y[i] = work.y0[i]
     for i in range(work.level0.shape[0]):
@@ -116,7 +114,6 @@ def advance(case, tables, plant, outputs, work, t_end):
 
     ``outputs`` belong to the present state, before and after.
     """
-    stay_apart()
     while True:
         event, due = next_scheduled(case, plant, t_end)
         if due - plant.t > TIME_TOLERANCE:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.apart import stay_apart
 from edl6dof.environment.areoid import areoid_at, lay_areoid
 from edl6dof.environment.terrain import ground
 from edl6dof.interface.capacities import MAX_TANKS
@@ -49,7 +48,6 @@ def survey(case, tables, plant, outputs):
     """Look at the areoid and the ground under the place in ``outputs``: the planes that the next cycle of the
     flight software is given, and the height above the ground.
     """
-    stay_apart()
     out = outputs
     out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
     c, s = planet_rotation(case.planet, plant.t)
@@ -83,7 +81,6 @@ def evaluate(case, tables, plant, outputs, work):
 @kernel
 def evaluate_at(case, tables, plant, rotation, outputs, work):
     """As :func:`evaluate`, where the rotation of the planet is known already."""
-    stay_apart()
     derivatives(case, tables, plant, plant.t, rotation, plant.y, outputs, work.k[0])
     if case.dynamics == POINT_MASS:
         for i in range(4):
@@ -188,7 +185,6 @@ def step(case, tables, plant, outputs, work, t_end):
     """One step to ``t_end`` (s), thrusters included: from the ``outputs`` of the present state to those of
     its end; False when it failed.
     """
-    stay_apart()
     h = t_end - plant.t
     work.t0 = plant.t
     for i in range(STATES):
@@ -241,7 +237,6 @@ def retrace(case, tables, plant, outputs, work):
     The state of that stage is left in ``work.stage``, the quantities met there in ``outputs``, its derivative
     in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.stage``.
     """
-    stay_apart()
     dy, y, result = work.k[0], work.stage, work.k[1]
     h = work.t_failed - plant.t
     for i in range(STATES):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from edl6dof.apart import stay_apart
 from edl6dof.interface.events import (
     CUT_OFF,
     DEPLOY,
@@ -133,7 +132,6 @@ def jettison(case, plant, index):
 @kernel
 def carry_out(case, plant, number):
     """Change the vehicle as event ``number`` demands, at ``plant.t``."""
-    stay_apart()
     event = case.events.events[number]
     action, thing = event.action, event.thing
     if action == JETTISON:

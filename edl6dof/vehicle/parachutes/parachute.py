@@ -47,9 +47,17 @@ class ParachuteParams(ParachuteChoice, Hardware):
     }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
-    diameter_m: float = param(REQUIRED, "nominal diameter; the reference area is pi/4 of its square", gt=0.0)
+    diameter_m: float = param(
+        REQUIRED,
+        "nominal diameter; the reference area is pi/4 of its square",
+        gt=0.0,
+        usual=(0.5, 50, "drogue of Stardust to ringsails of Orion"),
+    )
     drag_coefficient: float = param(
-        REQUIRED, "axial force coefficient at low Mach number, on the nominal area", gt=0.0
+        REQUIRED,
+        "axial force coefficient at low Mach number, on the nominal area",
+        gt=0.0,
+        usual=(0.2, 1.2, "ribbon to ringsail"),
     )
     mach_efficiency: MachTable = group(
         MachTable, "drag over its value at low Mach number, by Mach; without points as the model has it"
@@ -60,13 +68,23 @@ class ParachuteParams(ParachuteChoice, Hardware):
         "coefficients measured behind a capsule contain the loss",
     )
     mortar_speed_m_s: float = param(
-        REQUIRED, "speed of the pack relative to the vehicle at mortar fire", gt=0.0
+        REQUIRED,
+        "speed of the pack relative to the vehicle at mortar fire",
+        gt=0.0,
+        usual=(5, 60, "mortars that have flown"),
     )
     pack_drag_area_m2: float = param(
-        0.3, "drag area of the pack before line stretch", status="estimate", ge=0.0
+        0.3,
+        "drag area of the pack before line stretch",
+        status="estimate",
+        ge=0.0,
+        usual=(0.001, 3, "packs of drogues and main canopies"),
     )
     line_length_m: float = param(
-        REQUIRED, "from the bridle confluence to the canopy with lines taut, unloaded", gt=0.0
+        REQUIRED,
+        "from the bridle confluence to the canopy with lines taut, unloaded",
+        gt=0.0,
+        usual=(0.5, 100, "one to two diameters"),
     )
     confluence_m: Vec3 = param(REQUIRED, "bridle confluence point in B, with every leg of the bridle taut")
     bridle_attachments_m: Annotated[list[Vec3], Capacity(LEGS)] = param(
@@ -80,9 +98,20 @@ class ParachuteParams(ParachuteChoice, Hardware):
     damping_ratio: float = param(
         0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0
     )
-    apparent_mass_factor: float = param(0.75, "K in K rho (4/3) pi (0.35 D)^3", status="estimate", ge=0.0)
+    apparent_mass_factor: float = param(
+        0.75,
+        "K in K rho (4/3) pi (0.35 D)^3",
+        status="estimate",
+        ge=0.0,
+        usual=(0, 2, "the air inside a canopy and as much around it"),
+    )
     area_oscillation: float = param(
-        0.0, "relative drag-area oscillation at supersonic speed", status="estimate", ge=0.0, lt=1.0
+        0.0,
+        "relative drag-area oscillation at supersonic speed",
+        status="estimate",
+        ge=0.0,
+        lt=1.0,
+        usual=(0, 0.3, "disk-gap-band canopies above Mach 1.4"),
     )
     area_oscillation_mach: float = param(
         1.4,

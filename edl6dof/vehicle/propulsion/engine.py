@@ -35,14 +35,29 @@ class EngineParams(EngineChoice, Hardware):
     group: Key | None = param(
         None, "name that events call all engines of the group by, lit and cut off together", record=False
     )
-    full_thrust_n: float = param(REQUIRED, "thrust at the full level used at the start", gt=0.0)
-    throttle_min_n: float = param(0.0, "lower end of the throttle band", ge=0.0)
-    throttle_max_n: float = param(0.0, "upper end of the throttle band", ge=0.0)
-    full_specific_impulse_s: float = param(REQUIRED, "specific impulse at full thrust", gt=0.0)
+    full_thrust_n: float = param(
+        REQUIRED, "thrust at the full level used at the start", gt=0.0, usual=(10, 200000, "landing engines")
+    )
+    throttle_min_n: float = param(
+        0.0, "lower end of the throttle band", ge=0.0, usual=(1, 200000, "landing engines")
+    )
+    throttle_max_n: float = param(
+        0.0, "upper end of the throttle band", ge=0.0, usual=(10, 200000, "landing engines")
+    )
+    full_specific_impulse_s: float = param(
+        REQUIRED,
+        "specific impulse at full thrust",
+        gt=0.0,
+        usual=(50, 500, "cold gas to hydrogen and oxygen"),
+    )
     nozzle_m: Vec3 = param(REQUIRED, "point of thrust application in B")
     direction: Vec3 = param((-1.0, 0.0, 0.0), "unit vector of the thrust in B; -x is up when landed")
-    misalignment_y_deg: float = param(0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0)
-    misalignment_z_deg: float = param(0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0)
+    misalignment_y_deg: float = param(
+        0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0, usual=(-2, 2, "mounted engines")
+    )
+    misalignment_z_deg: float = param(
+        0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0, usual=(-2, 2, "mounted engines")
+    )
     draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
     thrust_factor: float = param(1.0, "thrust delivered over thrust commanded", gt=0.0, le=1.5)
     specific_impulse_factor: float = param(1.0, "specific impulse over its table value", gt=0.0, le=1.5)

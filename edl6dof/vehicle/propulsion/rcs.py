@@ -38,10 +38,20 @@ class Thruster(Hardware):
     )
     position_m: Vec3 = param(REQUIRED, "nozzle position in B")
     direction: Vec3 = param(REQUIRED, "unit vector of the force on the vehicle in B")
-    thrust_n: float = param(REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0)
+    thrust_n: float = param(
+        REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0, usual=(0.1, 5000, "attitude control thrusters")
+    )
     thrust_factor: float = param(1.0, "thrust delivered over thrust_n, which is believed", ge=0.0, le=1.5)
-    specific_impulse_s: float = param(REQUIRED, "specific impulse, steady", gt=0.0, le=500.0)
-    minimum_pulse_s: float = param(REQUIRED, "shortest commanded pulse", gt=0.0, le=1.0)
+    specific_impulse_s: float = param(
+        REQUIRED,
+        "specific impulse, steady",
+        gt=0.0,
+        le=500.0,
+        usual=(50, 500, "cold gas to hydrogen and oxygen"),
+    )
+    minimum_pulse_s: float = param(
+        REQUIRED, "shortest commanded pulse", gt=0.0, le=1.0, usual=(0.001, 0.5, "valves of thrusters")
+    )
     rise_s: float = param(0.012, "time from valve opening to full thrust", status="estimate", gt=0.0, le=0.2)
     decay_s: float = param(0.012, "time from valve closing to no thrust", status="estimate", gt=0.0, le=0.2)
     draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
@@ -70,7 +80,12 @@ class RcsParams(Hardware):
         factory=list,
     )
     flow_loss: float = param(
-        0.0, "fraction of thrust lost at the reference dynamic pressure", status="estimate", ge=0.0, lt=1.0
+        0.0,
+        "fraction of thrust lost at the reference dynamic pressure",
+        status="estimate",
+        ge=0.0,
+        lt=1.0,
+        usual=(0, 0.3, "losses of several thrusters at once"),
     )
     flow_loss_pressure_pa: float = param(
         5000.0, "dynamic pressure at which flow_loss applies", status="estimate", gt=0.0

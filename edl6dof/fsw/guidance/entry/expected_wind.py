@@ -21,8 +21,18 @@ class ExpectedWindParams(Params):
         le=10.0,
     )
     north_m_s: float = param(
-        0.0, "wind towards north at all heights, besides", record=False, ge=-200.0, le=200.0
+        0.0,
+        "wind towards north at all heights, besides",
+        record=False,
+        ge=-200.0,
+        le=200.0,
+        usual=(-150, 150, "jet streams"),
     )
     east_m_s: float = param(
-        0.0, "wind towards east at all heights, besides", record=False, ge=-200.0, le=200.0
+        0.0,
+        "wind towards east at all heights, besides",
+        record=False,
+        ge=-200.0,
+        le=200.0,
+        usual=(-150, 150, "jet streams"),
     )

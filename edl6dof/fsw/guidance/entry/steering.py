@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
@@ -61,7 +60,6 @@ def steer_bank(onboard, nav, memory, out, wanted):
 
     The rate limit moves the command through zero bank, never through lift down.
     """
-    stay_apart()
     p = onboard.guidance.entry
     if nav.speed < p.align_speed:
         goal = 0.0

@@ -26,7 +26,12 @@ class PoweredTargetParams(Params):
     """Target of powered deceleration, which all powered laws share."""
 
     height_m: float = param(
-        100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0
+        100.0,
+        "height above ground at which velocity is zero",
+        status="published",
+        source="S1",
+        gt=0.0,
+        usual=(0.5, 1000, "airbags cut loose to hover"),
     )
     time_factor: float = param(
         1.0,

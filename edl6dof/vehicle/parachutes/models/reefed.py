@@ -27,10 +27,24 @@ class ReefingStage(Hardware):
     """One filling of a reefed canopy."""
 
     drag_area_ratio: float = param(
-        REQUIRED, "drag area at the end of the stage over that of the open canopy", gt=0.0, le=1.0
+        REQUIRED,
+        "drag area at the end of the stage over that of the open canopy",
+        gt=0.0,
+        le=1.0,
+        usual=(0.01, 1, "reefed canopies"),
     )
-    delay_s: float = param(0.0, "time from line stretch to the cut that begins the stage", ge=0.0)
-    filling_time_s: float = param(REQUIRED, "time from the cut to the drag area of the stage", gt=0.0)
+    delay_s: float = param(
+        0.0,
+        "time from line stretch to the cut that begins the stage",
+        ge=0.0,
+        usual=(0, 60, "reefing cutters"),
+    )
+    filling_time_s: float = param(
+        REQUIRED,
+        "time from the cut to the drag area of the stage",
+        gt=0.0,
+        usual=(0.05, 20, "supersonic to low subsonic"),
+    )
 
 
 def _stages() -> list[ReefingStage]:

@@ -19,7 +19,11 @@ class ThrottledParams(Hardware):
     )
     lag_s: float = param(0.15, "first-order time constant of the thrust", status="estimate", gt=0.0)
     rate_n_s: float = param(
-        1500.0, "largest rate of change of thrust while throttling", status="estimate", gt=0.0
+        1500.0,
+        "largest rate of change of thrust while throttling",
+        status="estimate",
+        gt=0.0,
+        usual=(100, 1e6, "throttle valves to pulsed rockets"),
     )
     start_rate_n_s: float = param(
         25000.0, "rate of thrust build-up at ignition and of decay at cut-off", status="estimate", gt=0.0

@@ -38,7 +38,13 @@ class DobSlidingParams(PrintedParams):
     """Sliding mode with linear disturbance observer and virtual saturation state."""
 
     filter_time_s: float = param(
-        0.1, "time constant tau of the observer's filter", status="published", source=PAPER, gt=0.0, le=100.0
+        0.1,
+        "time constant tau of the observer's filter",
+        status="published",
+        source=PAPER,
+        gt=0.0,
+        le=100.0,
+        usual=(0.01, 20, "the bandwidth of the observer"),
     )
     error_gain: float = param(
         2.1,
@@ -47,6 +53,7 @@ class DobSlidingParams(PrintedParams):
         source=PAPER,
         gt=0.0,
         le=100.0,
+        usual=(0.01, 20, "the bandwidth of the law"),
     )
     surface_gain: float = param(
         0.1,

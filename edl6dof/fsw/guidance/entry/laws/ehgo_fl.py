@@ -41,7 +41,13 @@ class EhgoFlParams(PrintedParams):
     )
     rate_gain: float = param(0.07, "gain on its rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
     epsilon_s: float = param(
-        2.0, "time scale of the observer error", printed=0.1, source=PAPER, gt=0.0, le=100.0
+        2.0,
+        "time scale of the observer error",
+        printed=0.1,
+        source=PAPER,
+        gt=0.0,
+        le=100.0,
+        usual=(0.05, 20, "the printed 0.1 s to what noise allows"),
     )
     share: float = param(
         0.3,
@@ -50,6 +56,7 @@ class EhgoFlParams(PrintedParams):
         source=PAPER,
         ge=0.0,
         le=100.0,
+        usual=(0.03, 100, "of the lift; 100 is no limit"),
     )
     start_share: float = param(
         1.0, "drag that the observer starts from, as a share of the measured drag", ge=0.0, le=10.0

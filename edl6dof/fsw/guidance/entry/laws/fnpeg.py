@@ -26,7 +26,6 @@ from math import copysign, sqrt
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
@@ -125,7 +124,6 @@ def most_bank(params, entry):
 @kernel
 def ends(params, onboard, nav, memory, out, bank, turn):
     """Predicted downrange and crossrange miss, m."""
-    stay_apart()
     down, aside, _, _ = predict(onboard, nav, out, bank_plan(params, onboard, nav, memory, bank, turn))
     return down, aside
 

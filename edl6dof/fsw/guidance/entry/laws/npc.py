@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
@@ -65,7 +64,6 @@ def miss_of(onboard, nav, out, shift, turn, later):
     """Predicted downrange miss (m) with the next two reversals at ``turn`` and ``later`` (m/s), 0 for
     none.
     """
-    stay_apart()
     miss, _, _, _ = predict(onboard, nav, out, in_plane_shifted(shift, turn, later))
     return miss
 

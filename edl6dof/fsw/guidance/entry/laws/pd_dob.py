@@ -18,7 +18,13 @@ from edl6dof.registry import Member
 class PdDobParams(Params):
     """Proportional-derivative control with nonlinear disturbance observer."""
 
-    error_gain: float = param(0.25, "k_P, weight of the drag error, 1/s2", gt=0.0, le=100.0)
+    error_gain: float = param(
+        0.25,
+        "k_P, weight of the drag error, 1/s2",
+        gt=0.0,
+        le=100.0,
+        usual=(0.01, 2.5, "the bandwidth of the law"),
+    )
     rate_gain: float = param(0.8, "k_D, weight of the rate of the drag error, 1/s", gt=0.0, le=100.0)
     observer: PathObserverParams = group(PathObserverParams, "disturbance observer")
 

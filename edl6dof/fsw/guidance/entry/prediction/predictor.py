@@ -9,7 +9,6 @@ Steps are taken for a fixed loss of speed, so they are steps of energy wherever 
 
 from __future__ import annotations
 
-from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.observers.air_data import drag_ratio_at
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane, next_corner, planned_bank
@@ -45,7 +44,6 @@ def predict(onboard, nav, out, plan):
         passed; altitude (m) and time (s) at the end.  Where the heading is aligned, a flight out of the plane
         has for crossrange the one at which that begins.
     """
-    stay_apart()
     planet, entry = onboard.planet, onboard.guidance.entry
     r, v = fixed_state(planet, nav)
     here, target = unit(r), aim_direction(onboard)

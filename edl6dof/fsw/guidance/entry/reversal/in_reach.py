@@ -9,7 +9,6 @@ narrower than anything that matters.  Source: derived; flown ahead at the vehicl
 
 from __future__ import annotations
 
-from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.jit import kernel
@@ -26,7 +25,6 @@ def nearest_end(onboard, nav, out, side, turn):
     """Range (m) by which the aim point is overflown at the largest bank angle, none if it is not, and the
     crossrange, from ``side`` with a reversal at the speed ``turn`` (m/s), 0 for none.
     """
-    stay_apart()
     most = onboard.guidance.entry.bank_max
     beyond, aside, _, _ = predict(onboard, nav, out, linear(most, most, nav.speed, side, turn, 0.0))
     return max(beyond, 0.0), aside
@@ -37,7 +35,6 @@ def reversed_in_reach(onboard, nav, out, sign):
     """Side to bank to where the logic asks to leave side ``sign``: the other one, or ``sign`` while that ends
     nearer to the aim point or hardly farther away.
     """
-    stay_apart()
     over, aside = nearest_end(onboard, nav, out, -sign, 0.0)
     if over == 0.0:
         return -sign

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from math import inf, sqrt
 
-from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
@@ -53,7 +52,6 @@ def try_time(landing, time, throttled, most, plan):
     """Solve for a time of flight with ``throttled`` s of it in the throttle band, from the solution that
     stands in ``plan``; the growth of the cost.
     """
-    stay_apart()
     shift_controls(plan, 0.0, time, max(time - throttled, 0.0))
     solve(landing, most, plan)
     return growth(landing, plan)
@@ -70,7 +68,6 @@ def search_time(landing, throttled, reach, most, plan):
         most: iterations of the solution; those on the way get a share of them.
         plan: ``PLAN`` record: first guess, then the solution.
     """
-    stay_apart()
     few = most // TRIAL
     longest = LONGEST * plan.time
     shortest = SHORTEST if throttled == inf else throttled + LEAST_FULL
@@ -98,7 +95,6 @@ def search_time(landing, throttled, reach, most, plan):
 @kernel
 def try_throttled(landing, throttled, most, plan, other):
     """Take ``throttled`` s in the throttle band into ``plan`` if that costs less; whether it does."""
-    stay_apart()
     copy_plan(plan, other)
     if throttled < inf:
         shift_controls(other, 0.0, throttled + other.full_time, other.full_time)
@@ -123,7 +119,6 @@ def try_earlier(landing, throttled, share, most, plan, other):
 @kernel
 def refine_throttled(landing, throttled, least, factor, most, plan, other):
     """Vary ``throttled`` by ever smaller factors as long as that costs less."""
-    stay_apart()
     while factor > FINEST:
         factor = sqrt(factor)
         if try_throttled(landing, factor * throttled, most, plan, other):

@@ -19,7 +19,6 @@ from math import inf
 
 import numpy as np
 
-from edl6dof.apart import stay_apart
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.convex.flight_time import (
@@ -148,7 +147,6 @@ def first_plan(p, landing, throttled, memory):
     """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and
     ``throttled`` s in the throttle band at least.
     """
-    stay_apart()
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
     plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * throttled), LONGEST_GUESS)
@@ -177,7 +175,6 @@ def next_plan(p, landing, elapsed, memory):
     If that cannot be kept, what is held back of the thrust may be used at once, not later; then the time of
     arrival is searched.  If none will do, the engine gives all of the throttle band now.
     """
-    stay_apart()
     plan, other = memory.plan, memory.other
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
     shift_controls(plan, elapsed, time, full_time)

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.apart import stay_apart
 from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
 from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
@@ -62,7 +61,6 @@ def solve(landing, most, plan):
         most: iterations.
         plan: ``PLAN`` record: times; ``u`` and multipliers, the first guess and then the answer.
     """
-    stay_apart()
     mean, norm = lay_grid(plan)
     lay_rows(plan)
     time, u, w = plan.time, plan.u, plan.w

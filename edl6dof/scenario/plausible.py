@@ -1,0 +1,65 @@
+"""Warnings of a scenario: values that are allowed and unusual, alone or for a vehicle of this size.
+
+Relations: nozzles lie within two radii of the centre of mass, the radii of gyration between a tenth and the
+whole of the radius, and the ballistic coefficient at a drag coefficient of 1.5 between 10 and 1,000 kg/m2
+(Stardust 60, Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
+"""
+
+from __future__ import annotations
+
+from math import dist, pi, sqrt
+
+from edl6dof.config.usual import unusual
+from edl6dof.scenario.schema import Scenario
+from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Distance of a nozzle from the centre of mass, and radius of gyration, over the radius of the vehicle.
+REACH = 2.0
+GYRATION = (0.1, 1.0)
+#: Ballistic coefficient, kg/m2, and the drag coefficient that it is formed with.
+BALLISTIC = (10.0, 1000.0)
+BLUNT = 1.5
+
+
+def unusual_in(scenario: Scenario) -> dict[str, str]:
+    """What is unusual in a validated scenario: dotted path to one line."""
+    proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
+    return unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
+
+
+def radius_m(vehicle: VehicleParams) -> float:
+    """Radius of the vehicle at entry, from its aerodynamic shape; 0 where that says nothing of its size."""
+    aero = vehicle.aero
+    if aero.model == "capsule":
+        return 0.5 * aero.capsule.diameter_m
+    flat = {"constant": aero.constant, "lift_drag": aero.lift_drag, "body": aero.body}
+    return sqrt(flat[aero.model].reference_area_m2 / pi) if aero.model in flat else 0.0
+
+
+def _out_of_proportion(vehicle: VehicleParams) -> dict[str, str]:
+    radius, mass = radius_m(vehicle), vehicle.mass
+    if radius == 0.0:
+        return {}
+    found = {}
+    nozzles = {f"rcs.thrusters.{k}.position_m": jet.position_m for k, jet in enumerate(vehicle.rcs.thrusters)}
+    nozzles |= {f"engines.{k}.nozzle_m": engine.nozzle_m for k, engine in enumerate(vehicle.engines)}
+    for path, place in nozzles.items():
+        if (off := dist(place, mass.entry_centre_m)) > REACH * radius:
+            found[path] = (
+                f"{off:.3g} m from the centre of mass is unusual: up to {REACH:g} radii of the vehicle, "
+                f"{REACH * radius:.3g} m"
+            )
+    for k, inertia in enumerate(mass.entry_inertia_kg_m2):
+        share = sqrt(inertia / mass.entry_kg) / radius
+        if not GYRATION[0] <= share <= GYRATION[1]:
+            found[f"mass.entry_inertia_kg_m2.{k}"] = (
+                f"{inertia:g} kg m2 is unusual: a radius of gyration of {share:.2g} radii of the vehicle, "
+                f"not {GYRATION[0]:g} to {GYRATION[1]:g}"
+            )
+    ballistic = mass.entry_kg / (BLUNT * pi * radius * radius)
+    if not BALLISTIC[0] <= ballistic <= BALLISTIC[1]:
+        found["mass.entry_kg"] = (
+            f"{mass.entry_kg:g} kg is unusual: ballistic coefficient {ballistic:.3g} kg/m2 at this size, "
+            f"not {BALLISTIC[0]:g} to {BALLISTIC[1]:g}"
+        )
+    return found
