@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
 
 import pytest
 from filelock import FileLock
@@ -27,6 +29,8 @@ FIRST = (
 
 #: Held by the process that collects its tests: the next finds their bytecode on disk.
 COLLECTS = pytest.StashKey[FileLock]()
+#: Folder of the user's settings.
+SETTINGS = pytest.StashKey[str]()
 #: The process that compiles, and what it does.
 COMPILING = pytest.StashKey[subprocess.Popen]()
 COMPILED = "import edl6dof; edl6dof.fly('tianwen1', ['simulation.time_limit_s=1'])"
@@ -43,7 +47,9 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """Move initial states before a test module imports what flies."""
+    """Give the suite a user who has accepted no plugin; move initial states before a module is imported."""
+    if not hasattr(config, "workerinput"):
+        os.environ["XDG_CONFIG_HOME"] = config.stash[SETTINGS] = mkdtemp(prefix="edl6dof-settings-")
     if by := config.getoption("nudge"):
         from nudged import nudge_initial_states
 
@@ -62,6 +68,11 @@ def pytest_collection_finish(session):
         lock.release()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
+
+
+def pytest_unconfigure(config):
+    """Remove the settings of the suite's user."""
+    rmtree(config.stash.get(SETTINGS, ""), ignore_errors=True)
 
 
 def pytest_sessionfinish():

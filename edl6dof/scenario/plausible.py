@@ -32,8 +32,12 @@ def radius_m(vehicle: VehicleParams) -> float:
     aero = vehicle.aero
     if aero.model == "capsule":
         return 0.5 * aero.capsule.diameter_m
-    flat = {"constant": aero.constant, "lift_drag": aero.lift_drag, "body": aero.body}
-    return sqrt(flat[aero.model].reference_area_m2 / pi) if aero.model in flat else 0.0
+    areas_m2 = {
+        "constant": aero.constant.reference_area_m2,
+        "lift_drag": aero.lift_drag.reference_area_m2,
+        "body": aero.body.reference_area_m2,
+    }
+    return sqrt(areas_m2.get(aero.model, 0.0) / pi)
 
 
 def _out_of_proportion(vehicle: VehicleParams) -> dict[str, str]:
@@ -44,12 +48,13 @@ def _out_of_proportion(vehicle: VehicleParams) -> dict[str, str]:
     nozzles = {f"rcs.thrusters.{k}.position_m": jet.position_m for k, jet in enumerate(vehicle.rcs.thrusters)}
     nozzles |= {f"engines.{k}.nozzle_m": engine.nozzle_m for k, engine in enumerate(vehicle.engines)}
     for path, place in nozzles.items():
-        if (off := dist(place, mass.entry_centre_m)) > REACH * radius:
+        off = dist(place, mass.entry_centre_m)
+        if off > REACH * radius:
             found[path] = (
                 f"{off:.3g} m from the centre of mass is unusual: up to {REACH:g} radii of the vehicle, "
                 f"{REACH * radius:.3g} m"
             )
-    for k, inertia in enumerate(mass.entry_inertia_kg_m2):
+    for k, inertia in enumerate(mass.entry_inertia_kg_m2 or ()):
         share = sqrt(inertia / mass.entry_kg) / radius
         if not GYRATION[0] <= share <= GYRATION[1]:
             found[f"mass.entry_inertia_kg_m2.{k}"] = (

@@ -13,7 +13,7 @@ from edl6dof.environment.landing_area.census import list_within
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.terrain import ground
 from edl6dof.scenario.relief import Relief
-from edl6dof.sim.outcome import LANDED, TIPPED_OVER
+from edl6dof.sim.outcome import LANDED, TIME_LIMIT, TIPPED_OVER
 from edl6dof.spatial.frames import geodetic
 
 #: First seed to try and share of rocks: ground of many kinds.
@@ -123,13 +123,16 @@ def test_a_rock_under_the_belly_is_the_cause_of_no_success():
 
 
 def test_what_ends_on_hills_and_holes_stands_or_has_tipped_over():
-    """Which of them it is follows from the motion: see tests/unit/vehicle/test_touchdown.py."""
+    """A lander that still rocks on its legs at the time limit stands as well.
+
+    Which of them it is follows from the motion: see tests/unit/vehicle/test_touchdown.py.
+    """
     rough = ["terrain.landing_area.rms_slope_deg=20", "terrain.landing_area.slope_baseline_m=3"]
     for seed in range(1, 4):
         flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}", *rough, BLIND])
         nose, middle = points_F(flight, [(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
         tilt = np.arccos((middle - nose) @ up_at(flight, middle))
-        assert flight.code == (TIPPED_OVER if tilt > 0.8 else LANDED)
+        assert flight.code in ((TIPPED_OVER,) if tilt > 0.8 else (LANDED, TIME_LIMIT))
 
 
 def test_without_a_generated_landing_area_there_are_no_such_figures():

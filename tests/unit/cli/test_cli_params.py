@@ -17,7 +17,9 @@ def test_section_shows_everything_about_its_parameters(capsys, monkeypatch):
     assert "vehicle.parachutes[]" in lines
     first = next(i for i, line in enumerate(lines) if line.startswith("  pack_drag_area_m2 "))
     assert lines[first].split() == ["pack_drag_area_m2", "0.3", "m2", ">=", "0,", "<=", "50000"]
-    assert lines[first + 1].strip() == "drag area of the pack before line stretch (estimate)"
+    said = " ".join(line.strip() for line in lines[first + 1 : first + 3])
+    assert said.startswith("drag area of the pack before line stretch; usually 0.001 to 3: packs of drogues")
+    assert said.endswith("(estimate)")
     assert "initial" not in out
 
 
@@ -80,6 +82,7 @@ def test_json_has_the_same_rows(capsys, monkeypatch):
         "status": "design",
         "source": "",
         "printed": "",
+        "usual": "5 to 60: mortars that have flown",
     }
     assert all(path.startswith("vehicle.parachutes[]") for path in found)
 

@@ -9,6 +9,7 @@ import pytest
 from test_plugins import cli
 
 import edl6dof
+from edl6dof.config.accepted import accept
 from edl6dof.scenario.viewed import viewed_scenario
 
 PACKAGE = Path(edl6dof.__file__).parent
@@ -66,9 +67,9 @@ def checked(folder, *members):
     for family, member, old, new, chosen in members:
         text = (PACKAGE / member).read_text(encoding="utf-8")
         assert old in text
-        (folder / f"my_{family}.py").write_text(
-            f'{text.replace(old, new)}\nFAMILY = "{family}"\n', encoding="utf-8"
-        )
+        file = folder / f"my_{family}.py"
+        file.write_text(f'{text.replace(old, new)}\nFAMILY = "{family}"\n', encoding="utf-8")
+        accept(file, file.read_bytes())
         sections["plugins"].append(f"my_{family}.py")
         for section, values in chosen.items():
             sections[section] = {**sections.get(section, {}), **values}

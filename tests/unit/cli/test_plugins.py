@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from edl6dof import jit, plugins
+from edl6dof.config.accepted import accept
 from edl6dof.config.document.locate import find_shipped
 from edl6dof.config.errors import ConfigError
 from edl6dof.source_stamp import SourceTree
@@ -52,6 +53,12 @@ def estimate(params, measured, dt, memory, out):
 FAMILY = "estimator"
 MEMBER = Member("blind", NoneParams, {"estimate": estimate}, "null member")
 """
+
+
+def write_accepted(file, text):
+    """Write a plugin that the user of the suite has accepted."""
+    file.write_text(text, encoding="utf-8")
+    accept(file, file.read_bytes())
 
 
 def scenario_with(folder, plugin):
@@ -113,7 +120,7 @@ def plugins_of_this_process(monkeypatch):
 )
 def test_plugin_that_cannot_be_used_is_named_with_the_line_that_names_it(tmp_path, name, text, message):
     if text is not None:
-        (tmp_path / name).write_text(text)
+        write_accepted(tmp_path / name, text)
     file = scenario_with(tmp_path, name)
     import edl6dof.fsw.onboard  # noqa: F401  the families exist
 
@@ -127,7 +134,7 @@ def test_plugin_that_cannot_be_used_is_named_with_the_line_that_names_it(tmp_pat
 def test_scenario_loaded_past_the_command_line_says_what_to_do(tmp_path):
     from edl6dof.scenario.loading import load_scenario
 
-    (tmp_path / "law.py").write_text(LAW)
+    write_accepted(tmp_path / "law.py", LAW)
     with pytest.raises(ConfigError, match="comes too late.*load this scenario first.*EDL6DOF_PLUGINS"):
         load_scenario(scenario_with(tmp_path, "law.py"))
 
@@ -175,7 +182,7 @@ def test_kernels_that_do_not_fit_are_refused_before_the_simulator_is_compiled(tm
     for number, (text, old, new, _) in enumerate(WRONG):
         assert old in text
         own = re.sub('Member\\("(mine|blind)"', rf'Member("my_{number}"', text.replace(old, new))
-        (tmp_path / f"wrong_{number}.py").write_text(own)
+        write_accepted(tmp_path / f"wrong_{number}.py", own)
     files = ", ".join(f"wrong_{number}.py" for number in range(len(WRONG)))
     (tmp_path / "mine.yaml").write_text(f"extends: tianwen1\nname: mine\nplugins: [{files}]\n")
     status, _, error = cli("check", tmp_path / "mine.yaml")
@@ -187,7 +194,7 @@ def test_kernels_that_do_not_fit_are_refused_before_the_simulator_is_compiled(tm
 
 
 def test_name_of_a_law_of_the_package_is_refused(tmp_path):
-    (tmp_path / "law.py").write_text(LAW.replace('"mine"', '"npc"'))
+    write_accepted(tmp_path / "law.py", LAW.replace('"mine"', '"npc"'))
     status, _, error = cli("check", scenario_with(tmp_path, "law.py"))
     assert status == 2 and len(error.strip().splitlines()) == 1
     assert "entry guidance law of the package is called npc already" in error
@@ -195,7 +202,7 @@ def test_name_of_a_law_of_the_package_is_refused(tmp_path):
 
 @pytest.mark.long
 def test_estimator_of_a_plugin_is_chosen_by_name(tmp_path):
-    (tmp_path / "law.py").write_text(ESTIMATOR)
+    write_accepted(tmp_path / "law.py", ESTIMATOR)
     file = tmp_path / "mine.yaml"
     chosen = "flight_software: {estimation: {estimator: blind}}"
     file.write_text(f"extends: tianwen1\nname: mine\nplugins: [law.py]\n{chosen}\n")
@@ -208,7 +215,7 @@ def test_estimator_of_a_plugin_is_chosen_by_name(tmp_path):
 
 def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path, monkeypatch):
     law = tmp_path / "law.py"
-    law.write_text(LAW)
+    write_accepted(law, LAW)
     family = "fsw/guidance/entry/registry.py"
     callers = (family, "fsw/guidance/update.py", "sim/loop.py")
     others = ("spatial/vector.py", "fsw/guidance/entry/reversal/registry.py", "vehicle/motion/body.py")
@@ -226,7 +233,7 @@ def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_doe
     without = both()
     jit.outside_sources[str(law)] = str(jit.PACKAGE / family)
     named = both()
-    law.write_text(LAW.replace("0.5", "0.6"))
+    write_accepted(law, LAW.replace("0.5", "0.6"))
     edited = both()
     assert all(len(set(stamps)) == 3 for stamps in zip(without[0], named[0], edited[0], strict=True))
     assert without[1] == named[1] == edited[1]
@@ -278,7 +285,7 @@ def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, m
     law, found = tmp_path / "law.py", []
     scenario = scenario_with(tmp_path, "law.py")
     for side in (1.0, 1.0, -1.0):
-        law.write_text(SIDE.replace("entry_law", "reversal").replace("return 0.5", f"return {side}"))
+        write_accepted(law, SIDE.replace("entry_law", "reversal").replace("return 0.5", f"return {side}"))
         run = subprocess.run(
             [sys.executable, "-c", STEER.format(scenario=str(scenario))],
             capture_output=True,

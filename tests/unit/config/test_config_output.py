@@ -78,6 +78,7 @@ def test_the_reference_lists_every_parameter_with_unit_bounds_and_claim():
         "published",
         "S1 table 2",
         "",
+        "",
     )
     assert table["vehicle.mass.entry_mass_kg"][2:5] == ("kg", "> 0 and <= 1e+09", "required")
     assert table["vehicle.rcs.thrusters[]"].bounds == "at most 3 entries"
