@@ -28,6 +28,8 @@ AXIAL_SHARE = 0.2
 ANSWER = 3
 #: Cycles of use alone that show a loss after which a thruster that is still in doubt is tried less often.
 MOST_TRIALS = 24
+#: Time from one such trial to the next, s.
+TRIED_AGAIN = 3.0
 
 
 class ExerciseParams(Params):
@@ -43,7 +45,6 @@ class ExerciseParams(Params):
     pause_s: float = param(1.0, "time from one test to the next", gt=0.0)
     rest_s: float = param(0.7, "instead of every_s for a horizontal pair while flying sideways", gt=0.0)
     spacing_s: float = param(0.04, "instead of pause_s while flying sideways", gt=0.0)
-    again_s: float = param(3.0, "time between trials of one that many trials have left in doubt", gt=0.0)
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 
@@ -100,7 +101,7 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
         doubted = (
             needs_trial(i, diagnosis.flow)
             and is_quiet(branches, branches.of[i], count, busy_until, t, dt, memory)
-            and not (long_tried and t < memory.used[i] + params.again)
+            and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )
         if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
             rested, oldest = i, memory.used[i]
