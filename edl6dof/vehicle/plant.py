@@ -248,6 +248,7 @@ WORKSPACE = np.dtype(
         ("velocity_gain0", "f8", (3,)),
         ("branch_used0", "f8", (MAX_BRANCHES,)),
         ("t_failed", "f8"),  # end of a step that failed
+        ("thrust", "f8", (MAX_ENGINES,)),  # N: of each engine, mean of the step
         # what the step adds to the balance, by the same names
         ("velocity", "f8", (3,)),
         ("work", "f8"),

@@ -1,9 +1,10 @@
 """Balance of a flight: momentum, energy and mass that its vehicle was given, summed up along the way.
 
-The sums do not use what the integrator makes of its stages.  Over a step forces, power and flow are taken by
-the trapezoidal rule from the states at both ends, thrusters with the mean of the step; at an event the
-vehicle loses the mass and the momentum that canopy and parts that have left gain.  What the state has become
-since the start is compared with them after the flight (:mod:`edl6dof.metrics.balance`).
+The sums do not use the derivatives that the integrator sums up.  Over a step forces and power are taken by
+the trapezoidal rule from the states at both ends, thrusters and engines with their mean thrust of the step,
+which pulses change much within one; at an event the vehicle loses the mass and the momentum that canopy and
+parts that have left gain.  What the state has become since the start is compared with them after the flight
+(:mod:`edl6dof.metrics.balance`).
 
 The vehicle is the body that is balanced: the pull of a riser and the push of the ground are forces on it.
 All is per kilogramme of the vehicle but its mass, so that propellant that leaves takes nothing else along.
@@ -20,7 +21,7 @@ from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_VELOCITY, POSITION, PROPELLANT, THRUST, VELOCITY
-from edl6dof.vehicle.propulsion.engine import propellant_flow
+from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_wrench
 from edl6dof.vehicle.propulsion.rcs import efficiency
 from edl6dof.vehicle.propulsion.tanks import load_within_reach, with_propellant
 
@@ -44,33 +45,37 @@ def open_balance(case, plant):
 
 @kernel
 def rates(case, plant, outputs):
-    """At the present state: acceleration (I, m/s2), power of all forces but gravitation (W/kg), and flow of
-    propellant to the engines (kg/s); thrusters with the mean of the step.
+    """At the present state: acceleration (I, m/s2) and power of all forces but gravitation (W/kg), both
+    without engines and with the mean of the step of thrusters; attitude, velocity and inverse of the mass.
 
     Gravitation adds to the power what the turning of a field does that is not symmetric about its axis.
     """
     out, inputs = outputs, plant.inputs
-    specific = take3(out.specific_force_B, 0)
+    force, _ = engines(case, plant, plant.y, THRUST)
     if case.dynamics != POINT_MASS:
-        share = efficiency(case.vehicle.rcs, out.dynamic_pressure) / out.mass
-        beyond_mean = scale(share * (plant.t - inputs.middle), take3(inputs.rcs_force_slope, 0))
-        specific = sub(specific, beyond_mean)
-    q = (out.q_I2B[0], out.q_I2B[1], out.q_I2B[2], out.q_I2B[3])
-    felt, g = from_frame(q, specific), take3(out.gravity_I, 0)
-    r, v = take3(plant.y, POSITION), take3(plant.y, VELOCITY)
+        share = efficiency(case.vehicle.rcs, out.dynamic_pressure)
+        force = add(force, scale(share * (plant.t - inputs.middle), take3(inputs.rcs_force_slope, 0)))
+    q, inverse = (out.q_I2B[0], out.q_I2B[1], out.q_I2B[2], out.q_I2B[3]), 1.0 / out.mass
+    felt = from_frame(q, sub(take3(out.specific_force_B, 0), scale(inverse, force)))
+    r, v, g = take3(plant.y, POSITION), take3(plant.y, VELOCITY), take3(out.gravity_I, 0)
     power = dot(felt, v) + case.planet.rotation_rate * (r[0] * g[1] - r[1] * g[0])
-    return add(felt, g), power, engine_flow(case, plant)
+    return add(felt, g), power, q, v, inverse
 
 
 @kernel
-def engine_flow(case, plant):
-    """Flow of propellant to the engines, kg/s."""
-    flow = 0.0
+def engines(case, plant, thrusts, first):
+    """Force of the engines (N, B) and flow of propellant to them (kg/s) at ``thrusts[first:]`` (N)."""
+    force, flow = (0.0, 0.0, 0.0), 0.0
     for i in range(case.vehicle.n_engines):
-        thrust = plant.y[THRUST + i] * (1.0 - plant.thrust_lost[i])
-        if thrust != 0.0 and load_within_reach(case.feeds.engines, i, plant.inputs.filled) > 0.0:
-            flow += propellant_flow(case.vehicle.engines[i], thrust)
-    return flow
+        thrust = thrusts[first + i] * (1.0 - plant.thrust_lost[i])
+        if thrust == 0.0:
+            continue
+        engine = case.vehicle.engines[i]
+        pushed, _ = thrust_wrench(engine, thrust, plant.thrust_turned[i, 0], plant.thrust_turned[i, 1])
+        force = add(force, pushed)
+        if load_within_reach(case.feeds.engines, i, plant.inputs.filled) > 0.0:
+            flow += propellant_flow(engine, thrust)
+    return force, flow
 
 
 @kernel
@@ -78,9 +83,16 @@ def weigh(case, plant, work, h, begun, ended):
     """What a step of ``h`` s gives the vehicle, into ``work``; ``begun``, ``ended``: :func:`rates` at its
     ends.
     """
-    put3(work.velocity, 0, scale(0.5 * h, add(begun[0], ended[0])))
-    work.work = 0.5 * h * (begun[1] + ended[1])
-    flow = 0.5 * (begun[2] + ended[2])
+    for i in range(THRUST, THRUST + case.vehicle.n_engines):
+        work.thrust[i - THRUST] = plant.y[i] - h / 6.0 * (work.k[1, i] + work.k[2, i] + work.k[3, i])
+    force, flow = engines(case, plant, work.thrust, 0)
+    gained, power = (0.0, 0.0, 0.0), 0.0
+    for end in (begun, ended):
+        pushed = from_frame(end[2], scale(end[4], force))
+        gained = add(gained, add(end[0], pushed))
+        power += end[1] + dot(pushed, end[3])
+    put3(work.velocity, 0, scale(0.5 * h, gained))
+    work.work = 0.5 * h * power
     if case.dynamics != POINT_MASS:
         for k in range(MAX_TANKS):
             flow += plant.inputs.rcs_flow[k]
