@@ -83,7 +83,8 @@ def main() -> None:
         count, memory = samples[np.searchsorted(samples[:, 0], share * options.flights, "right") - 1]
         print(f"after {count:6.0f} flights: {memory:6.0f} MB")
     late = samples[samples[:, 0] >= 0.5 * options.flights]
-    print(f"slope of the second half: {1e3 * np.polyfit(late[:, 0], late[:, 1], 1)[0]:.2f} kB a flight")
+    slope = 1e3 * np.polyfit(late[:, 0], late[:, 1], 1)[0]
+    print(f"slope of the second half: {slope:.2f} kB a flight")
 
 
 if __name__ == "__main__":
