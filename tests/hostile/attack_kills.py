@@ -57,7 +57,8 @@ def attempt(number: int, seed: int, home: Path) -> Iterator[Ended]:
     )
     differ = [name for name in files if found.get(name) != whole[name]]
     wrong = f"differs: {differ}" if differ else f"left behind: {left}" if left else ""
-    yield Ended([story, "killed" if killed else "ended before the kill"], 0, wrong)
+    how = "killed" if killed else "ended before it was killed"
+    yield Ended([f"{story} {how}"], 0, wrong)
 
 
 @cache
