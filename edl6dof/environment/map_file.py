@@ -93,7 +93,7 @@ def _numbers(path: Path) -> np.ndarray:
     content = read_regular(path)
     try:
         return np.load(BytesIO(content), allow_pickle=False).astype("f4")
-    except (ValueError, EOFError, TypeError) as error:
+    except Exception as error:  # a broken head makes numpy raise errors of half a dozen kinds
         raise ValueError(f"{path.name} is no .npy file of numbers") from error
 
 
