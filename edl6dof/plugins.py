@@ -32,54 +32,60 @@ from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.plugin_scan import LARGEST, VARIABLE, files_from_environment, files_naming_plugins
-from edl6dof.jit import PACKAGE, TREE, outside_sources
+from edl6dof.kernels.cache import receive
 from edl6dof.registry import Member, is_built, join
 
 
 class Place(NamedTuple):
-    """A family that a plugin may join: its title, the file that makes it, and for each role of a member its
-    kernel's arguments.
-    """
+    """A family that a plugin may join: its title, and for each role of a member its kernel's arguments."""
 
     title: str
-    file: str
     roles: dict[str, tuple[str, ...]]
 
 
 #: What FAMILY may say.
 FAMILIES: dict[str, Place] = {
     "entry_law": Place(
-        "entry guidance law",
-        "fsw/guidance/entry/registry.py",
-        {"guide": ("params", "plan", "onboard", "nav", "memory", "out")},
+        "entry guidance law", {"guide": ("params", "plan", "onboard", "nav", "memory", "out")}
     ),
     "reversal": Place(
-        "bank-reversal logic",
-        "fsw/guidance/entry/reversal/registry.py",
-        {"side": ("params", "onboard", "nav", "memory", "out", "wanted", "sign")},
+        "bank-reversal logic", {"side": ("params", "onboard", "nav", "memory", "out", "wanted", "sign")}
     ),
     "powered_law": Place(
-        "powered guidance law",
-        "fsw/guidance/powered/registry.py",
-        {"guide": ("params", "vehicle", "state", "nav", "target", "memory", "out")},
+        "powered guidance law", {"guide": ("params", "vehicle", "state", "nav", "target", "memory", "out")}
     ),
     "controller": Place(
-        "attitude controller",
-        "fsw/control/registry.py",
-        {"control": ("params", "nav", "goal", "inputs", "dt", "memory")},
+        "attitude controller", {"control": ("params", "nav", "goal", "inputs", "dt", "memory")}
     ),
-    "estimator": Place(
-        "disturbance estimator",
-        "fsw/estimation/registry.py",
-        {"estimate": ("params", "measured", "dt", "memory", "out")},
+    "allocator": Place(
+        "thruster allocation",
+        {
+            "share_out": (
+                *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty"),
+                "unallocated",
+            )
+        },
     ),
-    "distribution": Place("distribution", "campaign/design/distributions/registry.py", {}),
-    "atmosphere": Place(
-        "atmosphere", "environment/atmospheres/registry.py", {"air": ("atm", "gas", "table", "alt")}
+    "estimator": Place("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
+    "hazard_detector": Place(
+        "hazard detection", {"classify": ("params", "chart", "footprint", "radius", "deviation", "out")}
     ),
+    "navigation_filter": Place(
+        "navigation filter",
+        {
+            "start": ("params", "onboard", "sensed", "solution", "memory"),
+            "correct": ("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
+        },
+    ),
+    "sensor": Place(
+        "sensor",
+        {"measure": ("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")},
+    ),
+    "fault_kind": Place("fault kind", {"inflict": ("fault", "case", "since", "command", "plant")}),
+    "atmosphere": Place("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
+    "wind": Place("mean wind", {"mean": ("wind", "table", "alt")}),
     "engine_model": Place(
         "engine model",
-        "vehicle/propulsion/engine_models/registry.py",
         {
             "goal": ("params", "engine", "t", "step", "command"),
             "rate": ("params", "engine", "goal", "thrust", "starting"),
@@ -88,27 +94,16 @@ FAMILIES: dict[str, Place] = {
     ),
     "parachute_model": Place(
         "parachute model",
-        "vehicle/parachutes/models/registry.py",
         {
             "inflation": ("params", "chute", "since_line_stretch"),
             "efficiency": ("params", "chute", "mach"),
         },
     ),
-    "sensor": Place(
-        "sensor",
-        "sensors/registry.py",
-        {"measure": ("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")},
-    ),
-    "navigation_filter": Place(
-        "navigation filter",
-        "fsw/navigation/filters/registry.py",
-        {
-            "start": ("params", "onboard", "sensed", "solution", "memory"),
-            "correct": ("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
-        },
-    ),
-    "wind": Place("mean wind", "environment/winds/registry.py", {"mean": ("wind", "table", "alt")}),
+    "distribution": Place("distribution", {}),
 }
+
+#: Families whose members are compiled with the loop.
+IN_LOOP = frozenset(("atmosphere", "engine_model", "parachute_model", "wind"))
 
 #: Plugins of this process by absolute path: key of the family, and the member.
 ACTIVE: dict[Path, tuple[str, Member]] = {}
@@ -138,9 +133,8 @@ def activate(scenarios: Iterable[str | Path]) -> None:
     if refused := [plugin for plugin in new if not (plugin.installed or is_accepted(plugin.content))]:
         raise ConfigError([problem for plugin in refused for problem in _not_accepted(plugin).problems])
     for plugin in new:
-        if place := FAMILIES.get(said_family(plugin.content)):
-            outside_sources[str(plugin.path)] = str(PACKAGE / place.file)
-            TREE.take(str(plugin.path), plugin.content)
+        if (family := said_family(plugin.content)) in FAMILIES:
+            receive(plugin.path, plugin.content, in_loop=family in IN_LOOP)
     for plugin in new:
         _load(plugin)
 
@@ -245,7 +239,7 @@ def _load(plugin: _Plugin) -> None:
         raise _problem(path, document, f"must say FAMILY = one of {', '.join(FAMILIES)} (got {key!r})")
     if not isinstance(member, Member):
         raise _problem(path, document, f"must define MEMBER = Member(...) (got {type(member).__name__})")
-    title, _, roles = FAMILIES[key]
+    title, roles = FAMILIES[key]
     if complaint := _complaint(member, roles):
         raise _problem(path, document, complaint)
     if is_built(title):

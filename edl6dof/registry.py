@@ -1,15 +1,16 @@
 """Families of interchangeable models: guidance laws, attitude controllers.
 
 A member is one file with its parameter model, its memory layout and its kernels.  It joins a family by one
-line in the family's tuple.  YAML chooses it by name; the name becomes an integer; compiled code dispatches on
-that integer through :meth:`Family.switch`.
+line in the family's tuple.  YAML chooses it by name; the name becomes an integer in the records.  Compiled
+code calls the member of that integer through :meth:`Family.switch`, or a flight passes it as a function
+(:meth:`Family.role`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numba import types
@@ -17,7 +18,7 @@ from pydantic import create_model
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.dispatch import Choice, lazy, static
+from edl6dof.kernels.functions import adapted, static
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
 #: Arguments that hold a section for each member of a family.
@@ -126,14 +127,80 @@ class Family:
         """Record with the planned tables of every member."""
         return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
-    def switch(self, role: str, *arguments: str, returns: types.Type | None = None) -> Callable[..., Any]:
+    def switch(self, role: str, *arguments: str) -> Callable[..., Any]:
         """Function ``f(index, *arguments)`` that calls the ``role`` kernel of member ``index``, from Python
-        and from kernels.
+        and from kernels: every member is compiled with the caller.
 
         Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
-        With ``returns``, what the kernels return, a member is compiled when a flight first calls it; without,
-        every member is compiled with the caller, for small kernels in the equations of motion.
         """
         kernels = [member.kernels[role] for member in self.members]
-        choice = Choice(f"{self.title}: {role}", kernels, arguments, OWN, self.names)
-        return static(choice) if returns is None else lazy(choice, returns)
+        return static(kernels, arguments, [_own(name, arguments) for name in self.names])
+
+    def role(self, role: str, *arguments: str) -> Role:
+        """The ``role`` kernels of the members, to be passed to the loop as functions of ``arguments``.
+
+        Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
+        """
+        return Role(self, role, arguments)
+
+
+class Role:
+    """Kernels of one role of a family's members; a flight passes those that it carries to the loop."""
+
+    def __init__(self, family: Family, role: str, arguments: tuple[str, ...]) -> None:
+        self.family, self.role, self.arguments = family, role, arguments
+        self._functions: dict[int, Any] = {}
+
+    def __call__(self, index: int, *given: Any) -> Any:
+        """Call the kernel of member ``index`` from Python."""
+        return self.function(index)(*given)
+
+    def function(self, index: int) -> Any:
+        """The kernel of member ``index`` as a function of the role's arguments."""
+        if index not in self._functions:
+            member = self.family.members[index]
+            passed = _own(member.name, self.arguments)
+            name = f"{self.role}_of_{member.name}"
+            self._functions[index] = adapted(member.kernels[self.role], name, self.arguments, passed)
+        return self._functions[index]
+
+
+class Place(NamedTuple):
+    """Where the loop is given members of a family.
+
+    Attributes:
+        role: which kernel of them.
+        type: of the function, or of a tuple of functions by index of the member.
+        path: in a record, to the index of the member, where a flight has one.
+    """
+
+    role: Role
+    type: types.FunctionType | types.UniTuple
+    path: tuple[str, ...] = ()
+
+    def functions(self, carried: Collection[int]) -> Any:
+        """What the loop is given for members of these indices.  In a tuple, members that are not carried
+        stand for one that is.
+
+        Raises:
+            ValueError: the family has more members than the tuple has places.
+        """
+        if not isinstance(self.type, types.UniTuple):
+            (index,) = carried
+            return self.role.function(index)
+        first = min(carried, default=0)
+        if max(carried, default=0) >= self.type.count:
+            raise ValueError(f"there may be {self.type.count} members of {self.role.family.title} at most")
+        return tuple(self.role.function(i if i in carried else first) for i in range(self.type.count))
+
+    def compile(self, names: Collection[str]) -> None:
+        """Compile the members of these names."""
+        kind = self.type.dtype if isinstance(self.type, types.UniTuple) else self.type
+        for index, name in enumerate(self.role.family.names):
+            if name in names:
+                self.role.function(index).compile(kind.signature)
+
+
+def _own(section: str, arguments: Sequence[str]) -> list[str]:
+    """What a member is passed for the arguments of its family."""
+    return [f"{name}['{section}']" if name in OWN else name for name in arguments]

@@ -25,6 +25,7 @@ from edl6dof.report.figure import GREY, Axis, Figure, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.propulsion.rcs import linear_level
@@ -90,8 +91,9 @@ def flown(start: Setting, control_cycles: int) -> np.ndarray:
     every, count = int(onboard["rates"]["control_every"]), int(onboard["vehicle"]["n_thrusters"])
     log, brief = np.zeros(every + 1, TICK), np.zeros(0, BRIEF)
     seen = np.zeros((3, control_cycles, count))
+    functions = functions_of(arrays["case"], arrays["onboard"][0])
     for k in range(control_cycles):
-        fly_cycles(*arrays.values(), k * every, (k + 1) * every, 0, start.steps, log, brief, 0)
+        fly_cycles(functions, *arrays.values(), k * every, (k + 1) * every, 0, start.steps, log, brief, 0)
         command = fsw["command"]
         seen[:, k] = fsw["allocation"]["duty"][:count], command["opens"][:count], command["closes"][:count]
     return seen

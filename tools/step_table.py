@@ -21,6 +21,7 @@ import edl6dof
 from edl6dof.interface.roles import HOVER_IMAGING, SLOW_DESCENT, begun
 from edl6dof.jit import kernel
 from edl6dof.sim.flight import fly
+from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.actuate import actuate
@@ -65,19 +66,20 @@ def record_commands(start: Setting, cycles: int) -> np.ndarray:
     arrays = [start.arrays[name].copy() for name in LAYOUT]
     fsw, log, brief = arrays[-1], np.zeros(2, TICK), np.zeros(0, BRIEF)
     commands = np.zeros(cycles, fsw.dtype["command"])
+    functions = functions_of(start.arrays["case"], start.arrays["onboard"][0])
     for k in range(cycles):
-        fly_cycles(*arrays, start.cycle + k, start.cycle + k + 1, 0, start.steps, log, brief, 0)
+        fly_cycles(functions, *arrays, start.cycle + k, start.cycle + k + 1, 0, start.steps, log, brief, 0)
         commands[k] = fsw["command"][0]
     return commands
 
 
 @kernel
-def fly_open_loop(case, tables, plant, outputs, work, commands, cycle, first, cycles, steps):
+def fly_open_loop(functions, case, tables, plant, outputs, work, commands, cycle, first, cycles, steps):
     """Fly on from cycle ``first`` with these commands, ``cycles`` of ``cycle`` s in ``steps`` steps."""
     evaluate(case, tables, plant, outputs, work)
     for k in range(0, len(commands), cycles):
         survey(case, tables, plant, outputs)
-        actuate(case, commands[k], plant)
+        actuate(functions, case, commands[k], plant)
         for j in range(steps):
             t_end = cycle * (first + k + cycles * (j + 1) / steps)
             advance(case, tables, plant, outputs, work, t_end)
@@ -91,7 +93,9 @@ def open_loop(start: Setting, commands: np.ndarray, share: float, cycle: float) 
     records = {**start.arrays, "plant": plant, "case": cases}
     flown = [records[name][0] for name in ("case", "tables", "plant", "outputs", "work")]
     cycles, steps = max(round(share), 1), max(round(1.0 / share), 1)
-    fly_open_loop(*flown, commands, cycle, start.cycle, cycles, steps)
+    fly_open_loop(
+        functions_of(cases, start.arrays["onboard"][0]), *flown, commands, cycle, start.cycle, cycles, steps
+    )
     return plant["y"][0]
 
 

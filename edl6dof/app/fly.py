@@ -19,7 +19,7 @@ from edl6dof.api.run_files import REPLAY, draw_replay, write_files, write_number
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.replay_beside import artist_beside
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.jit import outside_sources
+from edl6dof.kernels.cache import received
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder, default_folder
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
@@ -69,7 +69,7 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     talk = not (options.quiet or options.as_json)
     announce_compiling(talk)
     # a plugin's kernels may hold matrix products
-    unused = () if outside_sources else UNUSED_BY_NUMBA
+    unused = () if received else UNUSED_BY_NUMBA
     with blocked_imports(*unused):
         # before the processes part: what both need of it is in memory once
         parts = build_records(loaded) if is_compiled() else None

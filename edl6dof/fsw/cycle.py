@@ -13,7 +13,6 @@ from edl6dof.fsw.allocation.effectiveness import update_effectiveness
 from edl6dof.fsw.allocation.update import allocate
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.inputs import gather_inputs
-from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import pair_to_test
 from edl6dof.fsw.diagnosis.flow import NONE
@@ -32,7 +31,6 @@ from edl6dof.fsw.external import (
     replace_torque,
 )
 from edl6dof.fsw.guidance.update import guide, switch_engine
-from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
@@ -85,8 +83,8 @@ def axial_load(unexplained, goal, state):
 
 
 @kernel
-def run(onboard, sensed, k, fsw):
-    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``."""
+def run(functions, onboard, sensed, k, fsw):
+    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``; ``functions``: of the members that fly."""
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command
     external, own = fsw.external, fsw.own
@@ -97,7 +95,7 @@ def run(onboard, sensed, k, fsw):
     command.expose = command.scan = 0
 
     # navigation
-    estimate_state(onboard, state, sensed, fsw.navigation)
+    estimate_state(functions, onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
     derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
@@ -116,7 +114,8 @@ def run(onboard, sensed, k, fsw):
             restart(fsw.diagnosis)
 
     # hazard detection
-    detect_hazards(
+    functions.detect_hazards(
+        functions.hazards,
         onboard,
         phase.guidance,
         nav.t - fsw.mission.phase_start,
@@ -131,6 +130,7 @@ def run(onboard, sensed, k, fsw):
 
     # guidance
     guide(
+        functions,
         onboard,
         phase.guidance,
         k,
@@ -157,6 +157,7 @@ def run(onboard, sensed, k, fsw):
 
     # estimation
     estimate_disturbance(
+        functions,
         onboard.estimation,
         vehicle,
         state,
@@ -217,14 +218,16 @@ def run(onboard, sensed, k, fsw):
             excess_torque(effectiveness, count, opens, closes, fsw.allocation.duty, control_dt),
             fsw.control.inputs,
         )
-        torque, error = attitude_control(
-            phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
+        torque, error = functions.control[phase.control](
+            onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
         )
         torque = replace_torque(external, torque, own)
         compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
 
         # allocation
-        allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation)
+        allocate(
+            functions, onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation
+        )
         replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation

@@ -16,6 +16,7 @@ from math import sqrt
 
 import numpy as np
 
+from edl6dof.fsw.functions import PLACES
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
@@ -30,6 +31,7 @@ from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.jit import kernel
+from edl6dof.kernels.functions import Bundle
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.start import Start, start_of
 from edl6dof.spatial.elementary import asin, atan2
@@ -59,6 +61,10 @@ SCRATCH = np.dtype(
     ],
     align=True,
 )
+
+#: What the plan is given of the flight software's members.
+_REVERSAL = PLACES["bank_side"]
+_FUNCTIONS = Bundle(__file__, {"bank_side": _REVERSAL.type})
 
 
 def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = None) -> np.ndarray:
@@ -91,7 +97,9 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
     cycle = 1.0 / float(record["rates"]["base"])
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)
-    count = fly_plan(record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
+    logic = int(record["guidance"]["entry"]["reversal"]["logic"])
+    functions = _FUNCTIONS(bank_side=_REVERSAL.functions({logic}))
+    count = fly_plan(functions, record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
     return history[:count]
 
 
@@ -128,11 +136,12 @@ def _false_position(
 
 
 @kernel
-def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
+def fly_plan(functions, onboard, start, shift, cycle, stride, history, scratch):
     """Fly from ``start`` to the speed or Mach number at which the range is to be met; returns the count of
     rows written.
 
     Args:
+        functions: that of the reversal logic.
         onboard: ``ONBOARD`` record.
         start: position (m) and velocity (m/s) in F.
         shift: of the cosine of the open-loop bank angle.
@@ -149,7 +158,7 @@ def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
     ahead = unit(sub(target, scale(dot(target, here), here)))
     k, count = 0, 0
     while count < history.shape[0]:
-        going = decide(onboard, k * cycle, shift, s)
+        going = decide(functions, onboard, k * cycle, shift, s)
         if not going and stride > 1 and k > 0:
             # the end lies within the last stride: once more, cycle by cycle
             scratch[0] = scratch[1]
@@ -167,7 +176,7 @@ def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
 
 
 @kernel
-def decide(onboard, t, shift, s):
+def decide(functions, onboard, t, shift, s):
     """Let the flight computer look at the state, run its mission and steer; whether the planned end is still
     to come.
     """
@@ -182,7 +191,9 @@ def decide(onboard, t, shift, s):
         hold_bank(onboard, s.nav, s.guide)
     elif guidance == G_ENTRY:
         s.guide.range_to_go, s.guide.crossrange, s.guide.downrange_to_go = to_target(onboard, s.nav)
-        steer_bank(onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed))
+        steer_bank(
+            functions, onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed)
+        )
     fast = s.nav.mach > entry.final_mach if entry.final_mach > 0.0 else s.nav.speed > entry.final_speed
     return fast and s.nav.height > -TOO_LOW
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba.core.errors import NumbaError
+from numba import NumbaError
 from rich.text import Text
 
 from edl6dof import plugins
@@ -22,14 +22,22 @@ from edl6dof.environment.atmosphere import ATMOSPHERE
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.gas import GAS
 from edl6dof.environment.wind import WIND
+from edl6dof.fsw.allocation.demand import DEMAND
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, ROWS
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
+from edl6dof.fsw.hazard.footprint import FOOTPRINT
+from edl6dof.fsw.hazard.point_map import ELEVATION_MAP
+from edl6dof.fsw.hazard.safety import SAFETY_MAP
+from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
@@ -63,7 +71,10 @@ _RETURNS: dict[tuple[str, str], tuple[str, Callable[[Any], bool]]] = {
     ("engine_model", "specific_impulse"): ("a number (float)", _number),
     ("parachute_model", "inflation"): ("a number (float)", _number),
     ("parachute_model", "efficiency"): ("a number (float)", _number),
+    ("allocator", "share_out"): ("nothing", _nothing),
     ("estimator", "estimate"): ("nothing", _nothing),
+    ("hazard_detector", "classify"): ("nothing", _nothing),
+    ("fault_kind", "inflict"): ("nothing", _nothing),
     ("sensor", "measure"): ("nothing", _nothing),
     ("navigation_filter", "start"): ("nothing", _nothing),
     ("navigation_filter", "correct"): ("nothing", _nothing),
@@ -109,11 +120,15 @@ def _argument(name: str, key: str, member: Member) -> Any:
     # these import the schema, which tries plugins out
     from edl6dof.scenario.case import CASE
     from edl6dof.scenario.records import TABLES
+    from edl6dof.vehicle.faults.fault import FAULT
 
-    scalars = {
+    values = {
         **{"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0},
         **{"since_line_stretch": 1.0, "mach": 1.5},
         **{"t": 10.0, "step": 0.02, "thrust": 1000.0, "command": 2000.0, "starting": False},
+        **{"radius": 2.0, "deviation": 0.03, "since": 0.0},
+        "healthy": np.ones(MAX_THRUSTERS, HEALTH["thruster"].base),
+        **{"duty": np.zeros(MAX_THRUSTERS), "unallocated": np.zeros(ROWS)},
     }
     records = {
         "params": dtype_of(member.params),
@@ -130,7 +145,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "goal": np.dtype("f8") if key == "engine_model" else GUIDE,
         "inputs": CONTROL_INPUTS,
         "measured": MEASURED,
-        "out": DISTURBANCE if key == "estimator" else GUIDE,
+        "out": {"estimator": DISTURBANCE, "hazard_detector": SAFETY_MAP}.get(key, GUIDE),
+        **{"shared": ONBOARD["allocation"], "effectiveness": EFFECTIVENESS, "demand": DEMAND},
+        **{"chart": ELEVATION_MAP, "footprint": FOOTPRINT, "fault": FAULT},
         "chute": PARACHUTE_PARAMS,
         "engine": ENGINE,
         "plant": STATE,
@@ -144,7 +161,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "gas": GAS,
         "table": ATMOSPHERE_TABLE,
     }
-    return scalars[name] if name in scalars else np.zeros(1, records[name])[0]
+    if name == "command" and key == "fault_kind":
+        return np.zeros(1, COMMAND)[0]
+    return values[name] if name in values else np.zeros(1, records[name])[0]
 
 
 def _first_cause(text: str) -> str:

@@ -15,8 +15,7 @@ from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.stream import Stream
-from edl6dof.spatial.vector import add, cross, put3, scale, take3
-from edl6dof.spatial.vector import unit as direction
+from edl6dof.spatial.vector import add, along_track, put3, take3
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
 
@@ -48,14 +47,6 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         put3(tracking.r_I, 0, add(r, along_track(r, v, take3(unit.position, 0))))
         put3(tracking.v_I, 0, add(v, along_track(r, v, take3(unit.velocity, 0))))
         memory.sent = 1
-
-
-@kernel
-def along_track(r, v, parts):
-    """The vector (I) with given parts along the radius, along the track and across it."""
-    radial, across = direction(r), direction(cross(r, v))
-    along = cross(across, radial)
-    return add(scale(parts[0], radial), add(scale(parts[1], along), scale(parts[2], across)))
 
 
 def plan(params: GroundTrackingParams, rng: Stream, unit: np.void) -> None:

@@ -15,10 +15,9 @@ from edl6dof.config.base import Params, Vec3, param
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.ground_tracking import along_track
 from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.stream import Stream
-from edl6dof.spatial.vector import add, put3, take3
+from edl6dof.spatial.vector import add, along_track, put3, take3
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
 

@@ -17,7 +17,6 @@ import numpy as np
 
 from edl6dof.config.base import Capacity, param
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.dispatch import NOTHING
 from edl6dof.environment.profiles import SENSOR_STREAM
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
@@ -97,10 +96,8 @@ SENSORS = np.dtype(
     [("sensed", SENSED), *((member.name, member.memory) for member in SENSOR_FAMILY.members)], align=True
 )
 
-_measure = SENSOR_FAMILY.switch(
-    "measure",
-    *("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"),
-    returns=NOTHING,
+measure = SENSOR_FAMILY.role(
+    "measure", *("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")
 )
 
 
@@ -129,14 +126,16 @@ def _flown(params: SensorParams) -> list[int]:
 
 
 @kernel
-def sense(case, tables, plant, outputs, sensors):
+def sense(functions, case, tables, plant, outputs, sensors):
     """Let the sensors that are carried write into ``sensors.sensed`` what they measure in the state ``plant``
-    with its ``outputs``.
+    with its ``outputs``; ``functions``: of those that fly.
     """
     params, unit = case.sensors.params, case.sensors.unit
     sensors.sensed.t = plant.t
     for k in range(params.n_carried):
-        _measure(params.carried[k], params, unit, case, tables, plant, outputs, sensors, sensors.sensed)
+        functions.measure[params.carried[k]](
+            params, unit, case, tables, plant, outputs, sensors, sensors.sensed
+        )
 
 
 def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, str]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import Records
 from edl6dof.sensors.registry import SENSORS
+from edl6dof.sim.functions import functions_of
 from edl6dof.sim.helper import Helper
 from edl6dof.sim.loop import fly_each
 from edl6dof.sim.outcome import FLYING
@@ -71,6 +72,7 @@ class Fleet:
         self.outcomes = np.full(count, HALTED, np.int64)
         self._works = np.zeros(count, WORKSPACE)
         self._current = np.zeros(count, np.int64)
+        self._functions: list[Any] = []  # those of all flights that have begun, once a flight begins
         edges = np.linspace(0, count, min(workers, count) + 1).astype(int)
         mine, *others = (self._share(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True))
         self._mine, self._helpers = mine, [Helper(share) for share in others]
@@ -78,13 +80,13 @@ class Fleet:
 
     def _share(self, first: int, end: int) -> Callable[[int], object]:
         """What flies the flights ``first .. end - 1`` by some base cycles: their arrays are cut out once."""
-        some, steps = slice(first, end), self._steps
+        some, steps, functions = slice(first, end), self._steps, self._functions
         records = (
             *(self.cases[some], self.onboards[some], self.tables, self.plants[some], self.outputs[some]),
             *(self.peaks[some], self._works[some], self.sensors[some], self.memories[some]),
             *(self.cycles[some], self.outcomes[some], self._current[some]),
         )
-        return lambda count: fly_each(*records, count, steps, NO_TICKS, NO_BRIEFS)
+        return lambda count: fly_each(functions[0], *records, count, steps, NO_TICKS, NO_BRIEFS)
 
     @property
     def flights(self) -> tuple[np.ndarray, ...]:
@@ -107,6 +109,7 @@ class Fleet:
             if rest.any():  # pages that were never written to are left so: they take no memory
                 rest[:] = 0
         self.cycles[index], self.outcomes[index], self._current[index] = start.cycle, FLYING, 0
+        self._functions[:] = [functions_of(self.cases, self.onboards[index])]
 
     def halt(self, which: np.ndarray) -> None:
         """Fly some flights no further, shape (count,), bool."""
@@ -114,6 +117,8 @@ class Fleet:
 
     def advance(self, cycles: int) -> None:
         """Fly some base cycles of every flight that still flies, a share of them in this thread."""
+        if not self._functions:
+            return
         for helper in self._helpers:
             helper.begin(cycles)
         try:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.dispatch import NOTHING, on_its_own
-from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
 from edl6dof.sensors.registry import sense
 from edl6dof.sim.finiteness import works_with_finite
@@ -19,9 +17,6 @@ from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.peaks import update_peaks
 from edl6dof.vehicle.motion.rest import note_motion
 from edl6dof.vehicle.motion.runge_kutta import evaluate, retrace, survey, undo
-
-#: A cycle of the flight software, which is compiled beside the loop.
-run_software = on_its_own(NOTHING)(run)
 
 
 @kernel
@@ -63,16 +58,17 @@ def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
 
 @kernel
 def fly(
-    cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
+    functions, cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
     first, last, current, steps, log, brief, log_first,
 ):  # fmt: skip
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
-    All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one
-    is empty and the other has a row for each logged cycle; with both empty nothing is logged.  Cycle ``k``
-    starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and the last state
-    always.  A step that fails is undone: the last state is the one before it.  ``current``: whether the
-    outputs are those of the present state, as a call leaves them; else they are evaluated first.
+    All arguments but ``functions`` (:mod:`edl6dof.sim.functions`) and the counters are record arrays of
+    length one, except ``log`` and ``brief``, of which one is empty and the other has a row for each
+    logged cycle; with both empty nothing is logged.  Cycle ``k`` starts at ``k / base rate``; a row is logged
+    every ``simulation.log_every`` cycles, and the last state always.  A step that fails is undone: the last
+    state is the one before it.  ``current``: whether the outputs are those of the present state, as a call
+    leaves them; else they are evaluated first.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     outputs, peaks, work = outputs_[0], peaks_[0], works[0]
@@ -85,11 +81,11 @@ def fly(
     for k in range(first, last):
         t = k * cycle
         survey(case, tables, plant, outputs)
-        sense(case, tables, plant, outputs, sensors)
-        run_software(onboard, sensors.sensed, k, fsw)
+        sense(functions, case, tables, plant, outputs, sensors)
+        functions.run(functions.software, onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):
-            actuate(case, fsw.command, plant)
+            actuate(functions, case, fsw.command, plant)
             update_peaks(plant, outputs, peaks)
             note_motion(case, plant)
             outcome = outcome_of(case, plant, outputs)
@@ -115,7 +111,7 @@ def fly(
 
 @kernel
 def fly_each(
-    cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
+    functions, cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
     cycles, outcomes, current, count, steps, log, brief,
 ):  # fmt: skip
     """Fly ``count`` base cycles of each of several flights that still fly, as :func:`fly` does one.
@@ -127,8 +123,9 @@ def fly_each(
     for i in range(len(plants)):
         if outcomes[i] == FLYING:
             outcomes[i], flown, _ = fly(
-                cases[i : i + 1], onboards[i : i + 1], tables_, plants[i : i + 1], outputs_[i : i + 1],
-                peaks_[i : i + 1], works[i : i + 1], sensors_[i : i + 1], memories[i : i + 1],
+                functions, cases[i : i + 1], onboards[i : i + 1], tables_, plants[i : i + 1],
+                outputs_[i : i + 1], peaks_[i : i + 1], works[i : i + 1], sensors_[i : i + 1],
+                memories[i : i + 1],
                 cycles[i], cycles[i] + count, current[i], steps, log, brief, 0,
             )  # fmt: skip
             cycles[i] += flown

@@ -22,6 +22,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
+from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import look, prepare, take_up
 from edl6dof.sim.outcome import FLYING
@@ -107,6 +108,7 @@ class Underway:
             )
             if members is not None:
                 compile_loop(members, *self._records, self.cycle, self.cycle, 0, self._steps, *self._logs, 0)
+        self._functions = functions_of(self.case, self.onboard[0])
 
     @property
     def last_cycle(self) -> int:
@@ -118,7 +120,7 @@ class Underway:
         if self.code == FLYING:
             end = self.cycle + cycles
             self.code, flown, new = fly_cycles(
-                *self._records, self.cycle, end, 0, self._steps, *self._logs, self.rows
+                *(self._functions, *self._records), self.cycle, end, 0, self._steps, *self._logs, self.rows
             )
             self.cycle += flown
             self.rows += new

@@ -99,3 +99,11 @@ def inertia_solve(inertia, m):
         inverse * (b * m[0] + d * m[1] + e * m[2]),
         inverse * (c * m[0] + e * m[1] + f * m[2]),
     )
+
+
+@kernel
+def along_track(r, v, parts):
+    """The vector (I) with given parts along the radius, along the track and across it."""
+    radial, across = unit(r), unit(cross(r, v))
+    along = cross(across, radial)
+    return add(scale(parts[0], radial), add(scale(parts[1], along), scale(parts[2], across)))

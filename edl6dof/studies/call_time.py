@@ -9,8 +9,9 @@ from time import thread_time
 
 import numpy as np
 
+from edl6dof.fsw.functions import software_functions
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.jit import kernel
 from edl6dof.scenario.loading import LoadedScenario
@@ -25,12 +26,12 @@ BLOCKS = 15
 
 
 @kernel
-def _repeat(law, onboards, navs, memories, work, outs, repeats):
+def _repeat(functions, onboards, navs, memories, work, outs, repeats):
     """Call an entry law again and again on a few states, each time with its memory as it was."""
     for _ in range(repeats):
         for j in range(navs.shape[0]):
             work[0] = memories[j]
-            entry_guidance(law, onboards[0], navs[j], work[0], outs[0])
+            entry_guidance(functions, onboards[0], navs[j], work[0], outs[0])
 
 
 def call_time(loaded: LoadedScenario) -> float:
@@ -42,12 +43,12 @@ def call_time(loaded: LoadedScenario) -> float:
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
         navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
-    law = ENTRY_LAWS.names.index(loaded.scenario.flight_software.guidance.entry.law)
+    functions = software_functions(onboard[0])
     rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
-    _repeat(law, *rest, 1)
+    _repeat(functions, *rest, 1)
     blocks = []
     for _ in range(BLOCKS):
         start = thread_time()
-        _repeat(law, *rest, REPEATS)
+        _repeat(functions, *rest, REPEATS)
         blocks.append(thread_time() - start)
     return 1e6 * min(blocks) / (REPEATS * len(saved))

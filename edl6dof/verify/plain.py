@@ -19,7 +19,7 @@ import numpy as np
 
 from edl6dof.child import python
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.jit import SETTINGS
+from edl6dof.kernels.cache import SETTINGS
 from edl6dof.scenario import records
 from edl6dof.scenario.case import CASE
 from edl6dof.scenario.loading import LoadedScenario
@@ -61,14 +61,16 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
     """Fly base cycles from a setting, compiled or plain as the process is; returns the changed records and
     the log.
     """
+    from edl6dof.sim.functions import functions_of
     from edl6dof.sim.loop import fly
 
     log = np.zeros(cycles + 2, TICK)
+    functions = functions_of(s.arrays["case"], s.arrays["onboard"][0])
     arrays: list[Any] = [s.arrays[name] for name in LAYOUT]
     logs: list[Any] = [log, np.zeros(0, BRIEF)]
     if SETTINGS.DISABLE_JIT:
         arrays, logs = [Records(array) for array in arrays], [Records(array) for array in logs]
-    _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, 0, s.steps, *logs, 0)
+    _, _, rows = fly(functions, *arrays, s.cycle, s.cycle + cycles, 0, s.steps, *logs, 0)
     return {
         **{name: s.arrays[name] for name in ("plant", "outputs", "peaks", "sensors", "fsw")},
         "log": log[:rows],

@@ -178,24 +178,24 @@ def test_folder_remembers_its_plugins(tmp_path, monkeypatch):
     """It says which is gone, changed, not loaded or new."""
     plan, store, plugin = load_plan(write_drop(tmp_path)), Store(tmp_path / "out"), tmp_path / "law.py"
     plugin.write_text("x = 1\n")
-    monkeypatch.setattr(origin, "outside_sources", [str(plugin)])
+    monkeypatch.setattr(origin, "received", [str(plugin)])
     run.begin(plan, store, None)
     was = hashlib.sha256(b"x = 1\n").hexdigest()
     assert store.info.identity.plugins == {str(plugin): was}
     run.resumed_plan(store)
 
     for change, words in (
-        (origin.outside_sources.clear, "is not loaded in this process: set EDL6DOF_PLUGINS to it"),
+        (origin.received.clear, "is not loaded in this process: set EDL6DOF_PLUGINS to it"),
         (
-            lambda: origin.outside_sources.append(str(plugin)) or plugin.write_text("x = 2\n"),
+            lambda: origin.received.append(str(plugin)) or plugin.write_text("x = 2\n"),
             "is [0-9a-f]{12}",
         ),
-        (lambda: origin.outside_sources.clear() or plugin.unlink(), "is gone"),
+        (lambda: origin.received.clear() or plugin.unlink(), "is gone"),
     ):
         change()
         with pytest.raises(StoreError, match=f"plugin {plugin}: was {was[:12]}, {words}"):
             run.resumed_plan(store)
-    monkeypatch.setattr(origin, "outside_sources", [str(plugin), "/other.py"])
+    monkeypatch.setattr(origin, "received", [str(plugin), "/other.py"])
     plugin.write_text("x = 1\n")
     with pytest.raises(StoreError, match="plugin /other.py: was not there, is gone"):
         run.resumed_plan(store)

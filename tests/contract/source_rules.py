@@ -16,17 +16,11 @@ PACKAGE = Path(edl6dof.__file__).parent
 LAYERS = (
     (
         "jit",
-        "compile_time",
-        "code_files",
+        "kernels",
         "child",
-        "source_stamp",
-        "stale_code",
         "durable",
         "records",
         "__version__",
-        "apart",
-        "dispatch",
-        "lazy_calls",
     ),
     ("config", "another_version", "manifest", "registry", "plugins"),
     ("spatial",),

@@ -5,12 +5,13 @@ from math import pi
 
 import numpy as np
 import pytest
+from given_functions import entry_guidance
 from onboard_states import guided, nav_state
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from given_functions import entry_guidance
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
@@ -11,7 +12,7 @@ from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.hazard.footprint import FOOTPRINT

@@ -8,6 +8,7 @@ import edl6dof
 from edl6dof.scenario import records
 from edl6dof.sim import loop
 from edl6dof.sim.flight import fly
+from edl6dof.sim.functions import functions_of
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
 
@@ -43,7 +44,7 @@ def cycles(loaded, state, count):
     steps = loaded.scenario.steps_per_cycle
     loop.take_up(case, plant, fsw)
     sensors["inertial_unit"] = 0
-    flown = (case, onboard, tables, plant, outputs, peaks, work, sensors, fsw)
+    flown = (functions_of(case, onboard[0]), case, onboard, tables, plant, outputs, peaks, work, sensors, fsw)
     for k in range(state.cycle, state.cycle + count):
         before, centre = plant[0].copy(), outputs[0]["centre"].copy()
         loop.fly(*flown, k, k + 1, 0, steps, log, brief, 0)

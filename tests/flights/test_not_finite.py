@@ -12,6 +12,7 @@ import pytest
 import edl6dof
 from edl6dof.config.dtype import duplicate
 from edl6dof.fsw.cycle import run
+from edl6dof.fsw.functions import software_functions
 from edl6dof.interface.sensed import SENSED
 from edl6dof.records import numbers
 from edl6dof.scenario import records
@@ -104,7 +105,13 @@ def test_reading_under_way_is_named(loaded, moment, field, value):
 def test_sensed_quantity_is_named(onboard, moment, path):
     number, state = moment
     changed = planted(state, "sensors", f"sensed.{path}", ..., wrong(number, READ.index(path)))
-    run(onboard[0], changed.sensors[0]["sensed"], changed.cycle, changed.fsw[0])
+    run(
+        software_functions(onboard[0]),
+        onboard[0],
+        changed.sensors[0]["sensed"],
+        changed.cycle,
+        changed.fsw[0],
+    )
     assert not works_with_finite(changed.sensors.view(np.uint64), changed.fsw.view(np.uint64))
     outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
     assert first_cause(changed.plant, outputs, work, changed.sensors, changed.fsw).startswith(

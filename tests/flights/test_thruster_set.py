@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from given_functions import allocate
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.update import ALLOCATION, allocate
+from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE
 from edl6dof.scenario.belief import believe
 from edl6dof.scenario.records import build_tables
@@ -50,7 +51,7 @@ def test_thrust_and_torque_are_shared_out_together(torque):
     demand["groups"] = 1 << AXIAL | 1 << ATTITUDE | 1 << FINE
     demand["boosting"] = demand["descending"] = 1
     count = onboard["vehicle"]["n_thrusters"]
-    allocate(onboard["allocation"], onboard["vehicle"], np.ones(32, "i8"), effectiveness, demand, out)
+    allocate(onboard, onboard["vehicle"], np.ones(32, "i8"), effectiveness, demand, out)
     duty = out["duty"][:count]
     given = duty @ effectiveness["matrix"][:count]
     assert np.all((duty >= 0.0) & (duty <= 1.0))

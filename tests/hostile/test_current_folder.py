@@ -13,8 +13,8 @@ import pytest
 from command import ROOT
 from in_process import called
 
-from edl6dof import jit
 from edl6dof.child import python
+from edl6dof.kernels import cache
 
 #: Names that somebody who starts Python in this folder would import sooner or later.
 MODULES = ("numba", "numpy", "yaml", "typing", "inspect", "shlex", "pydantic", "typer", "llvmlite")
@@ -49,9 +49,9 @@ def test_child_processes_find_what_this_process_finds_and_nothing_else(prepared)
 def test_settings_of_numba_in_the_current_folder_have_no_say(tmp_path):
     """They could name the folder whose machine code is run."""
     (tmp_path / ".numba_config.yaml").write_text("cache_dir: theirs\nopt: 0\n")
-    shown = "from edl6dof.jit import SETTINGS; print(repr(SETTINGS.CACHE_DIR), SETTINGS.OPT)"
+    shown = "from edl6dof.kernels.cache import SETTINGS; print(repr(SETTINGS.CACHE_DIR), SETTINGS.OPT)"
     done = here([sys.executable, "-c", f"import numba; {shown}"], tmp_path)
-    assert done.stdout == f"{jit.SETTINGS.CACHE_DIR!r} {jit.SETTINGS.OPT}\n", done.stderr
+    assert done.stdout == f"{cache.SETTINGS.CACHE_DIR!r} {cache.SETTINGS.OPT}\n", done.stderr
 
 
 @pytest.mark.parametrize("content", ["cache_dir: theirs\n", "a: [\n"])

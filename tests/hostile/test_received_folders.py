@@ -13,9 +13,8 @@ import pytest
 from command import SHORT, VIEWERS, finished, refused, viewing
 from in_process import called
 
-from edl6dof.jit import PACKAGE
+from edl6dof.kernels import cache
 from edl6dof.manifest import hash_of, seal
-from edl6dof.source_stamp import SourceTree
 
 #: A law that leaves a trace when it is merely loaded.
 LAW = """
@@ -231,13 +230,14 @@ def test_plugin_changed_after_it_was_read_has_the_machine_code_of_what_was_read(
     """Its code is kept under the content that runs, not under the one that the file has by then."""
     law = tmp_path / "law.py"
     law.write_text(LAW)
-    tree = SourceTree(PACKAGE, tmp_path / "sources.json")
-    tree.take(str(law), LAW.encode())
+    monkeypatch.setattr(cache, "received", {})
+    folder_of = cache.folder_of.__wrapped__
+    before = folder_of(str(law))
+    cache.receive(law, LAW.encode(), in_loop=False)
     law.write_text(LAW.replace("0.5", "0.6"))
-    before = SourceTree(PACKAGE, tmp_path / "other.json")
-    before.take(str(law), LAW.encode())
-    after = SourceTree(PACKAGE, tmp_path / "after.json")
-    assert tree.stamp([str(law)]) == before.stamp([str(law)]) != after.stamp([str(law)])
+    assert folder_of(str(law)) == before
+    cache.received.clear()
+    assert folder_of(str(law)) != before
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 
 #: Reads requests from its standard input, a socket: the program as JSON and the pipe for what it printed.
 SERVER = """
-import contextlib, gc, io, json, os, socket, sys, time, traceback
+import contextlib, gc, io, json, os, socket, sys, traceback
 import numba, numpy, pydantic
 numba.njit("f8(f8)")(lambda x: x + x)
 gc.freeze()
@@ -42,7 +42,6 @@ if request:
     os.chdir(folder)
     sys.argv = ["-c", *arguments]
     sys.dont_write_bytecode = True
-    time.sleep(0.2)  # jit.py takes a source for edited since that was written a tenth of a second before
     status, out, err = 0, io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:

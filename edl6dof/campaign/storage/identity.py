@@ -22,7 +22,7 @@ from edl6dof.campaign.storage.documents import Identity
 from edl6dof.campaign.storage.files import digest, sha256
 from edl6dof.campaign.storage.inputs import input_files
 from edl6dof.config.plugin_scan import VARIABLE
-from edl6dof.jit import outside_sources
+from edl6dof.kernels.cache import received
 
 _PACKAGE = Path(edl6dof.__file__).resolve().parent
 #: Folders of the package from which no row follows.
@@ -42,14 +42,14 @@ def identity(plan: Plan) -> Identity:
     libraries = ["numpy", "numba"]
     if plan.campaign is not None and plan.campaign.sampling.startswith("sobol"):
         libraries.append("scipy")
-    return _present(plan.text, libraries, list(outside_sources), map(_label, input_files(plan)))
+    return _present(plan.text, libraries, list(received), map(_label, input_files(plan)))
 
 
 def differences(recorded: Identity, plan_text: str) -> list[str]:
     """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this,
     is that``.
     """
-    plugins = [*recorded.plugins, *outside_sources]
+    plugins = [*recorded.plugins, *received]
     return compared(recorded, _present(plan_text, recorded.versions, plugins, recorded.files))
 
 
@@ -76,8 +76,7 @@ def _present(
         sources=source_hash(),
         versions={name: known[name] for name in ("edl6dof", *libraries) if name in known},
         plugins={
-            name: _hash(Path(name)) if name in outside_sources else _absent(name)
-            for name in sorted(set(plugins))
+            name: _hash(Path(name)) if name in received else _absent(name) for name in sorted(set(plugins))
         },
         files={name: _hash(_PACKAGE.parent / name) for name in files},
     )

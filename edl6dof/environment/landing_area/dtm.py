@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.dispatch import numbers, on_its_own
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.vector import clamp
@@ -36,7 +35,6 @@ class DtmParams(Params):
     )
 
 
-@on_its_own(numbers(3))
 @kernel
 def with_dtm(dtm, site_elevation, north, east, below):
     """The ground of the model at a place (m from the site), where there is one: elevation (m) and rise per

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from edl6dof.dispatch import numbers, on_its_own
 from edl6dof.environment.landing_area.feature import with_member
 from edl6dof.environment.landing_area.fractal import fractal_at
 from edl6dof.environment.landing_area.params import FADE
@@ -18,7 +17,6 @@ from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.vector import clamp
 
 
-@on_its_own(numbers(3))
 @kernel
 def relief(area, tiles, north, east):
     """Height (m) of the relief at a place (m from the site), and its rise per metre towards north and east:

@@ -19,7 +19,6 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import param
-from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.allocation import least_squares, table
 from edl6dof.registry import Family
 
@@ -41,8 +40,7 @@ class AllocationParams(_Methods):
     )
 
 
-share_out = ALLOCATORS.switch(
+share_out = ALLOCATORS.role(
     "share_out",
     *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty", "unallocated"),
-    returns=NOTHING,
 )

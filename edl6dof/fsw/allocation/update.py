@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.allocation.effectiveness import ROWS
-from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
+from edl6dof.fsw.allocation.registry import ALLOCATORS
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import AXIAL
 from edl6dof.jit import kernel
@@ -43,10 +43,11 @@ def boost(vehicle, effectiveness, demand):
 
 
 @kernel
-def allocate(params, vehicle, healthy, effectiveness, demand, out):
+def allocate(functions, params, vehicle, healthy, effectiveness, demand, out):
     """Share the demand out over the thrusters.
 
     Args:
+        functions: of the members that fly.
         params: allocation record.
         vehicle: believed vehicle (thrusters).
         healthy: whether each thruster may be used.
@@ -58,8 +59,7 @@ def allocate(params, vehicle, healthy, effectiveness, demand, out):
     if demand.boosting != 0 and demand.descending == 0:
         boost(vehicle, effectiveness, demand)
     if anything or demand.boosting != 0:
-        share_out(
-            params.method,
+        functions.share_out(
             params,
             params,
             vehicle,

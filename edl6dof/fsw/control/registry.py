@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from edl6dof.dispatch import numbers
 from edl6dof.fsw.control import bank_to_steer, off, phase_plane, rate_damping, thrust_vector
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.registry import Family
@@ -44,6 +43,4 @@ else:  # which controllers there are, plugins included, is known only when it ru
 
 CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
 
-attitude_control = CONTROLLERS.switch(
-    "control", "params", "nav", "goal", "inputs", "dt", "memory", returns=numbers(2, 3)
-)
+attitude_control = CONTROLLERS.role("control", "params", "nav", "goal", "inputs", "dt", "memory")

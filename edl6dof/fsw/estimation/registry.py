@@ -12,7 +12,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from edl6dof.config.base import group, param
-from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.estimation.engine_shortfall import EngineShortfallParams
 from edl6dof.fsw.estimation.estimators import first_order, unfiltered
 from edl6dof.fsw.estimation.held_thrust import HeldThrustParams
@@ -72,4 +71,4 @@ class EstimationParams(_Estimators):
     )
 
 
-estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out", returns=NOTHING)
+estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "out")

@@ -13,7 +13,7 @@ import numpy as np
 from edl6dof.fsw.estimation.activity import ACTIVITY, expect
 from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL
 from edl6dof.fsw.estimation.held_thrust import HELD_THRUST
-from edl6dof.fsw.estimation.registry import ESTIMATORS, MEASURED, estimate
+from edl6dof.fsw.estimation.registry import ESTIMATORS, MEASURED
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, cross, inertia_times, put3, scale, sub, take3
@@ -78,10 +78,11 @@ def measure(inertia, mass, rate, gain, dt, memory):
 
 
 @kernel
-def estimate_disturbance(params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
+def estimate_disturbance(functions, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
     """Bring the estimate up to the latest inertial measurement.
 
     Args:
+        functions: of the members that fly.
         params: estimation record.
         vehicle: believed vehicle.
         state: ``VEHICLE_STATE`` record (configuration, mass).
@@ -100,7 +101,7 @@ def estimate_disturbance(params, vehicle, state, nav, imu_delay, effectiveness, 
         measure(inertia, state.mass, rate, gain, dt, memory)
         for i in range(6):
             out.unexplained[i] = memory.measured.unexplained[i]
-        estimate(params.estimator, params, memory.measured, dt, memory.law, out)
+        functions.estimate(params, memory.measured, dt, memory.law, out)
     memory.started = 1
     put3(memory.rate, 0, rate)
     put3(memory.gain, 0, gain)

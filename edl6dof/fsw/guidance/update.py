@@ -7,7 +7,7 @@ import numpy as np
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.held_thrust import come_down
-from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.relaxation import RELAXED, note_relaxed
 from edl6dof.fsw.guidance.powered.standing_force import standing_force
 from edl6dof.fsw.guidance.powered.stopping import brake_in_time
@@ -87,7 +87,7 @@ def keep_thrust_axis(nav, goal):
 
 
 @kernel
-def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal):
+def descend_by_engine(functions, onboard, kind, nav, state, disturbance, point, dt, memory, goal):
     """Thrust, and lateral force where the phase asks for it, of a phase on the main engine."""
     p, engine, mass = onboard.guidance.powered, state.engine, state.mass
     if kind == G_POWERED and state.ignited == 0:
@@ -95,7 +95,7 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
     elif kind == G_POWERED:
         choose_target(p.target, nav, point, memory.target)
         goal.full_wanted = goal.relaxed = 0
-        wanted = powered_guidance(p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
+        wanted = functions.powered_law(p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
         acceleration, braking = brake_in_time(
             wanted, engine, nav, mass, memory.target, memory.at_full_thrust != 0, goal
         )
@@ -118,11 +118,12 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
 
 
 @kernel
-def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
+def guide(functions, onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
     """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
     the phase before had another.
 
     Args:
+        functions: of the members that fly.
         onboard: what the flight computer believes.
         kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
         k: number of the base cycle.
@@ -146,9 +147,9 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal
             if kind == G_HOLD_BANK:
                 hold_bank(onboard, nav, goal)
             else:
-                entry_guidance(entry.law, onboard, nav, memory.entry, goal)
+                entry_guidance(functions, onboard, nav, memory.entry, goal)
             own.bank = goal.bank
     elif begins or k % rates.powered_guidance_every == 0:
         dt = rates.powered_guidance_every / rates.base
-        descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal)
+        descend_by_engine(functions, onboard, kind, nav, state, disturbance, point, dt, memory, goal)
         put3(own.thrust_N, 0, scale(goal.thrust, take3(goal.thrust_direction_N, 0)))

@@ -11,7 +11,6 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.hazard.choose import ChoiceParams
 from edl6dof.fsw.hazard.coarse import CoarseParams
 from edl6dof.fsw.hazard.detectors import given, lidar, lidar_probabilistic
@@ -50,6 +49,4 @@ class HazardParams(_Detectors):
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 
-classify = HAZARD_DETECTION.switch(
-    "classify", "params", "chart", "footprint", "radius", "deviation", "out", returns=NOTHING
-)
+classify = HAZARD_DETECTION.role("classify", "params", "chart", "footprint", "radius", "deviation", "out")

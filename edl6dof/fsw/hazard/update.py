@@ -7,14 +7,12 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.hazard.coarse import COARSE, choose_part
 from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
 from edl6dof.fsw.hazard.drift import follow_wind, predict_drifts
 from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
 from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, add_range, begin_map, fill_holes
-from edl6dof.fsw.hazard.registry import GIVEN, classify
 from edl6dof.fsw.hazard.safety import SAFETY_MAP
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
@@ -123,10 +121,11 @@ def begins_to_scan(params, nav, elapsed):
 
 
 @kernel
-def work_out(params, terminal, deviation, nav, state, memory):
+def work_out(functions, params, terminal, deviation, nav, state, memory):
     """Classify the cells of the map, and choose the spot.
 
     Args:
+        functions: of the members that fly.
         params: hazard parameters.
         terminal: parameters of the terminal phases: how the spot is flown to.
         deviation: of the elevation of a point, m.
@@ -137,7 +136,7 @@ def work_out(params, terminal, deviation, nav, state, memory):
     chart, footprint, safety_map = memory.chart, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, chart)
     assess(chart, params.footprint_radius, footprint)
-    classify(params.detection, params, chart, footprint, params.footprint_radius, deviation, safety_map)
+    functions.classify(params, chart, footprint, params.footprint_radius, deviation, safety_map)
     clearances(safety_map.cell_class, chart.cell, memory.envelope, safety_map.clearance)
     here_L = (nav.site_L[0], nav.site_L[1])
     choose_spot(
@@ -155,7 +154,6 @@ def work_out(params, terminal, deviation, nav, state, memory):
         least_bad(chart, footprint, safety_map, here_L, memory.choice)
 
 
-@on_its_own(NOTHING)
 @kernel
 def look_ahead(onboard, sensed, nav, memory, point, command):
     """Ask for the image, and make the coarse choice when it is there."""
@@ -169,9 +167,8 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
         point.coarse_known, memory.image_t = 1, nav.t
 
 
-@on_its_own(NOTHING)
 @kernel
-def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
+def look_down(functions, onboard, elapsed, sensed, nav, state, memory, point, command):
     """Ask for the scan, take what it brings, and choose the spot when it is whole."""
     params, eyes = onboard.hazard, onboard.instruments.eyes
     if memory.scanning == 0:
@@ -194,16 +191,22 @@ def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
         eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
         take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.chart)
         if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
-            work_out(params, onboard.guidance.powered.terminal, sharp, nav, state, memory)
+            work_out(functions, params, onboard.guidance.powered.terminal, sharp, nav, state, memory)
             point.fine_L[0], point.fine_L[1] = memory.choice.spot_L[0], memory.choice.spot_L[1]
             point.fine_known, memory.spot_t = 1, nav.t
 
 
 @kernel
-def detect_hazards(onboard, kind, elapsed, sensed, nav, state, memory, point, command):
+def detect_nothing(functions, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
+    """As :func:`detect_hazards`, of a vehicle that looks for none."""
+
+
+@kernel
+def detect_hazards(functions, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
     """One base cycle of hazard detection.
 
     Args:
+        functions: of the members that fly.
         onboard: what the flight computer believes.
         kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
         elapsed: time since its beginning, s.
@@ -215,15 +218,13 @@ def detect_hazards(onboard, kind, elapsed, sensed, nav, state, memory, point, co
         command: ``COMMAND`` record: what the eyes are told.
     """
     command.expose = command.scan = 0
-    if onboard.hazard.detection == GIVEN:
-        return
     eyes = onboard.instruments.eyes
     if memory.exposed == 0:
         follow_wind(onboard.hazard.coarse.wind_time, nav, 1.0 / onboard.rates.base, memory.carried_N)
     if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
         look_ahead(onboard, sensed, nav, memory, point, command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
-        look_down(onboard, elapsed, sensed, nav, state, memory, point, command)
+        look_down(functions, onboard, elapsed, sensed, nav, state, memory, point, command)
     elif kind == G_AVOID and point.fine_known == 0:
         # nothing was seen: the point below is as good as any
         point.fine_L[0], point.fine_L[1] = nav.site_L[0], nav.site_L[1]

@@ -16,7 +16,6 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.navigation.alignment import adopt_attitude
 from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at, level_axes
@@ -86,7 +85,6 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
 
 
-@on_its_own(NOTHING)
 @kernel
 def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution):
     """As :func:`recover`, while the attitude is lost and the rate is known."""

@@ -21,7 +21,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.jit import kernel
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, Components
-from edl6dof.vehicle.faults.registry import FaultChoice, components_of, inflict_kind
+from edl6dof.vehicle.faults.registry import FaultChoice, components_of
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 
@@ -151,7 +151,7 @@ def begin(fault, index, command, plant):
 
 
 @kernel
-def inflict(case, command, plant):
+def inflict(functions, case, command, plant):
     """Let every fault that has begun act on the commanded actuators."""
     faults = case.faults
     for i in range(faults.count):
@@ -159,4 +159,4 @@ def inflict(case, command, plant):
         if plant.fault_since[i] == NOT_BEGUN:
             begin(fault, i, command, plant)
         if plant.fault_since[i] != NOT_BEGUN:
-            inflict_kind(fault.params.kind, fault, case, plant.fault_since[i], command, plant)
+            functions.inflict[fault.params.kind](fault, case, plant.fault_since[i], command, plant)

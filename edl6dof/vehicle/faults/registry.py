@@ -10,7 +10,6 @@ the fault began, after the commands have reached valves and engines and before t
 from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
-from edl6dof.dispatch import NOTHING
 from edl6dof.interface.events import Action
 from edl6dof.interface.roles import Role
 from edl6dof.interface.thrusters import ThrusterFailure
@@ -56,4 +55,4 @@ def _about(kind: str) -> type[ComponentFault]:
 
 FaultChoice = FAULT_KINDS.params_model("FaultChoice", "kind", REQUIRED, "What breaks.")
 
-inflict_kind = FAULT_KINDS.switch("inflict", "fault", "case", "since", "command", "plant", returns=NOTHING)
+inflict_kind = FAULT_KINDS.role("inflict", "fault", "case", "since", "command", "plant")

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from math import isnan
 from typing import Any, NamedTuple
 
-from edl6dof.dispatch import Choice, static
 from edl6dof.jit import kernel
+from edl6dof.kernels.functions import static
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3
 from edl6dof.vehicle.motion.footing import least_clearance, normal_of
@@ -119,11 +119,10 @@ STATE_EVENTS = (
     StateEvent("touchdown", clearance, touch_down),
 )
 
-_value = static(
-    Choice("value of an event", [event.value for event in STATE_EVENTS], ("case", "plant", "outputs"))
-)
-_carry_out = static(Choice("action of an event", [event.action for event in STATE_EVENTS], ("case", "plant")))
 _COUNT = len(STATE_EVENTS)
+_OF_VALUE, _OF_ACTION = ("case", "plant", "outputs"), ("case", "plant")
+_value = static([event.value for event in STATE_EVENTS], _OF_VALUE, [_OF_VALUE] * _COUNT)
+_carry_out = static([event.action for event in STATE_EVENTS], _OF_ACTION, [_OF_ACTION] * _COUNT)
 
 
 @kernel

@@ -5,18 +5,17 @@ it is never overlooked.
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from edl6dof import jit, plugins
+from edl6dof import plugins
 from edl6dof.config.accepted import accept
 from edl6dof.config.document.locate import find_shipped
 from edl6dof.config.errors import ConfigError
-from edl6dof.source_stamp import SourceTree
+from edl6dof.kernels import cache
 
 EXAMPLE = Path(__file__).parents[3] / "scenarios" / "plugin" / "energy_law.py"
 
@@ -75,10 +74,11 @@ def scenario_with(folder, plugin):
 def plugins_of_this_process(monkeypatch):
     """Tests may try plugins; nothing of that stays."""
     monkeypatch.setattr(plugins, "ACTIVE", {})
-    files: dict[str, str] = {}
-    for module in (jit, plugins):
-        monkeypatch.setattr(module, "outside_sources", files)
+    monkeypatch.setattr(cache, "received", {})
+    monkeypatch.setattr(cache, "_in_loop", [])
     yield
+    for known in (cache.folder_of, cache._base):
+        known.cache_clear()
 
 
 # ---- mistakes ----------------------------------------------------------------------------------------------
@@ -210,41 +210,107 @@ def test_estimator_of_a_plugin_is_chosen_by_name(tmp_path):
     assert (status, error) == (0, "")
 
 
+IDLE = """
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+class IdleParams(Params):
+    "No thruster fires."
+
+@kernel
+def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
+    "Leave the whole demand."
+    for i in range(vehicle.n_thrusters):
+        duty[i] = 0.0
+    for i in range(unallocated.shape[0]):
+        unallocated[i] = demand.wrench[i]
+
+FAMILY = "allocator"
+MEMBER = Member("idle", IdleParams, {"share_out": share_out}, "null member")
+"""
+
+CAREFREE = """
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+class CarefreeParams(Params):
+    "Every cell is safe."
+
+@kernel
+def classify(params, chart, footprint, radius, deviation, out):
+    "Take every cell for safe."
+    out.cell_class[:] = 0
+
+FAMILY = "hazard_detector"
+MEMBER = Member("carefree", CarefreeParams, {"classify": classify}, "null member")
+"""
+
+LATE = """
+from edl6dof.config.base import param
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.vehicle.faults.component import ThrusterFault
+
+class LateParams(ThrusterFault):
+    "A valve opens late."
+    failure = "stuck_off"
+    delay_s: float = param(0.05, "delay", ge=0.0)
+
+@kernel
+def inflict(fault, case, since, command, plant):
+    "Open late."
+    plant.valves.opens[fault.component] += fault.params.late.delay
+
+FAMILY = "fault_kind"
+MEMBER = Member("late", LateParams, {"inflict": inflict}, "a made-up valve")
+"""
+
+
+@pytest.mark.long
+def test_allocator_hazard_detector_and_kind_of_fault_of_plugins_are_tried_and_chosen(tmp_path):
+    for name, text in (("idle", IDLE), ("carefree", CAREFREE), ("late", LATE)):
+        write_accepted(tmp_path / f"{name}.py", text)
+    chosen = (
+        "flight_software: {allocation: {method: idle}, hazard: {detection: carefree}}\n"
+        "faults: [{kind: late, thruster: D7, at: {time_s: 1}}]\n"
+    )
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        f"extends: tianwen1_hazards\nname: mine\nplugins: [idle.py, carefree.py, late.py]\n{chosen}"
+    )
+    status, _, error = cli("check", file)
+    assert status == 0, error
+
+
 # ---- cache -------------------------------------------------------------------------------------------------
 
 
-def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path, monkeypatch):
-    law = tmp_path / "law.py"
-    write_accepted(law, LAW)
-    family = "fsw/guidance/entry/registry.py"
-    callers = (family, "fsw/guidance/update.py", "sim/loop.py")
-    others = ("spatial/vector.py", "fsw/guidance/entry/reversal/registry.py", "vehicle/motion/body.py")
-
-    memory = tmp_path / "sources.json"
-    if (known := jit.PACKAGE / "__pycache__" / memory.name).is_file():  # of the package, which takes a second
-        shutil.copy(known, memory)
-
-    def both():
-        """Stamps of both, by one who has read no file yet."""
-        monkeypatch.setattr(jit, "TREE", SourceTree(jit.PACKAGE, memory))
-        stamp = jit.tree_stamp.__wrapped__
-        return [[stamp(str(jit.PACKAGE / file)) for file in files] for files in (callers, others)]
-
-    without = both()
-    jit.outside_sources[str(law)] = str(jit.PACKAGE / family)
-    named = both()
-    write_accepted(law, LAW.replace("0.5", "0.6"))
-    edited = both()
-    assert all(len(set(stamps)) == 3 for stamps in zip(without[0], named[0], edited[0], strict=True))
-    assert without[1] == named[1] == edited[1]
+def test_folder_of_the_loop_follows_a_model_compiled_with_it_and_no_member_that_is_passed(tmp_path):
+    loop, cycle = (str(cache.PACKAGE / name) for name in ("sim/loop.py", "fsw/cycle.py"))
+    before = cache.folder_of(loop), cache.folder_of(cycle)
+    cache.receive(tmp_path / "law.py", LAW.encode(), in_loop=False)
+    assert (cache.folder_of(loop), cache.folder_of(cycle)) == before
+    cache.receive(tmp_path / "air.py", b"x = 1", in_loop=True)
+    first = cache.folder_of(loop)
+    cache.receive(tmp_path / "air.py", b"x = 2", in_loop=True)
+    assert len({before[0], first, cache.folder_of(loop)}) == 3 and cache.folder_of(cycle) == before[1]
 
 
-def test_every_family_is_made_in_the_file_that_is_said():
-    """A plugin's callers are found by it."""
-    for place in plugins.FAMILIES.values():
-        assert f'Family("{place.title}"' in "".join((jit.PACKAGE / place.file).read_text().split("\n    ")), (
-            place
-        )
+FAMILIES = """
+import json
+from edl6dof import registry
+import edl6dof.campaign.design.distributions.registry, edl6dof.sim.functions
+from edl6dof.plugins import FAMILIES
+print(json.dumps([sorted(registry._built), sorted(place.title for place in FAMILIES.values())]))
+"""
+
+
+def test_every_family_takes_plugins():
+    run = subprocess.run([sys.executable, "-c", FAMILIES], capture_output=True, text=True, timeout=300)
+    built, open_to_plugins = json.loads(run.stdout)
+    assert built == open_to_plugins
 
 
 def test_family_is_read_from_the_text_and_nothing_of_it_runs():
@@ -253,22 +319,19 @@ def test_family_is_read_from_the_text_and_nothing_of_it_runs():
 
 
 STEER = """
-import sys
 import numpy as np
 from edl6dof import plugins
 plugins.activate([{scenario!r}])
+from edl6dof.fsw.functions import PLACES
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
-from edl6dof.jit import kernel
-from edl6dof.fsw.guidance.entry import steering
 
-onboard, nav, mem, out = (np.zeros(1, t)[0] for t in (ONBOARD, NAV, steering.STEERING, GUIDE))
-entry = onboard["guidance"]["entry"]
-entry["reversal"]["logic"], entry["bank_max"], nav["speed"] = REVERSALS.names.index("mine"), 2.0, 1000.0
-steering.steer_bank(onboard, nav, mem, out, 1.25)
-print(float(out["bank"]), sum(steering.steer_bank.stats.cache_hits.values()))
+onboard, nav, out = (np.zeros(1, t)[0] for t in (ONBOARD, NAV, GUIDE))
+memory, params = np.zeros(1, REVERSALS.memory)[0], onboard["guidance"]["entry"]["reversal"]
+side = PLACES["bank_side"].functions({{REVERSALS.names.index("mine")}})
+print(side(params, onboard, nav, memory, out, 1.25, 1.0), sum(side.stats.cache_hits.values()))
 """
 
 SIDE = LAW.replace(
@@ -293,9 +356,9 @@ def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, m
             timeout=300,
         )
         assert run.returncode == 0, run.stderr
-        bank, hits = run.stdout.split()
-        found.append((float(bank), int(hits)))
-    assert found == [(1.25, 0), (1.25, 1), (-1.25, 0)]
+        side, hits = run.stdout.split()
+        found.append((float(side), int(hits)))
+    assert found == [(1.0, 0), (1.0, 1), (-1.0, 0)]
 
 
 # ---- the example -------------------------------------------------------------------------------------------

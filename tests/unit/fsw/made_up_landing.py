@@ -18,7 +18,6 @@ from made_up_instruments import (
     walk,
 )
 
-from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.navigation.filters import error_state
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE, STATES
@@ -36,7 +35,7 @@ from edl6dof.spatial.quaternion import (
 from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
 
 #: The filter as flights call it: what is compiled for them is not compiled again with what flies it here.
-start, correct = (on_its_own(NOTHING)(one) for one in (error_state.start, error_state.correct))
+start, correct = error_state.start, error_state.correct
 
 
 @kernel

@@ -7,7 +7,6 @@ what the fault leaves by its definition, and the kernels see only the schedule a
 
 import numpy as np
 import pytest
-from as_flown import apart
 
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
@@ -25,7 +24,6 @@ LANDER = 0b111
 
 NAMES = load_scenario("tianwen1").scenario.thruster_names
 DT = 0.04
-DIAGNOSE = apart(diagnose)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +37,7 @@ def effectiveness(shared_onboard):
 def look(onboards, sensed, memories, load, t):
     """A cycle of diagnosis with the records of a flight, for which it is compiled."""
     onboard, memory = onboards[0], memories[0]
-    DIAGNOSE(
+    diagnose(
         *(onboard.diagnosis, onboard.flow_meters != 0, onboard.instruments, onboard.vehicle),
         *(sensed[0].branch_used, memory.effectiveness.matrix, memory.estimation.activity, load),
         *(memory.disturbance.unexplained, t, DT, memory.diagnosis),

@@ -4,6 +4,7 @@ from math import atan2, cos, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest
+from given_functions import entry_guidance
 from scipy.integrate import quad, solve_ivp
 
 from edl6dof.fsw.guidance.command import GUIDE
@@ -12,7 +13,7 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
 from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale, scaled
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.navigation.derived import NAV
 
 RADIUS, MU = 3.3962e6, 4.2828e13

@@ -1,7 +1,6 @@
 """Modulation, activity and test pulses called with the records of a flight, shape (1,)."""
 
 from as_flown import as_flown
-from numba import types
 
 from edl6dof.fsw.diagnosis import exercise
 from edl6dof.fsw.estimation import activity
@@ -25,11 +24,10 @@ expect = as_flown(
     "count, begin, end, lag, fsw",
     f"{MATRIX}, count, begin, end, lag, fsw[0].estimation.activity",
 )
-opposite = as_flown(exercise.opposite, "count, i, fsw", f"{MATRIX}, count, i", types.int64)
+opposite = as_flown(exercise.opposite, "count, i, fsw", f"{MATRIX}, count, i")
 pair_to_test = as_flown(
     exercise.pair_to_test,
     "params, vehicle, sideways, axial, start, t, dt, fsw",
     f"params[0], vehicle, {MATRIX}, fsw[0].health.thruster, fsw[0].diagnosis, fsw[0].modulation.busy_until, "
     f"{PULSES}, sideways, axial, start, t, dt, fsw[0].diagnosis.exercise",
-    types.UniTuple(types.int64, 2),
 )

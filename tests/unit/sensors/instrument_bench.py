@@ -3,7 +3,6 @@
 from functools import cache
 
 import numpy as np
-from as_flown import apart
 from numba import njit
 
 import edl6dof
@@ -73,7 +72,7 @@ def built():
 
 @cache
 def _loop(measure, part):
-    is_row, kernel = len(SENSED[part].shape) == 1, apart(measure)
+    is_row, kernel = len(SENSED[part].shape) == 1, measure
 
     @njit
     def loop(params, unit, case, tables, plant, outputs, memory, sensed, rows, h):

@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from given_functions import actuate, inflict
 from hovering import Hovering, area
 
 import edl6dof
@@ -11,9 +12,7 @@ from edl6dof.interface.command import COMMAND
 from edl6dof.interface.eyes import look
 from edl6dof.records import first_not_finite
 from edl6dof.scenario.records import build_records, initial_plant
-from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
-from edl6dof.vehicle.faults.fault import inflict
 
 EYES = ("landing_camera", "lidar", "stereo")
 GROUND = area()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from given_functions import inflict
 from instrument_bench import Bench
 from test_flow_meters import meters
 from test_inertial_unit import unit
@@ -11,7 +12,6 @@ from test_star_tracker import tracker
 import edl6dof
 from edl6dof.interface.command import COMMAND
 from edl6dof.scenario.records import build_records
-from edl6dof.vehicle.faults.fault import inflict
 
 H = 0.02
 DEG = np.pi / 180.0

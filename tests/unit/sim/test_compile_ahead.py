@@ -6,12 +6,13 @@ import sys
 
 import pytest
 
-from edl6dof import jit
+from edl6dof.kernels import cache
+from edl6dof.kernels.functions import passed
 from edl6dof.sim import compile_ahead
 
 
 @pytest.fixture
-def started(monkeypatch):
+def started(monkeypatch, tmp_path):
     """Commands of the processes started, in a simulator that is not compiled on a machine with two cores."""
     commands, start = [], subprocess.Popen
 
@@ -20,7 +21,7 @@ def started(monkeypatch):
         return commands[-1]
 
     popen.body = "raise SystemExit(1)"
-    monkeypatch.setattr(jit, "is_cached", lambda kernel: False)
+    monkeypatch.setattr(cache, "flight_mark", lambda: tmp_path / "code" / "mark")
     monkeypatch.setattr(compile_ahead, "_cores", lambda: 2)
     monkeypatch.setattr(compile_ahead.subprocess, "Popen", popen)
     return commands, popen
@@ -44,27 +45,36 @@ def test_an_interrupted_flight_does_not_leave_the_other_process_behind(started, 
 def test_the_other_process_has_the_same_plugins(started, nominal, monkeypatch, tmp_path):
     _, popen = started
     popen.body = f"import os; open({str(tmp_path / 'said')!r}, 'w').write(os.environ['EDL6DOF_PLUGINS'])"
-    monkeypatch.setattr(jit, "outside_sources", {"/a/law.py": "x.py", "/b/sensor.py": "y.py"})
+    monkeypatch.setattr(cache, "received", {"/a/law.py": b"x", "/b/sensor.py": b"y"})
     with compile_ahead.flight_software_beside(nominal.scenario):
         pass
     assert (tmp_path / "said").read_text() == os.pathsep.join(["/a/law.py", "/b/sensor.py"])
 
 
-@pytest.mark.parametrize("reason", ["compiled", "one core"])
-def test_no_process_is_started_where_it_is_of_no_use(started, nominal, monkeypatch, reason):
-    if reason == "compiled":
-        monkeypatch.setattr(jit, "is_cached", lambda kernel: True)
-    else:
-        monkeypatch.setattr(compile_ahead, "_cores", lambda: 1)
+def test_no_process_is_started_when_the_simulator_was_compiled(started, nominal):
+    for compiles in (True, False):
+        assert compile_ahead.is_compiled() != compiles
+        with compile_ahead.flight_software_beside(nominal.scenario) as members:
+            assert (members is not None) == compiles
+    assert len(started[0]) == 1
+
+
+def test_one_core_compiles_alone(started, nominal, monkeypatch):
+    monkeypatch.setattr(compile_ahead, "_cores", lambda: 1)
     with compile_ahead.flight_software_beside(nominal.scenario) as members:
-        assert members is None
-    assert started[0] == []
+        assert "radar" in members
+    assert started[0] == [] and compile_ahead.is_compiled()
 
 
-@pytest.mark.parametrize("name", ["run", "sense"])
-def test_what_is_compiled_ahead_is_for_the_records_that_fly(nominal, name):
+def test_what_was_not_compiled_to_its_end_is_compiled_by_the_next(started, nominal):
+    with pytest.raises(KeyboardInterrupt), compile_ahead.flight_software_beside(nominal.scenario):
+        raise KeyboardInterrupt
+    assert not compile_ahead.is_compiled()
+
+
+def test_what_is_compiled_ahead_is_for_the_records_that_fly(nominal):
     """Another layout would leave code in the cache that no flight ever asks for."""
-    misses = getattr(compile_ahead, name).stats.cache_misses
+    misses = passed(compile_ahead.run).stats.cache_misses
     before = sum(misses.values())
-    compile_ahead.compile_flight_software(["error_state", "radar"])
+    compile_ahead.compile_flight_software(["error_state"])
     assert sum(misses.values()) == before

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from given_functions import actuate
 
 import edl6dof
 from edl6dof.interface.command import COMMAND
 from edl6dof.scenario.records import build_case, build_onboard, build_tables, initial_plant
-from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.plant import PROPELLANT
 
 LOADED = edl6dof.load("tianwen1")

@@ -4,7 +4,6 @@ bits.
 
 import numpy as np
 import pytest
-from as_flown import apart
 from scipy.spatial.transform import Rotation
 
 import edl6dof
@@ -18,7 +17,6 @@ from edl6dof.vehicle.parachutes.parachute import canopy_force
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, WORKSPACE
 from edl6dof.vehicle.surroundings import planet_rotation, surroundings
 
-DERIVATIVES = apart(derivatives)
 #: Coasting, in lift, while the parachute inflates, below it, under power, on the ground.
 MOMENTS = (20.0, 150.0, 278.5, 300.0, 440.0, 524.0)
 
@@ -47,7 +45,7 @@ def points():
 @kernel
 def derivatives_at(case, tables, plant, t, outputs, work):
     """Of the state in ``work.stage``, into ``work.k[0]``: arrays of a flight, for which it is compiled."""
-    DERIVATIVES(case, tables, plant, t, planet_rotation(case.planet, t), work.stage, outputs, work.k[0])
+    derivatives(case, tables, plant, t, planet_rotation(case.planet, t), work.stage, outputs, work.k[0])
 
 
 def derivative(case, tables, plant, t, y, outputs):

@@ -4,11 +4,11 @@ and which cannot be.
 
 import pytest
 from broken_vehicle import CYCLE, IGNITION, MORTAR, broken
+from given_functions import actuate
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.thrusters import THRUSTER_FAILURES
-from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of, failure_of
 from edl6dof.vehicle.parachutes.parachute import INFLATING
 

@@ -4,12 +4,12 @@ import json
 
 import pytest
 from broken_vehicle import broken
+from given_functions import actuate
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.capacities import MAX_ENGINES
 from edl6dof.interface.events import DEPLOY
-from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.plant import THRUST
 
 

@@ -7,9 +7,9 @@ same time.
 import numpy as np
 import pytest
 from broken_vehicle import CYCLE, D7, D8, IGNITION, MORTAR, PARACHUTE_PHASE, broken
+from given_functions import actuate
 
 import edl6dof
-from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.parachutes.parachute import INFLATING, RELEASED
 from edl6dof.vehicle.plant import THRUST
 from edl6dof.vehicle.propulsion.rcs import fire

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.dispatch import NUMBER
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.laws import (
     adaptive_hinf,
@@ -53,18 +52,16 @@ ENTRY_LAWS = Family(
 
 ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
 
-wanted_bank = ENTRY_LAWS.switch("guide", "params", "plan", "onboard", "nav", "memory", "out", returns=NUMBER)
+wanted_bank = ENTRY_LAWS.role("guide", "params", "plan", "onboard", "nav", "memory", "out")
 
 
 @kernel
-def entry_guidance(law, onboard, nav, memory, out):
-    """Commanded bank angle of entry law number ``law``, written into ``out``; ``memory`` is an
-    ``ENTRY_MEMORY`` record.
-    """
+def entry_guidance(functions, onboard, nav, memory, out):
+    """Write the commanded bank angle of the entry law into ``out``; ``memory``: ``ENTRY_MEMORY`` record."""
     out.range_to_go, out.crossrange, out.downrange_to_go = to_target(onboard, nav)
     measure_air(onboard, nav, memory.air)
     air = memory.air
     out.drag_ratio, out.drag_trend, out.lift_ratio = air.drag, air.trend, air.lift
     out.least_bank = onboard.guidance.entry.bank_min
-    wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
-    steer_bank(onboard, nav, memory.steering, out, wanted)
+    wanted = functions.entry_law(onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
+    steer_bank(functions, onboard, nav, memory.steering, out, wanted)

@@ -22,7 +22,7 @@ from edl6dof.fsw.guidance.powered.planning import (
     plan_arrival,
     planned_upward,
 )
-from edl6dof.fsw.guidance.powered.polynomial import meet
+from edl6dof.fsw.guidance.powered.target import meet
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member

@@ -13,9 +13,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.powered.target import meet
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import clamp
 
 _TARGET = "flight_software.guidance.powered.target"
 
@@ -33,20 +33,6 @@ class PolynomialParams(Params):
     lateral_time_floor_s: float = param(
         10.0, "smallest time to go used in the lateral gains, which the attitude has to follow", gt=0.0
     )
-
-
-@kernel
-def meet(floor, lateral_floor, t_go, nav, target):
-    """Thrust acceleration north, east, up (m/s2, gravity included) that is at rest at the target in ``t_go``
-    s; below the floors (s) its gains of height and lateral ones grow no further.
-    """
-    t = max(t_go, floor)
-    up = 6.0 * (target.height - nav.height) / (t * t) + 4.0 * nav.v_N[2] / t
-    t = max(t_go, lateral_floor)
-    k_r, k_v = 12.0 / (t * t), 6.0 / t
-    north = k_r * (target.point_L[1] - nav.site_L[1]) - k_v * nav.v_N[0]
-    east = k_r * (target.point_L[0] - nav.site_L[0]) - k_v * nav.v_N[1]
-    return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0)
 
 
 @kernel

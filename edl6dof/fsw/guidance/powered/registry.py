@@ -8,7 +8,6 @@ acceleration it wants, north, east and up (m/s2, gravity included), and the tilt
 
 from __future__ import annotations
 
-from edl6dof.dispatch import numbers
 from edl6dof.fsw.guidance.powered import apollo, constant_thrust, e_guidance, gravity_turn, polynomial
 from edl6dof.fsw.guidance.powered.convex import law as convex
 from edl6dof.registry import Family
@@ -25,8 +24,6 @@ POWERED_LAWS = Family(
     ),
 )
 
-powered_guidance = POWERED_LAWS.switch(
-    "guide",
-    *("params", "vehicle", "state", "nav", "target", "memory", "out"),
-    returns=numbers(4),
+powered_guidance = POWERED_LAWS.role(
+    "guide", *("params", "vehicle", "state", "nav", "target", "memory", "out")
 )

@@ -15,6 +15,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.vector import clamp
 
 #: Least height above the target (m) and descent rate (m/s) from which the time of arrival is worked out.
 LEAST_HEIGHT, LEAST_DESCENT = 50.0, 5.0
@@ -86,3 +87,17 @@ def choose_target(p, nav, point, target):
         return
     target.point_L[0] = nav.site_L[0] + ahead * east - p.divert * back_e
     target.point_L[1] = nav.site_L[1] + ahead * north - p.divert * back_n
+
+
+@kernel
+def meet(floor, lateral_floor, t_go, nav, target):
+    """Thrust acceleration north, east, up (m/s2, gravity included) that is at rest at the target in ``t_go``
+    s; below the floors (s) its gains of height and lateral ones grow no further.
+    """
+    t = max(t_go, floor)
+    up = 6.0 * (target.height - nav.height) / (t * t) + 4.0 * nav.v_N[2] / t
+    t = max(t_go, lateral_floor)
+    k_r, k_v = 12.0 / (t * t), 6.0 / t
+    north = k_r * (target.point_L[1] - nav.site_L[1]) - k_v * nav.v_N[0]
+    east = k_r * (target.point_L[0] - nav.site_L[0]) - k_v * nav.v_N[1]
+    return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0)

@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import group
-from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.navigation.beam_watch import BeamWatchParams
 from edl6dof.fsw.navigation.drag_filter import DragFilterParams
 from edl6dof.fsw.navigation.filters import (
@@ -54,11 +53,7 @@ class NavigationParams(_Filters):
     drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")
 
 
-start_filter = NAVIGATION_FILTERS.switch(
-    "start", "params", "onboard", "sensed", "solution", "memory", returns=NOTHING
-)
-correct_solution = NAVIGATION_FILTERS.switch(
-    "correct",
-    *("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
-    returns=NOTHING,
+start_filter = NAVIGATION_FILTERS.role("start", "params", "onboard", "sensed", "solution", "memory")
+correct_solution = NAVIGATION_FILTERS.role(
+    "correct", *("params", "onboard", "health", "sensed", "motion", "solution", "memory")
 )

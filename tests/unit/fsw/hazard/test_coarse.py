@@ -7,7 +7,6 @@ from charts import new
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.dispatch import NUMBER
 from edl6dof.fsw.hazard import drift as kernels
 from edl6dof.fsw.hazard.coarse import COARSE, CoarseParams, choose_part
 from edl6dof.fsw.hazard.drift import DRIFT, DRIFTER
@@ -30,7 +29,7 @@ predict_drift = as_flown(
 )
 follow_wind = as_flown(kernels.follow_wind, "seconds, nav, dt, memory", "seconds, nav, dt, memory.carried_N")
 distance_from_drifts = as_flown(
-    kernels.distance_from_drifts, "memory, east, north", "memory.coarse.drift, east, north", NUMBER
+    kernels.distance_from_drifts, "memory, east, north", "memory.coarse.drift, east, north"
 )
 MIDDLES = (2.0 * np.arange(CAMERA_CELLS) + 1.0) / CAMERA_CELLS - 1.0
 #: Of the cells, along z (rows) and y (columns) of B; as the lander hangs below, y points south and z east.

@@ -5,11 +5,11 @@ tilted lander, and what it does without one.
 import numpy as np
 import pytest
 from charts import new, rocky
+from given_functions import detect_hazards
 from pyquaternion import Quaternion
 
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, HazardParams
-from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS

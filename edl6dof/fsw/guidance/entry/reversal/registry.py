@@ -7,7 +7,6 @@ right, -1 left), given the bank angle that the law wants (rad), the present side
 
 from __future__ import annotations
 
-from edl6dof.dispatch import NUMBER
 from edl6dof.fsw.guidance.entry.reversal import crossrange_corridor, heading_corridor, own_sign, predictive
 from edl6dof.registry import Family
 
@@ -21,6 +20,4 @@ REVERSALS = Family(
     ),
 )
 
-bank_side = REVERSALS.switch(
-    "side", "params", "onboard", "nav", "memory", "out", "wanted", "sign", returns=NUMBER
-)
+bank_side = REVERSALS.role("side", "params", "onboard", "nav", "memory", "out", "wanted", "sign")

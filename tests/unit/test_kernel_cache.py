@@ -1,0 +1,250 @@
+"""The folders of machine code: never stale, whatever is edited, and what users do who can write nowhere.
+
+A small package with the real decorator and some rooms is written to disk; processes of their own compile and
+run it, edit it and run it again.  What the machine code returns, and numba's own count of cache hits, say
+whether the cache was used and whether it was stale.
+"""
+
+import os
+import time
+from pathlib import Path
+
+import numba
+import pytest
+import small_programs
+
+from edl6dof import kernels
+from edl6dof.kernels import cache
+from edl6dof.kernels.cache import OLDEST_S
+
+HELPER = "from probe.kernels import kernel\n@kernel\ndef factor():\n    return {}\n"
+CALLER = """from probe.kernels import kernel
+from probe.spatial.helper import factor
+@kernel
+def area(x):
+    return factor() * x
+"""
+CALL = """
+import sys
+sys.path.insert(0, {root!r})
+from probe.fsw.caller import area
+print(area(2.0), sum(area.stats.cache_hits.values()), area.signatures != [])
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A package ``probe`` with the real kernels and two rooms: a helper (factor 3) and its caller."""
+    for name in cache._GROUPS["rest"]:
+        write(tmp_path, name if name.endswith(".py") else f"{name}/__init__.py", "")
+    for source in Path(kernels.__file__).parent.glob("*.py"):
+        if source.name != "functions.py":
+            write(
+                tmp_path,
+                f"kernels/{source.name}",
+                source.read_text().replace("edl6dof.kernels", "probe.kernels"),
+            )
+    for name in ("finiteness", "functions", "loop", "outcome"):
+        write(tmp_path, f"sim/{name}.py", "")
+    write(tmp_path, "__init__.py", "")
+    write(tmp_path, "spatial/helper.py", HELPER.format("3.0"))
+    write(tmp_path, "fsw/caller.py", CALLER)
+    return tmp_path
+
+
+def write(root, name, text):
+    file = root / "probe" / name
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text)
+
+
+def run(program, root, **environment):
+    """What a program prints that runs in a process of its own."""
+    settings = {"NUMBA_CACHE_DIR": str(root / "cache")} | environment
+    ran = small_programs.run(program, cwd=root, **settings)
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout
+
+
+def call(root, **environment):
+    """Run the caller in a fresh process: result and cache hits."""
+    result, hits, _ = run(CALL.format(root=str(root)), root, **environment).split()
+    return float(result), int(hits)
+
+
+def test_edited_helper_recompiles_its_caller_and_a_room_that_it_cannot_see_does_not(package):
+    assert call(package) == (6.0, 0)
+    write(package, "vehicle/other.py", "x = 1\n")
+    write(package, "spatial/helper.py", HELPER.format("3.0"))  # touched, not changed: content counts
+    assert call(package) == (6.0, 1)
+    write(package, "spatial/helper.py", HELPER.format("5.0"))  # same length, within the clock's resolution
+    assert call(package) == (10.0, 0)
+    write(package, "spatial/helper.py", HELPER.format("3.0"))
+    assert call(package) == (6.0, 1), "what was compiled before still stands"
+
+
+def test_edited_constant_recompiles_what_reads_it(package):
+    write(package, "interface/size.py", "SIZE = 3.0\n")
+    write(package, "fsw/caller.py", CALLER.replace("factor() * x", "SIZE * x")
+          + "from probe.interface.size import SIZE\n")  # fmt: skip
+    assert call(package) == (6.0, 0)
+    write(package, "interface/size.py", "SIZE = 4.0\n")
+    assert call(package) == (8.0, 0)
+
+
+def test_edited_member_recompiles_itself_alone(package):
+    law = "from probe.kernels import kernel\n@kernel\ndef law(x):\n    return {} * x\nMEMBER = law\n"
+    both = CALL.replace(
+        "print", "from probe.fsw.law import law\nprint(law(1.0), *law.stats.cache_hits.values())\nprint"
+    )
+    found = []
+    for factor in (1.0, 1.0, 2.0):
+        write(package, "fsw/law.py", law.format(factor))
+        found.append(run(both.format(root=str(package)), package).splitlines())
+    assert found == [["1.0", "6.0 0 True"], ["1.0 1", "6.0 1 True"], ["2.0", "6.0 1 True"]]
+
+
+def test_source_that_is_edited_after_it_was_imported_is_kept_as_what_it_was(package):
+    edit = (
+        "from pathlib import Path\nhelper = Path('probe/spatial/helper.py')\n"
+        "helper.write_text(helper.read_text().replace('3.0', '7.0'))\nprint"
+    )
+    assert run(CALL.replace("print", edit).format(root=str(package)), package).split()[0] == "6.0"
+    assert call(package) == (14.0, 0)
+
+
+@pytest.mark.parametrize("flag", ["NUMBA_BOUNDSCHECK", "NUMBA_DEBUGINFO"])
+def test_flags_that_change_machine_code_have_folders_of_their_own(package, flag):
+    assert call(package) == (6.0, 0)
+    assert call(package, **{flag: "1"}) == (6.0, 0)
+    assert call(package) == call(package, **{flag: "1"}) == (6.0, 1)
+
+
+def test_processes_that_compile_at_once_all_get_what_they_asked_for(package):
+    values = {"1.5": "4.5", "2": "6.0"}
+    program = CALL.replace("area(2.0)", "area(eval(sys.argv[1]))").format(root=str(package))
+    running = [
+        small_programs.start(program, value, cwd=package, NUMBA_CACHE_DIR=str(package / "cache"))
+        for value in values
+        for _ in range(2)
+    ]
+    said = [one.ended().stdout.split()[0] for one in running]
+    assert said == [value for value in values.values() for _ in range(2)]
+
+
+def test_folders_that_nobody_used_for_thirty_days_go(package):
+    call(package)
+    place = package / "cache" / "edl6dof"
+    used = set(place.iterdir())
+    for name, days in (("software-old", 1.1), ("software-young", 0.9)):
+        (place / name).mkdir()
+        (place / name / "code.nbc").write_bytes(b"code")
+        os.utime(place / name, (time.time() - days * OLDEST_S,) * 2)
+    for folder in used:
+        os.utime(folder, (time.time() - 1.1 * OLDEST_S,) * 2)
+    assert call(package) == (6.0, 0), "a folder that was not used either"
+    assert {one.name for one in place.iterdir()} == {one.name for one in used} | {"software-young"}
+
+
+KERNEL = "from edl6dof.kernels import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
+TWICE = "import mine; print(mine.twice(1.5), sum(mine.twice.stats.cache_hits.values()))"
+
+
+def test_machine_code_beside_a_file_from_outside_is_neither_read_nor_written(tmp_path):
+    """A ``.nbc`` is a pickle: one that was received would run whatever its author likes."""
+    (tmp_path / "mine.py").write_text(KERNEL)
+    for hits in "01":
+        assert run(TWICE, tmp_path).split() == ["3.0", hits]
+    assert not list(tmp_path.glob("**/__pycache__/*.nb*"))
+
+
+def test_what_was_received_counts_as_it_was_received(tmp_path, monkeypatch):
+    file = tmp_path / "law.py"
+    file.write_text("x = 1\n")
+    folders = set()
+    for content in (b"x = 1\n", b"x = 2\n"):
+        monkeypatch.setitem(cache.received, str(file), content)
+        folders.add(cache.folder_of.__wrapped__(str(file)))
+    assert len(folders) == 2
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows gives every user a folder for temporary files")
+class TestNowhereToWrite:
+    @pytest.fixture
+    def homeless(self, tmp_path):
+        """What a user has who has no home, and a module with a kernel."""
+        (tmp_path / "mine.py").write_text(KERNEL)
+        (tmp_path / "tmp").mkdir()
+        return {
+            "HOME": "/dev/null",
+            "XDG_CACHE_HOME": "",
+            "NUMBA_CACHE_DIR": "",
+            "TMPDIR": str(tmp_path / "tmp"),
+        }
+
+    def ended(self, place, settings):
+        ran = small_programs.run(TWICE, cwd=place, **settings)
+        assert ran.returncode == 0, ran.stderr
+        return ran.stdout.split(), ran.stderr.splitlines()
+
+    def test_a_user_without_a_home_gets_a_folder_of_his_own(self, tmp_path, homeless):
+        folder = tmp_path / "tmp" / f"edl6dof-{os.getuid()}"
+        said = [f"edl6dof: machine code is kept in {folder} (NUMBA_CACHE_DIR can name a better place)"]
+        assert self.ended(tmp_path, homeless) == (["3.0", "0"], said)
+        assert folder.stat().st_mode & 0o777 == 0o700
+        assert self.ended(tmp_path, homeless)[0] == ["3.0", "1"]
+
+    @pytest.mark.parametrize("kind", ["open to others", "a file", "a link"])
+    def test_a_folder_that_others_prepared_is_not_used(self, tmp_path, homeless, kind):
+        folder = tmp_path / "tmp" / f"edl6dof-{os.getuid()}"
+        if kind == "a file":
+            folder.write_text("")
+        elif kind == "a link":
+            (tmp_path / "elsewhere").mkdir(mode=0o700)
+            folder.symlink_to(tmp_path / "elsewhere")
+        else:
+            folder.mkdir()
+            folder.chmod(0o777)
+        result, (line,) = self.ended(tmp_path, homeless)
+        assert result == ["3.0", "0"]
+        assert line.startswith("edl6dof: no folder for machine code can be written to")
+
+    def test_a_chosen_folder_of_another_user_or_open_to_others_is_not_used(self, tmp_path, monkeypatch):
+        folder = tmp_path / "edl6dof"
+        assert cache._can_be_written(folder) and folder.stat().st_mode & 0o777 == 0o700
+        monkeypatch.setattr(cache, "_user", lambda: folder.stat().st_uid + 1)
+        assert not cache._can_be_written(folder)
+        monkeypatch.undo()
+        folder.chmod(0o770)
+        assert not cache._can_be_written(folder)
+
+    def test_a_home_that_is_no_path_makes_no_folder_here(self, tmp_path, homeless):
+        before = sorted(tmp_path.iterdir())
+        assert self.ended(tmp_path, homeless | {"HOME": "home"})[0] == ["3.0", "0"]
+        assert sorted(tmp_path.iterdir()) == before
+
+
+def test_the_decorator_leaves_other_users_of_numba_alone(tmp_path):
+    (tmp_path / "theirs.py").write_text(
+        "import numba\n@numba.njit(cache=True)\ndef thrice(x):\n    return 3.0 * x\n"
+    )
+    (tmp_path / "mine.py").write_text(KERNEL)
+    program = (
+        "import mine, theirs; print(mine.twice(1.5), theirs.thrice(1.0), theirs.thrice.stats.cache_path)"
+    )
+    *results, place = run(program, tmp_path).split()
+    assert results == ["3.0", "3.0"] and "edl6dof" not in Path(place).relative_to(tmp_path).parts
+    assert not numba.config.CACHE_LOCATOR_CLASSES
+
+
+def test_division_by_zero_follows_numpy_and_rounding_is_not_relaxed():
+    @kernels.kernel
+    def divide(a, b):
+        return a / b
+
+    @kernels.kernel
+    def compensated(a, b):
+        return (a + b) - a - b
+
+    assert divide(1.0, 0.0) == float("inf")
+    assert compensated(1.0, 1e-17) == -1e-17  # fast-math would make it 0
