@@ -8,23 +8,21 @@ of the scenario as it is now.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from math import cos, isfinite, nan, sin
+from math import cos, nan, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.campaign.executor import fly_rows
+import edl6dof
 from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
-from edl6dof.campaign.rows import Row, table_of
+from edl6dof.campaign.rows import Row
 from edl6dof.metrics.published import published_figures
-from edl6dof.report.figure import Figure
-from edl6dof.scenario.loading import load_scenario
-from edl6dof.sim.flight import Flight, fly
+from edl6dof.sim.flight import Flight
 from edl6dof.spatial.frames import great_circle
-from edl6dof.studies import plots
-from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
+from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
+from edl6dof.studies.samples import column, pick
 
 SCENARIO = "msl"
 ENTRY = "flight_software.guidance.entry"
@@ -168,76 +166,68 @@ def corrected() -> tuple[Change, ...]:
     return tuple(Change(name, sum(back[done:], ())) for done, name in enumerate(names))
 
 
-def run(runs: int, progress: Progress) -> Report:
-    """Fly ``runs`` neighbours of the scenario as it was, after each correction, and with each change."""
+def run(session: Session) -> Report:
+    """Fly neighbours of the scenario as it was, after each correction, and with each change."""
     changes = (*(rows := corrected()), *SENSITIVITIES)
+    session.expect(session.flights * len(changes))
     table: list[Row] = []
     for change in changes:
-        loaded = load_scenario(SCENARIO, change.overrides)
-        cases = [replace(case, label={"change": change.name}) for case in neighbours(loaded, runs)]
-        for row in fly_rows(loaded, cases, collect=figures):
-            table.append(row)
-            progress(len(table), runs * len(changes))
-    means = {
-        change.name: means_of([row for row in table if row["change"] == change.name]) for change in changes
-    }
-    now = rows[-1].name
-    return Report(
-        findings(means[now]),
-        drawings(fly(load_scenario(SCENARIO))),
-        table_of(table),
-        len(table),
-        REMARKS,
-        (
-            _grid("One correction more a row", {row.name: means[row.name] for row in rows}),
-            _grid("One change of the scenario as it is", {c.name: means[c.name] for c in SENSITIVITIES}),
-        ),
-    )
+        loaded = edl6dof.load(SCENARIO, change.overrides)
+        cases = [replace(case, label={"change": change.name}) for case in neighbours(loaded, session.flights)]
+        table += session.fly(loaded, cases, figures)
+    means = {change.name: means_of(pick(table, change=change.name)) for change in changes}
+    grids = [
+        _grid("One correction more a row", rows, means),
+        _grid("One change of the scenario as it is", SENSITIVITIES, means),
+    ]
+    return Report(_beside(means[rows[-1].name]), table, len(table), grids, REMARKS, _pictures())
 
 
-def means_of(rows: Sequence[Row]) -> dict[str, SampleMean]:
+def means_of(rows: list[Row]) -> dict[str, SampleMean]:
     """Mean and spread of every figure over flights of one kind; what a flight did not come to is left out."""
     found = sample_means(rows, {})
     for name in COMPARED:
-        values = [row[name] for row in rows if isfinite(row[name])]
-        if values:
-            found[name] = SampleMean.of(values)
+        values = column(rows, name)
+        if np.isfinite(values).any():
+            found[name] = SampleMean.of(values[np.isfinite(values)])
     return found
 
 
-def findings(means: Mapping[str, SampleMean]) -> tuple[Finding, ...]:
+def _beside(means: Mapping[str, SampleMean]) -> list[Finding]:
     """The scenario as it is beside what is published of it."""
     nothing = SampleMean(nan, nan, 0)
     found = []
-    for figure, entry in published_figures(load_scenario(SCENARIO).scenario.published):
+    for figure, entry in published_figures(edl6dof.load(SCENARIO).scenario.published):
         own, unit = means.get(figure.name, nothing), figure.unit.label
         found.append(Finding(figure.meaning, unit, own.mean, entry.number, entry.bound, spread=own.deviation))
     for name, (label, unit, published, note) in COMPARED.items():
         own = means.get(name, nothing)
         found.append(Finding(label, unit, own.mean, published, note=note, spread=own.deviation))
-    return tuple(found)
+    return found
 
 
-def _grid(title: str, means: Mapping[str, Mapping[str, SampleMean]]) -> Grid:
-    """A row for each kind of flight, a column for each figure of ``COLUMNS``."""
-    rows: list[tuple[str | float, ...]] = [
-        (name, *(own[column].mean for _, column in COLUMNS)) for name, own in means.items()
-    ]
-    return Grid(title, ("", *(head for head, _ in COLUMNS)), tuple(rows))
+def _grid(title: str, changes: tuple[Change, ...], means: Mapping[str, Mapping[str, SampleMean]]) -> Grid:
+    """A line for each kind of flight, a column for each figure of ``COLUMNS``."""
+    lines = [(one.name, *(means[one.name][column].mean for _, column in COLUMNS)) for one in changes]
+    return Grid(title, ("", *(head for head, _ in COLUMNS)), lines)
 
 
-def drawings(flight: Flight) -> tuple[Figure, ...]:
+def _pictures() -> dict[str, list[Panel]]:
     """The bank history with the published reversals, and height over speed with the predicted deployment."""
-    t = flight.telemetry
-    turns = np.array([COMPARED[f"reversal_{k}_s"].published for k in (1, 2, 3)])
-    bank = (plots.curve(t["t_s"], t["truth.bank_deg"], "flown"), plots.dots(turns, 0.0 * turns, "published"))
-    speed, height = t["truth.speed_m_s"], t["truth.height_m"] / 1e3
-    path = (plots.curve(speed, height, "flown"), plots.dots(*PREDICTED, "predicted deployment"))
-    panels = (
-        plots.panel("Bank angle", "time (s)", "bank angle (deg)", bank),
-        plots.panel("Path", "speed (m/s)", "height above ground (km)", path, y_range=(0.0, 60.0)),
+    t = edl6dof.fly(SCENARIO).telemetry
+    turns = [COMPARED[f"reversal_{k}_s"].published for k in (1, 2, 3)]
+    bank = Curve(t["t_s"], t["truth.bank_deg"], "flown"), Curve(turns, np.zeros(3), "published", "dots")
+    path = (
+        Curve(t["truth.speed_m_s"], t["truth.height_m"] / 1e3, "flown"),
+        Curve(*PREDICTED, "predicted deployment", "dots"),
     )
-    return (plots.figure("bank_and_path", panels),)
+    height, low = "height above ground (km)", {"ylim": (0.0, 60.0)}
+    return {
+        "bank_and_path": [
+            Panel("Bank angle", "time (s)", "bank angle (deg)", bank),
+            Panel("Path", "speed (m/s)", height, path, low),
+        ]
+    }
 
 
 STUDY = Study(

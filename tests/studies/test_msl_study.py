@@ -9,14 +9,14 @@ import pytest
 
 import edl6dof
 from edl6dof.studies import msl
-from edl6dof.studies.cases import values
+from edl6dof.studies.samples import column
 
 RUNS = 2
 
 
 @pytest.fixture(scope="module")
 def report():
-    return msl.run(RUNS, lambda done, total: None)
+    return msl.STUDY.fly(RUNS)
 
 
 def grid(report, number):
@@ -91,6 +91,6 @@ def test_published_figures_stand_beside_and_the_flight_near_them(report):
 
 def test_every_flight_is_a_row(report):
     kinds = len(msl.CORRECTIONS) + 1 + len(msl.SENSITIVITIES)
-    assert report.runs == report.table.num_rows == RUNS * kinds
-    assert np.all(values(report.table, "parachute_s") > 200.0)
-    assert report.table["success"].to_pylist().count(False) <= 2 * RUNS
+    assert report.runs == len(report.rows) == RUNS * kinds
+    assert np.all(column(report.rows, "parachute_s") > 200.0)
+    assert [row["success"] for row in report.rows].count(False) <= 2 * RUNS
