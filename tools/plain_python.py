@@ -27,13 +27,49 @@ from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, STATES, STATES_VEHICLE, WORKSPACE
-from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
     "case": CASE, "onboard": ONBOARD, "tables": records.TABLES,
     "plant": STATE, "outputs": OUTPUTS, "peaks": PEAKS, "work": WORKSPACE, "sensors": SENSORS, "fsw": FSW,
 }  # fmt: skip
+
+
+class Record:
+    """Fields of a structured numpy scalar as attributes, as compiled code sees them."""
+
+    __slots__ = ("_void",)
+
+    def __init__(self, void: np.void) -> None:
+        object.__setattr__(self, "_void", void)
+
+    def __getattr__(self, name: str) -> Any:
+        value = self._void[name]
+        if isinstance(value, np.void):
+            return Record(value)
+        return Records(value) if isinstance(value, np.ndarray) and value.dtype.names else value
+
+    __getitem__ = __getattr__
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._void[name] = value
+
+
+class Records:
+    """A structured array whose items are :class:`Record`."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array, self.shape = array, array.shape
+
+    def __getitem__(self, index: int) -> Record:
+        return Record(self.array[index])
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+    def view(self, kind: type) -> np.ndarray:
+        """The same memory as plain numbers."""
+        return self.array.view(kind)
 
 
 @dataclass(frozen=True)
@@ -119,7 +155,7 @@ def in_plain_python(s: Setting, task: str, *numbers: float) -> dict[str, np.ndar
             name: np.frombuffer(array.tobytes(), np.uint8) for name, array in s.arrays.items()
         }
         np.savez(given, cycle=s.cycle, steps=s.steps, task=task, numbers=np.array(numbers), **raw)
-        command = [sys.executable, "-m", "edl6dof.verify.plain", str(given), str(answer)]
+        command = [sys.executable, __file__, str(given), str(answer)]
         subprocess.run(
             command, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True, capture_output=True, text=True
         )
