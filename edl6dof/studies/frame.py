@@ -14,13 +14,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from edl6dof import __version__
-from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.executor import fly_rows
+import edl6dof
 from edl6dof.campaign.rows import Collect, Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.units import split_unit
-from edl6dof.scenario.loading import LoadedScenario
 
 
 @dataclass(frozen=True)
@@ -174,9 +171,11 @@ class Session:
         self._done += flights
         self._progress(self._done, self.total)
 
-    def fly(self, loaded: LoadedScenario, cases: Iterable[Case], collect: Collect | None = None) -> list[Row]:
+    def fly(
+        self, loaded: edl6dof.LoadedScenario, cases: Iterable[edl6dof.Case], collect: Collect | None = None
+    ) -> list[Row]:
         """Fly cases of a scenario in threads; returns a row for each, with the columns of ``collect``."""
-        return list(fly_rows(loaded, cases, collect=collect, progress=lambda done, row: self.step()))
+        return list(edl6dof.fly_rows(loaded, cases, collect=collect, progress=lambda done, row: self.step()))
 
 
 @dataclass(frozen=True)
@@ -234,7 +233,7 @@ def to_json(study: Study, report: Report) -> str:
             for g in report.grids
         ],
         "remarks": list(report.remarks),
-        "edl6dof_version": __version__,
+        "edl6dof_version": edl6dof.__version__,
     })  # fmt: skip
 
 
@@ -249,7 +248,7 @@ def write_study(study: Study, report: Report, folder: Path) -> None:
         unit = split_unit(one.name.rpartition(".")[2])[1].label
         schema = schema.set(index, one.with_metadata({"unit": unit}))
     schema = schema.with_metadata(
-        {"study": study.name, "source": study.source, "edl6dof_version": __version__}
+        {"study": study.name, "source": study.source, "edl6dof_version": edl6dof.__version__}
     )
     pq.write_table(table.cast(schema), folder / "runs.parquet", compression="zstd")
     for name, panels in (report.pictures or {}).items():

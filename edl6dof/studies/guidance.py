@@ -20,9 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
+from edl6dof import Case, LoadedScenario, fly_rows
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.quantiles import percent
 from edl6dof.campaign.rows import Row
 from edl6dof.config.model_paths import value_at
@@ -33,7 +32,6 @@ from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.interface.roles import LIFT
 from edl6dof.jit import kernel
-from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.ground_tracking import GroundTrackingParams

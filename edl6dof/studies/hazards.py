@@ -15,13 +15,12 @@ import numpy as np
 from scipy.integrate import quad
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
+from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.metrics.footing import COUNTED, FOOTPRINT
-from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
 from edl6dof.studies.samples import (
     column,

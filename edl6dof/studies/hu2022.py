@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import edl6dof
+from edl6dof import State
 from edl6dof.campaign.executor import in_threads
 from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
 from edl6dof.campaign.rows import Row
@@ -26,7 +27,6 @@ from edl6dof.fsw.control.frames import goal_attitude
 from edl6dof.interface.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
 from edl6dof.metrics.published import published_figures
 from edl6dof.scenario.schema import Scenario
-from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.quaternion import about_axis, multiply
 from edl6dof.studies.attitude_loops import flown_loops, margins

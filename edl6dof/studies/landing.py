@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
+from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
@@ -26,7 +26,6 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.roles import HOVER_IMAGING, PARACHUTE, POWERED_DECELERATION
 from edl6dof.jit import kernel
-from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight

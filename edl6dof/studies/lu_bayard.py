@@ -23,13 +23,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import edl6dof
+from edl6dof import LoadedScenario
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, begin, goal_rates, track
 from edl6dof.fsw.guidance.entry.laws.hinf import riccati
 from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile_drag
 from edl6dof.interface.roles import LIFT
-from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_onboard
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study

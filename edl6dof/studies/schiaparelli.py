@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
+from edl6dof import Case
 from edl6dof.campaign.rows import Row
 from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight

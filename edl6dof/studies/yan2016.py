@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
+from edl6dof import Case
 from edl6dof.campaign.rows import Row
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight

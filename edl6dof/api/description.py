@@ -1,4 +1,4 @@
-"""What is observed and commanded, by name, unit and shape, for programs that do not know it."""
+"""What can be observed and commanded in a flight, by name, unit and shape, for programs that know neither."""
 
 from __future__ import annotations
 
