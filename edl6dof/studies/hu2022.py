@@ -29,7 +29,6 @@ from edl6dof.metrics.published import published_figures
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.quaternion import about_axis, multiply
-from edl6dof.studies.attitude_loops import flown_loops, margins
 from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.studies.samples import column, percentage, pick, with_quantile
 from edl6dof.telemetry.timeline import first_times
@@ -47,8 +46,7 @@ REMARKS = (
     "Rates in lift are those of the channels of angle of attack and sideslip: without the yaw p tan(alpha) "
     "that banking about the velocity is in the body.",
     "Rates and errors are the largest; the thrust direction counts as found within 5 deg, a "
-    "step as settled within 0.5 deg; roll in the powered descent is looked at from 8 s on; "
-    "beside a phase margin stands its crossover frequency.",
+    "step as settled within 0.5 deg; roll in the powered descent is looked at from 8 s on.",
     "Equal PID: the gains that the estimator is worth in its linear range, P + lambda D, lambda P and "
     "D + lambda.",
     "Fig. 7: each horizontal thruster dies before its first push, or 1 or 2 s into it, 20 m to go, on "
@@ -95,7 +93,6 @@ def run(session: Session) -> Report:
             _lateral_force(nominal),
             *_of_entries(pick(rows, experiment="entry")),
             *_of_experiments(rows),
-            *_of_loops(nominal),
         ],
         rows,
         session.total,
@@ -187,13 +184,6 @@ def _lateral_force(flight: Flight) -> Finding:
     rows &= table["t_s"] < flight.metrics["touchdown_s"]
     own = max(float(np.max(np.abs(table[f"estimate.force_{axis}_n"][rows]))) for axis in "yz")
     return Finding("estimated force", "N", own, 40.0, note="Fig. 12, one flight")
-
-
-def _of_loops(flight: Flight) -> Iterator[Finding]:
-    for name, loop in flown_loops(flight.scenario).items():
-        own = margins(loop)
-        note = f"{own.crossover_rad_s:.1f} rad/s"
-        yield Finding(f"phase margin, {name.replace('_', ' ')}", "deg", own.phase_deg, note=note)
 
 
 # ---- section 6.2: two formulations of the attitude error -----------------------------------------------

@@ -1,4 +1,5 @@
-"""Stability margins of the attitude loops inside their PID zones, from the sampled linear loop as it flies.
+"""Stability margins of the attitude loops of a scenario inside their PID zones, from the sampled linear loop
+as it flies: ``python tools/attitude_margins.py tianwen1``.
 
 One axis is a double integrator of unit inertia.  The control law runs every cycle T; the demanded torque acts
 from the valve lag on until the next one does (pulse modulation gives the demanded mean over a cycle, so it
@@ -11,12 +12,14 @@ z-domain.
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import dataclass, replace
 from math import degrees, exp, pi
 from typing import Any
 
 import numpy as np
 
+import edl6dof
 from edl6dof.scenario.schema import Scenario
 
 #: States: angle, rate, last input of the plant, last measured rate, last two commands, disturbance estimate,
@@ -176,3 +179,20 @@ def flown_loops(scenario: Scenario) -> dict[str, Loop]:
         if phase.control == "thrust_vector" and phase.bandwidth != 1.0:
             loops[phase.name] = loops["lander pitch and yaw"].with_bandwidth(phase.bandwidth)
     return loops
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scenario", nargs="?", default="tianwen1")
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
+    given = parser.parse_args()
+    print(f"{'loop':24}{'crossover rad/s':>16}{'phase deg':>10}{'gain dB':>9}{'down dB':>9}{'delay s':>9}")
+    for name, loop in flown_loops(edl6dof.load(given.scenario, given.set).scenario).items():
+        own = margins(loop)
+        figures = (own.phase_deg, own.gain_db, own.gain_down_db)
+        words = "".join(f"{x:{width}.0f}" for x, width in zip(figures, (10, 9, 9), strict=True))
+        print(f"{name:24}{own.crossover_rad_s:16.1f}{words}{own.delay_s:9.2f}")
+
+
+if __name__ == "__main__":
+    main()

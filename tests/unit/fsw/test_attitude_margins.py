@@ -6,6 +6,7 @@ from math import degrees, pi, radians, sqrt
 
 import numpy as np
 import pytest
+from attitude_margins import Loop, flown_loops, margins
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.control import bank_to_steer, rate_damping, thrust_vector
@@ -14,7 +15,6 @@ from edl6dof.fsw.estimation.estimators.first_order import FirstOrderParams, esti
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.estimation.update import unexplained_torque
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.studies.attitude_loops import Loop, flown_loops, margins
 
 FINE = {"cycle": 1e-4, "valve_lag": 0.0, "sensor_delay": 0.0}
 INERTIA = 500.0
