@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -198,3 +199,7 @@ def main(given: str, answer: str) -> None:
         name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()
     }
     np.savez(answer, **raw)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

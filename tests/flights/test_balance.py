@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from edl6dof.verify.plain import setting
+from plain_python import setting
 
 import edl6dof
 from edl6dof.metrics.figures import BALANCES

@@ -11,7 +11,7 @@ from unittest.mock import patch
 
 import numpy as np
 from edl6dof.verify.attributes import Records
-from edl6dof.verify.plain import LAYOUT, Setting, fly_cycles
+from plain_python import LAYOUT, Setting, fly_cycles
 
 from edl6dof.metrics.balance import balance_figures
 from edl6dof.spatial.vector import put3, scale, take3
