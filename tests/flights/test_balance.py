@@ -40,7 +40,7 @@ def with_mistakes(folder, loaded, t_s, seconds, *mistakes):
     cycles = round(seconds * loaded.scenario.flight_software.rates.base_hz)
     done = subprocess.run(
         [sys.executable, str(PROGRAM), str(folder / "given.npz"), str(cycles), "none", *mistakes],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         check=False,

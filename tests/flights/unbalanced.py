@@ -10,8 +10,7 @@ from contextlib import ExitStack, nullcontext
 from unittest.mock import patch
 
 import numpy as np
-from edl6dof.verify.attributes import Records
-from plain_python import LAYOUT, Setting, fly_cycles
+from plain_python import LAYOUT, Records, Setting, fly_cycles
 
 from edl6dof.metrics.balance import balance_figures
 from edl6dof.spatial.vector import put3, scale, take3
