@@ -91,7 +91,7 @@ class LoopClock:
         result = self.compiled(*arguments)
         with self.lock:
             self.cpu_s += time.thread_time() - began
-            self.steps += result[1] * arguments[12]
+            self.steps += result[1] * arguments[13]
         return result
 
 
