@@ -18,7 +18,7 @@ from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.functions import software_functions
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.interface.roles import POWERED_DECELERATION
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sim.outcome import FLYING
 from edl6dof.sim.underway import Underway
 from edl6dof.studies.landing import dispersed, with_law

@@ -20,7 +20,7 @@ from plain_python import LAYOUT, Setting, setting
 
 import edl6dof
 from edl6dof.interface.roles import HOVER_IMAGING, SLOW_DESCENT, begun
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sim.flight import fly
 from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly as fly_cycles

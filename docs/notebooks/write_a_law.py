@@ -17,7 +17,7 @@ Path("constant_drag.py").write_text('''
 from math import acos
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 

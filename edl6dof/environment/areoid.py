@@ -24,7 +24,7 @@ from edl6dof.environment.map_file import (
     require_map_of,
 )
 from edl6dof.environment.planet import PlanetParams
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.frames import ned_to_fixed
 from edl6dof.spatial.vector import dot, norm, put3
 

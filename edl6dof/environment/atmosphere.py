@@ -26,7 +26,7 @@ from edl6dof.environment.profiles import (
     central_slopes,
     gauss_markov,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import held
 from edl6dof.spatial.stream import Stream
 

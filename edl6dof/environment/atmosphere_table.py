@@ -20,7 +20,7 @@ from edl6dof.environment.column import CLIMATE, Ground, Warmth, fill_climate
 from edl6dof.environment.curves import MAX_ROWS, cubic_coefficients, monotone_slopes
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.profile_file import read_profile
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
 from edl6dof.spatial.lookups import cell

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: Rows of the longest curve.
 MAX_ROWS = 512

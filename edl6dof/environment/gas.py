@@ -17,7 +17,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Params, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.curves import cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.lookups import cell
 

@@ -24,7 +24,7 @@ from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.document.regular import read_regular, read_regular_text
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial.vector import add, scale
 

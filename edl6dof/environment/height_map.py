@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.lookups import cell, held_cell, wrapped
 

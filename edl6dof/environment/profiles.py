@@ -12,7 +12,7 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.stream import Stream
 

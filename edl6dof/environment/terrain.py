@@ -29,7 +29,7 @@ from edl6dof.environment.landing_area.surface import relief
 from edl6dof.environment.layout import extended
 from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, require_map_of
 from edl6dof.environment.planet import PlanetParams
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin, tan
 from edl6dof.spatial.lookups import wrapped
 

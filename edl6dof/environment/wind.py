@@ -21,7 +21,7 @@ from edl6dof.environment.curves import MAX_ROWS, cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov
 from edl6dof.environment.winds.registry import WindChoice, wind_of_model
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, log, sin
 from edl6dof.spatial.lookups import held_cell

@@ -14,7 +14,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.vector import dot, put3, sub, take3
 

@@ -39,7 +39,7 @@ from edl6dof.fsw.navigation.drag_filter import filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.engine import ENGINE_OFF
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
 
 

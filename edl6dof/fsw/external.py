@@ -14,7 +14,7 @@ import numpy as np
 
 from edl6dof.fsw.guidance.powered.terminal import start_or_throttle
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import clamp, put3, take3
 
 #: What the flight software itself wanted last, whatever was commanded.

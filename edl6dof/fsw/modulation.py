@@ -24,7 +24,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 class ModulationParams(Params):

@@ -12,7 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_EVENTS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: What an event does; records carry the index.  Jettison a part; deploy or release a parachute; extend a
 #: surface or the landing gear; ignite or cut off an engine.

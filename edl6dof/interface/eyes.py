@@ -12,7 +12,7 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: What the flight computer believes of an eye.
 EYE = np.dtype(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.environment.gravity import potential_F
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.vector import dot, norm, sub, take3
 from edl6dof.vehicle.motion.balance import vehicle_mass

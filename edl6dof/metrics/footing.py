@@ -16,7 +16,7 @@ from edl6dof.environment.landing_area.census import within
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.landing_area.rocks import HEIGHT
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import atan, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.lookups import endless_cell

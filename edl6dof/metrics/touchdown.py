@@ -10,7 +10,7 @@ import numpy as np
 
 from edl6dof.config.units import split_unit
 from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import acos, atan2, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z, to_local
 from edl6dof.spatial.quaternion import axes

@@ -11,7 +11,7 @@ import numpy as np
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.vehicle.aerodynamics.capsule import capsule_aero

@@ -30,7 +30,7 @@ from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.kernels.functions import Bundle
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.start import Start, start_of

@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Key, Params, Vec3, param, unit_vector
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.lookups import wrapped

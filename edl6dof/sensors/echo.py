@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.environment.terrain import ground
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import atan2, cos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame

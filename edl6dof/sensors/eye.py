@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import in_si
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sensors.patch import LEVEL, clear, lay_patch
 from edl6dof.spatial.stream import Stream
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE

@@ -20,7 +20,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_BRANCHES
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import broken

@@ -15,7 +15,7 @@ from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.terrain import ground, regional
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.eyes import look
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.sensors.patch import LEVEL
 from edl6dof.sensors.sight import along

@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, Vec3, param
 from edl6dof.config.dtype import in_si
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.stream import Stream

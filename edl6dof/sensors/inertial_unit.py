@@ -22,7 +22,7 @@ from edl6dof.config.base import Capacity, Hardware, Params, Vec3, group, param, 
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_GYROS
 from edl6dof.interface.sensed import INERTIAL
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, cone, copy_layout, count, counter_layout, draw_copies, rates

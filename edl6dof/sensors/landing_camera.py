@@ -17,7 +17,7 @@ import numpy as np
 from edl6dof.config.base import Vec3, param
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.eyes import look
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.sensors.echo import antenna
 from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, reach_of

@@ -18,7 +18,7 @@ from edl6dof.config.base import Vec3, param
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.eyes import look
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
 from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, Vec3, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.spatial.noise import normal_pair

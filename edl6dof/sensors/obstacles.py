@@ -13,7 +13,7 @@ from edl6dof.environment.landing_area.craters import crater_height
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
 from edl6dof.interface.capacities import CAMERA_CELLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sensors.ground_cells import extent, middle, span
 from edl6dof.spatial.vector import dot, sub
 

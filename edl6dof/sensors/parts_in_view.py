@@ -12,7 +12,7 @@ from math import pi, sqrt
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_PARTS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.sensors.sight import eye_attitude
 from edl6dof.spatial.quaternion import from_frame, to_frame

@@ -14,7 +14,7 @@ from math import copysign, sqrt
 import numpy as np
 
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import cell
 
 #: Nodes along each side.

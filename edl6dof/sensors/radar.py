@@ -21,7 +21,7 @@ from pydantic import field_validator
 from edl6dof.config.base import Capacity, Hardware, Params, Vec3, group, param, unique_names
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_BEAMS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, turned

@@ -19,7 +19,7 @@ from edl6dof.config.base import Capacity, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.profiles import SENSOR_STREAM
 from edl6dof.interface.sensed import SENSED
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Family
 from edl6dof.sensors import (
     flow_meters,

@@ -11,7 +11,7 @@ from math import sqrt
 
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.terrain import ground
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sensors.echo import antenna
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z

@@ -13,7 +13,7 @@ from pydantic import field_validator
 
 from edl6dof.config.base import Hardware, Vec3, param, unit_vector
 from edl6dof.config.dtype import in_si
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.spatial.noise import normal_pair

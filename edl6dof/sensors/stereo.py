@@ -15,7 +15,7 @@ import numpy as np
 from edl6dof.config.base import Vec3, param
 from edl6dof.interface.capacities import STEREO_CELLS
 from edl6dof.interface.eyes import look
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of

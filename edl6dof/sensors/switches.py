@@ -6,7 +6,7 @@ Source: none, a switch says yes or no.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

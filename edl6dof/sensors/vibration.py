@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sensors.thrust_share import thrust_share
 from edl6dof.spatial.elementary import cos, exp, sin
 from edl6dof.spatial.noise import normal_pair

@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import finite_words, first_not_finite, offset
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES

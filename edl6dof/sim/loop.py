@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.sensors.registry import sense
 from edl6dof.sim.finiteness import works_with_finite
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, outcome_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite, sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.motion.body import tilt

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import elementary
 
 # ---------------------------------------------------------------- elementary functions

@@ -22,7 +22,7 @@ from math import copysign, inf, isqrt, nan, sqrt
 
 import numpy as np
 
-from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.kernels import inlined_kernel, kernel
 
 _MANTISSA = 0x000F_FFFF_FFFF_FFFF
 _ONE = 0x3FF0_0000_0000_0000  # bits of 1.0

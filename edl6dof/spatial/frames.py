@@ -12,7 +12,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import asin, atan2, cos, sin, sincos
 from edl6dof.spatial.quaternion import from_axes, multiply
 from edl6dof.spatial.vector import clamp, cross, dot, scale, sub, take3, unit

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import floor
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

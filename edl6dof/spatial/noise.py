@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import log
 
 _GOLDEN = np.uint64(0x9E37_79B9_7F4A_7C15)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import asin, atan2, cos, sin, sincos
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

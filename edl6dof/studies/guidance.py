@@ -32,7 +32,7 @@ from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.interface.roles import LIFT
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.ground_tracking import GroundTrackingParams

@@ -26,7 +26,7 @@ from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.roles import HOVER_IMAGING, PARACHUTE, POWERED_DECELERATION
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight

@@ -10,7 +10,7 @@ from math import isnan, nan, sqrt
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 
 #: Rows that stay in the nearest cache while one column after the other is looked at.

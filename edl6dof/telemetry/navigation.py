@@ -7,7 +7,7 @@ estimated body.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.quaternion import conjugate, from_frame, multiply, rotation_vector
 from edl6dof.spatial.vector import sub, take3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.interface.engine import ENGINE_FULL
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.vehicle.faults.fault import inflict
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, command_bank
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.environment.gravity import central
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3

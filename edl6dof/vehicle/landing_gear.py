@@ -9,7 +9,7 @@ from typing import Annotated
 
 from edl6dof.config.base import Capacity, Hardware, Vec3, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import cross
 
 MAX_FOOTPADS = 8

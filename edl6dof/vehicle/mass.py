@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import product, total
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER, Shape
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import central, noncentral_F
 from edl6dof.environment.wind import wind
-from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.vector import add, dot, take3

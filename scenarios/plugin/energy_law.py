@@ -6,7 +6,7 @@ the measured drag is above it, less when below.  Source: the constant-drag segme
 """
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp

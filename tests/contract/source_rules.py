@@ -15,7 +15,6 @@ PACKAGE = Path(edl6dof.__file__).parent
 #: Layers from the bottom up (design.md, section 3); a module imports its own layer or lower ones.
 LAYERS = (
     (
-        "jit",
         "kernels",
         "child",
         "durable",

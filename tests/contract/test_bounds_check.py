@@ -27,7 +27,7 @@ SELECTION = (
 )
 PLANTED = """
 import numpy as np
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 @kernel
 def beyond(x):
     return x[len(x)]

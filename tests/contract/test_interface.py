@@ -36,7 +36,7 @@ def test_both_sides_read_it(folder):
 def test_it_knows_neither_side():
     def sides(name, source):
         ours = {target.split(".")[1] for _, target in imports(source, name) if target.startswith("edl6dof.")}
-        return ours - {"interface", "records", "jit"}
+        return ours - {"interface", "records", "kernels"}
 
     assert breaches(sides, INTERFACE) == {}
 

@@ -118,7 +118,7 @@ def test_planted_parameter_with_the_truth_is_found(planted):
 
 
 def test_planted_file_access_of_a_kernel_is_found():
-    planted = "import yaml\nfrom edl6dof.jit import kernel\n@kernel\ndef f(x):\n    return x\n"
+    planted = "import yaml\nfrom edl6dof.kernels import kernel\n@kernel\ndef f(x):\n    return x\n"
     assert has_kernels(planted)
     assert forbidden_imports(planted, READERS) == ["1: yaml"]
     assert not has_kernels("def kernel(f): return f\n")

@@ -20,7 +20,7 @@ from edl6dof.manifest import hash_of, seal
 LAW = """
 from pathlib import Path
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 Path(__file__).with_name("RAN").touch()

@@ -14,7 +14,7 @@ from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.sim.underway import moments_at
 from edl6dof.studies import guidance

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Family, Member
 
 
@@ -132,7 +132,7 @@ def test_two_switches_in_one_kernel_do_not_mix():
 
 def test_a_second_process_loads_the_dispatching_kernel_from_the_cache(tmp_path):
     (tmp_path / "laws.py").write_text(
-        "from edl6dof.jit import kernel\nfrom edl6dof.config.base import Params\n"
+        "from edl6dof.kernels import kernel\nfrom edl6dof.config.base import Params\n"
         "from edl6dof.registry import Family, Member\n"
         "@kernel\ndef one(x):\n    return x\n@kernel\ndef two(x):\n    return 2.0 * x\n"
         "members = tuple(Member(f.__name__, Params, {'of': f}, 'none') for f in (one, two))\n"

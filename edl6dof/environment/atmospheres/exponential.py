@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.environment.gas import pressure_and_sound
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 

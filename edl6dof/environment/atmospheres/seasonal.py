@@ -13,7 +13,7 @@ from edl6dof.config.base import Params, group, param
 from edl6dof.environment.atmosphere_table import row_at
 from edl6dof.environment.curves import cubic, integral
 from edl6dof.environment.gas import pressure_and_sound
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.lookups import between, held

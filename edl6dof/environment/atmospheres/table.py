@@ -12,7 +12,7 @@ from edl6dof.config.base import Params
 from edl6dof.environment.atmosphere_table import row_at
 from edl6dof.environment.curves import cubic, straight_beyond
 from edl6dof.environment.gas import pressure_and_sound
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.lookups import held

@@ -12,7 +12,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp, pow
 

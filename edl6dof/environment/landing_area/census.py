@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

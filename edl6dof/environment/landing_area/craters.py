@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 DEPTH, RIM = 0.2, 0.04
 WORN_DEPTH = 0.05

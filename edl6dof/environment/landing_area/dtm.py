@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.vector import clamp
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from edl6dof.environment.landing_area.craters import crater_height
 from edl6dof.environment.landing_area.rocks import rock_height
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

@@ -17,7 +17,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.environment.profiles import GROUND_STREAM
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.stream import Stream
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import pi, sqrt
 
 from edl6dof.environment.planet import PlanetParams
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.lookups import wrapped
 

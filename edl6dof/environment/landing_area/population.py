@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import exp, pow

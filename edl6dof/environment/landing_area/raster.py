@@ -10,7 +10,7 @@ from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
 from edl6dof.environment.landing_area.surface import share_at
 from edl6dof.environment.terrain import regional
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import endless_cell
 
 #: Nodes between which, both ways, what is coarser than the landing area is drawn straight: off it by a few

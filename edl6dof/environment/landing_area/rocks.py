@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: Height of a rock over its diameter.
 HEIGHT = 0.5

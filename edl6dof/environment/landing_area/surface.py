@@ -12,7 +12,7 @@ from edl6dof.environment.landing_area.population import (
     place_of_member,
     size_of_member,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.vector import clamp
 

@@ -6,7 +6,7 @@ Source: NASA/TM-2015-218675 (NESC check cases), case 8.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from edl6dof.config.base import Params
 from edl6dof.environment.atmosphere_table import row_at
 from edl6dof.environment.curves import cubic
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.lookups import held
 

@@ -7,7 +7,7 @@ import numpy as np
 from edl6dof.fsw.allocation.effectiveness import ROWS
 from edl6dof.interface.engine import ENGINE_FULL
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, THRUSTER_GROUPS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, take3

@@ -8,7 +8,7 @@ from edl6dof.fsw.allocation.effectiveness import ROWS
 from edl6dof.fsw.allocation.registry import ALLOCATORS
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import AXIAL
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 
 #: Share of the torque scale from which an unallocated torque counts as saturation.

@@ -32,7 +32,7 @@ from edl6dof.fsw.control.frames import (
 )
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.fsw.mission.former import WING_PATIENCE
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap
 from edl6dof.spatial.vector import add, dot, scale, sub, take3

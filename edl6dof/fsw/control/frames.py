@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import pi
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import atan2, sincos
 from edl6dof.spatial.frames import attitude_from_wind_angles
 from edl6dof.spatial.quaternion import (

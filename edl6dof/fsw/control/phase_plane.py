@@ -19,7 +19,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.control.frames import inertia_torque, wind_attitude_error
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import take3

@@ -39,7 +39,7 @@ from edl6dof.fsw.control.frames import (
     shortest_path_error,
 )
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration, target_rate
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import add, scale, sub, take3

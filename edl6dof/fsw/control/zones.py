@@ -12,7 +12,7 @@ from math import copysign, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.vector import clamp
 

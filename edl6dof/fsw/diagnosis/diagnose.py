@@ -53,7 +53,7 @@ from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, 
 from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 
 MAX_ISOLATED = 8

@@ -20,7 +20,7 @@ from edl6dof.fsw.diagnosis.flow import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL, STUCK_ON
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: Share of the measured axial force that a test may add to it.
 AXIAL_SHARE = 0.2

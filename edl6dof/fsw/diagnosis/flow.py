@@ -35,7 +35,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, whole
 
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts

@@ -45,7 +45,7 @@ from edl6dof.fsw.diagnosis.flow import (
 from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.elementary import exp, log
 

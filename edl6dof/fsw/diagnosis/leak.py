@@ -23,7 +23,7 @@ from edl6dof.fsw.diagnosis.flow import LARGEST, NONE, cannot_be
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, whole
 from edl6dof.spatial.elementary import exp
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
 
 # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: Control cycles whose valve intervals are kept: the measured cycle lies within the last two, thrust lags
 #: into the third.

@@ -10,7 +10,7 @@ Science 51, 541-561), without its aerodynamic table.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.frames import total_angle_of_attack
 from edl6dof.spatial.vector import scale

@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.estimation.engine_shortfall import RESTS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 
 #: Share of a change of the command that thrust has to follow to count as one that moves.

@@ -14,7 +14,7 @@ from edl6dof.fsw.estimation.activity import ACTIVITY, expect
 from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL
 from edl6dof.fsw.estimation.held_thrust import HELD_THRUST
 from edl6dof.fsw.estimation.registry import ESTIMATORS, MEASURED
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, cross, inertia_times, put3, scale, sub, take3
 

@@ -31,7 +31,7 @@ from edl6dof.fsw.mission.phases import (
 )
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, put3, scale, take3

@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.point_map import MAP_CELLS, cell_of, middle_of
 from edl6dof.fsw.hazard.safety import CELL_CLASSES, SAFE, TOO_ROUGH
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 
 MAX_REJECTED = 64

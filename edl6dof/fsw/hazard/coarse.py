@@ -16,7 +16,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.drift import DRIFT, LASTING, distance_from_drifts
 from edl6dof.interface.capacities import CAMERA_CELLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame

@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 
 #: Square of a distance that no two cells have.

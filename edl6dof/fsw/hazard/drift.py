@@ -13,7 +13,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 
 #: Points of the path, a second apart; steps of integration in each second.

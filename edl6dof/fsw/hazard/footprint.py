@@ -16,7 +16,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import cell
 
 #: Largest radius of a footprint in cells.

@@ -22,7 +22,7 @@ import numpy as np
 
 from edl6dof.fsw.hazard.footprint import UNKNOWN, chord, fit_row
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.elementary import erfc
 

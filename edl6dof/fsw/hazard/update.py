@@ -17,7 +17,7 @@ from edl6dof.fsw.hazard.safety import SAFETY_MAP
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.eyes import look
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z

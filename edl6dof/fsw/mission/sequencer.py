@@ -31,7 +31,7 @@ from edl6dof.fsw.mission.phases import (
     Q_WING_TIME,
 )
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_PHASES
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 
 SEQUENCE = np.dtype(

@@ -5,7 +5,7 @@ tracker, in the cycle in which both have arrived.
 from __future__ import annotations
 
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import put3, scale, sub, take3
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.filters.kalman.beams import locked_beams
 from edl6dof.interface.capacities import MAX_BEAMS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.quaternion import to_frame

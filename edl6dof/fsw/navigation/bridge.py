@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, scale, sub, take3
 
 #: Force (m/s2) to which the torque of air and thrusters, which does not go with the pull, is taken to belong.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import erfc, exp
 
 _BISECTIONS = 60

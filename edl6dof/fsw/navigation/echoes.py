@@ -4,7 +4,7 @@ below a given vertical.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, cross, dot, inertia_solve, scale, take3
 
 #: Least determinant of the beams' axes, and how far (m/s) a beam may be off the velocity of all.

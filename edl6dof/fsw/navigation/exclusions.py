@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 
 #: Number of the first gyro, accelerometer and beam, of the star tracker and of the inertial unit among all

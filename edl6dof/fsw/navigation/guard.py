@@ -19,7 +19,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.recovery import lose
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, whole
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import geodetic, ned_to_fixed

@@ -21,7 +21,7 @@ import numpy as np
 
 from edl6dof.fsw.navigation.bridge import acceleration_of
 from edl6dof.fsw.navigation.strapdown import turn_by
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, cross, norm, scale, sub, take3

@@ -18,7 +18,7 @@ from edl6dof.fsw.navigation.redundancy import (
 )
 from edl6dof.fsw.navigation.saturation import usable_gyros
 from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
 

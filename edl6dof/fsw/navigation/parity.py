@@ -22,7 +22,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.chi_square import chi_square_limit
 from edl6dof.fsw.navigation.redundancy import MAX_AXES, MAX_PARITY
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 
 #: No instrument.

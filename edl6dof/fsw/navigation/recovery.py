@@ -20,7 +20,7 @@ from edl6dof.fsw.navigation.alignment import adopt_attitude
 from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at, level_axes
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame, to_frame

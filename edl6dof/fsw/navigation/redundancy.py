@@ -16,7 +16,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_GYROS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.vector import dot, inertia_solve, scale, sub, take3
 

@@ -10,7 +10,7 @@ from math import copysign
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.redundancy import usable
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 class SaturationParams(Params):

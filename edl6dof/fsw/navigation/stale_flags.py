@@ -4,7 +4,7 @@ while the others read a motion along its axis that is far inside it, has failed.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import dot, take3
 
 #: Share of the range below which a motion is far inside it.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.vector import norm, take3
 

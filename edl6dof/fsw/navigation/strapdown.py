@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3

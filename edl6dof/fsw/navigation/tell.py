@@ -5,7 +5,7 @@ last reading to the cycle with the latest rate and specific force.
 from __future__ import annotations
 
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, put3, scale, take3
 

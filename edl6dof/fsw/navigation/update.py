@@ -25,7 +25,7 @@ from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION,
 from edl6dof.fsw.navigation.star_watch import STAR_WATCH, watch_stars
 from edl6dof.fsw.navigation.strapdown import integrate
 from edl6dof.fsw.navigation.tell import tell
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, put3, sub, take3
 

@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.environment.gas import inverse_knudsen_number
-from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.spatial.elementary import atan2, log10, sin
 from edl6dof.spatial.lookups import cell, cell_among
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED

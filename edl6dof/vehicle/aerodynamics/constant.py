@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.config.base import Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 

@@ -10,7 +10,7 @@ from math import sqrt
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.interface.events import IGNITE, is_done_to
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: Time (s) of what never happens.
 NEVER = 1e99

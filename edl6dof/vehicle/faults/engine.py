@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from edl6dof.config.base import param
 from edl6dof.interface.events import IGNITE, Action
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.commanded_events import put_off
 from edl6dof.vehicle.faults.component import EngineFault

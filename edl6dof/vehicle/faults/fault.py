@@ -19,7 +19,7 @@ from pydantic import model_validator
 from edl6dof.config.base import Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, Components
 from edl6dof.vehicle.faults.registry import FaultChoice, components_of
 from edl6dof.vehicle.plant import NOT_BEGUN

@@ -11,7 +11,7 @@ from typing import ClassVar
 from edl6dof.config.base import param
 from edl6dof.interface.capacities import MAX_GYROS
 from edl6dof.interface.roles import PARACHUTE, Role
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
 from edl6dof.vehicle.instruments import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.config.base import param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import TankFault
 

@@ -15,7 +15,7 @@ the canopy between its own events.
 from __future__ import annotations
 
 from edl6dof.interface.capacities import MAX_TANKS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
 from edl6dof.vehicle.motion.point_mass import POINT_MASS

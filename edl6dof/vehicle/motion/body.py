@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from edl6dof.environment.gas import stagnation_heat_flux
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
-from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.spatial.elementary import acos, sincos
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame

@@ -10,7 +10,7 @@ from math import sqrt
 
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.terrain import ground
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.frames import fixed_to_ned, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, cross, sub, take3

@@ -10,7 +10,7 @@ and from the first contact with the ground on, steps are shorter (``simulation.c
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import put3, take3
 from edl6dof.vehicle.motion.balance import bodies, book, settle
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Literal
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import attitude_from_wind_angles, ned_to_fixed, rotate_z, wrap
 from edl6dof.spatial.quaternion import from_frame, to_frame

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from math import radians
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import norm, take3
 from edl6dof.vehicle.plant import POSITION, RATE, VELOCITY
 

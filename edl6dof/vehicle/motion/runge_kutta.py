@@ -14,7 +14,7 @@ from math import sqrt
 from edl6dof.environment.areoid import areoid_at, lay_areoid
 from edl6dof.environment.terrain import ground
 from edl6dof.interface.capacities import MAX_TANKS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame

@@ -12,7 +12,7 @@ from edl6dof.interface.events import (
     RELEASE,
     is_done_to,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.debris import LOOSE

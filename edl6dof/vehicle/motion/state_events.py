@@ -10,7 +10,7 @@ from collections.abc import Callable
 from math import isnan
 from typing import Any, NamedTuple
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.kernels.functions import static
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3, unit
 
 LEGS = 3

@@ -9,7 +9,7 @@ from typing import Annotated, Self
 from pydantic import model_validator
 
 from edl6dof.config.base import Capacity, Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import between, cell_among
 
 MAX_MACH_POINTS = 16

@@ -20,7 +20,7 @@ from pydantic import field_validator, model_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, group, param
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import clamp, cross, dot

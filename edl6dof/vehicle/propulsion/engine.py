@@ -11,7 +11,7 @@ from pydantic import field_validator
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
 from edl6dof.config.units import G0
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.vector import cross
 from edl6dof.vehicle.propulsion.engine_models.registry import (

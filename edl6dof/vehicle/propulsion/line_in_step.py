@@ -7,7 +7,7 @@ displacement, and is integrated exactly.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

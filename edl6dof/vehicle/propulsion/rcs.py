@@ -18,7 +18,7 @@ from edl6dof.config.dtype import dtype_of
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
 from edl6dof.vehicle.propulsion.branches import Branch
 from edl6dof.vehicle.propulsion.line_in_step import line_in_step

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS, MAX_THRUSTERS
-from edl6dof.jit import inlined_kernel, kernel
+from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.vehicle.mass import Tank, body_of, join
 from edl6dof.vehicle.plant import PROPELLANT
 

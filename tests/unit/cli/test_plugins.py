@@ -21,7 +21,7 @@ EXAMPLE = Path(__file__).parents[3] / "scenarios" / "plugin" / "energy_law.py"
 
 LAW = """
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 class MineParams(Params):
@@ -38,7 +38,7 @@ MEMBER = Member("mine", MineParams, {"guide": guide}, "me, 2026")
 
 ESTIMATOR = """
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 class NoneParams(Params):
@@ -92,7 +92,7 @@ def plugins_of_this_process(monkeypatch):
         ("law.py", LAW.replace("return 0.5", "return 0.5)"), "cannot be imported: SyntaxError: unmatched"),
         (
             "law.py",
-            LAW.replace("edl6dof.jit", "edl6dof.jet"),
+            LAW.replace("edl6dof.kernels", "edl6dof.karnels"),
             "cannot be imported: ModuleNotFoundError.*line 3",
         ),
         (
@@ -212,7 +212,7 @@ def test_estimator_of_a_plugin_is_chosen_by_name(tmp_path):
 
 IDLE = """
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 class IdleParams(Params):
@@ -232,7 +232,7 @@ MEMBER = Member("idle", IdleParams, {"share_out": share_out}, "null member")
 
 CAREFREE = """
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 class CarefreeParams(Params):
@@ -249,7 +249,7 @@ MEMBER = Member("carefree", CarefreeParams, {"classify": classify}, "null member
 
 LATE = """
 from edl6dof.config.base import param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import ThrusterFault
 

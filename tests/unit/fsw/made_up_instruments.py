@@ -8,7 +8,7 @@ import numpy as np
 from made_up_course import DT, RADIUS, SPIN, moving
 
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import add, cross, dot, scale, sub, take3
 

@@ -23,7 +23,7 @@ from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE, STATES
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.interface.sensed import SENSED
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import (
     about_axis,
     conjugate,

@@ -16,7 +16,7 @@ from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.loading import load_scenario
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.

@@ -16,7 +16,7 @@ from edl6dof.fsw.navigation.strapdown import integrate
 from edl6dof.fsw.navigation.update import NAVIGATION, estimate_state
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.sensed import SENSED
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
 
 FLIGHTS, CYCLES, STARS_UNTIL = 100, 15_000, 1_500

@@ -17,7 +17,7 @@ from edl6dof.fsw.navigation.strapdown import (
     rotation_vector_of,
     turn_by,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
 
 A, B = radians(0.2), radians(0.3)

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays, elementary
 from edl6dof.spatial.elementary import (
     acos,

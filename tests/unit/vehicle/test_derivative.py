@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof.config.dtype import duplicate
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.scenario import records
 from edl6dof.sim.underway import Underway
 from edl6dof.vehicle.motion.body import derivatives

@@ -15,7 +15,7 @@ w or m v_d against the commands over long times.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp

@@ -7,7 +7,7 @@ noise of the inertial measurement unit goes straight into the demand.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import great_circle
 from edl6dof.spatial.vector import clamp

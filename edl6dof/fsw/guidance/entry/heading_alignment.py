@@ -7,7 +7,7 @@ Laboratory mission".
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.vector import clamp
 

@@ -29,7 +29,7 @@ from edl6dof.fsw.guidance.entry.laws import (
 )
 from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Family
 
 ENTRY_LAWS = Family(

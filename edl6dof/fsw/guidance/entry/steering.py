@@ -15,7 +15,7 @@ import numpy as np
 from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.spatial.vector import clamp
 

@@ -23,7 +23,7 @@ from edl6dof.fsw.guidance.powered.planning import (
     planned_upward,
 )
 from edl6dof.fsw.guidance.powered.target import meet
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos, sin

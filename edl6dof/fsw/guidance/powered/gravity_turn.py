@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

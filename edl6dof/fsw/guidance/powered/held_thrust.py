@@ -23,7 +23,7 @@ from edl6dof.fsw.guidance.powered.stopping import LEAST_DESCENT, stop_height
 from edl6dof.fsw.guidance.powered.terminal import command_thrust, push_sideways
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.interface.thrusters import AXIAL
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 class HeldThrustDescentParams(Params):

@@ -16,7 +16,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import exp, sin
 

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.powered.target import meet
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 _TARGET = "flight_software.guidance.powered.target"

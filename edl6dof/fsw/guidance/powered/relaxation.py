@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: The constraints, in the order in which they are relaxed.
 CONSTRAINTS = ("throttle dwell", "arrival height", "glide slope", "tilt", "target", "throttle band")

@@ -16,7 +16,7 @@ from math import sqrt
 
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.relaxation import EVERYTHING
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 
 #: Step (s) in which the stop is looked for, how far below the ground (m), and least descent rate (m/s) that

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.safety import classify_by_limits
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import tan
 

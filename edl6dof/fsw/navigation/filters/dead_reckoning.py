@@ -23,7 +23,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.alignment import adopt_attitude
 from edl6dof.fsw.navigation.filters.kalman.claim import deviation
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame

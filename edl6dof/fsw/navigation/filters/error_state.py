@@ -27,7 +27,7 @@ from edl6dof.fsw.navigation.filters.kalman.transition import (
     follow_slope,
     move_covariance,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import dot, scale, take3
 

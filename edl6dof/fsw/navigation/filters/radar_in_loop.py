@@ -20,7 +20,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.filters.kalman.antenna import place_antenna
 from edl6dof.fsw.navigation.filters.kalman.beams import count_usable, locked_beams
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp

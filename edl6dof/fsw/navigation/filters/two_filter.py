@@ -32,7 +32,7 @@ from edl6dof.fsw.navigation.filters.kalman.scalar_update import (
     weigh,
 )
 from edl6dof.interface.capacities import MAX_BEAMS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp

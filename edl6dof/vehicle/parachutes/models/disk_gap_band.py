@@ -15,7 +15,7 @@ from typing import Self
 from pydantic import model_validator
 
 from edl6dof.config.base import Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import pow
 

@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import pow
 from edl6dof.spatial.vector import clamp

@@ -11,7 +11,7 @@ AIAA 2008-7218; both from memory.
 from __future__ import annotations
 
 from edl6dof.config.base import Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 

@@ -6,7 +6,7 @@ Source: definition; the first-order build-up is an engineering model of this sim
 from __future__ import annotations
 
 from edl6dof.config.base import Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 NAME = "solid"

@@ -6,7 +6,7 @@ Source: an engineering model of this simulator, its numbers estimates.
 from __future__ import annotations
 
 from edl6dof.config.base import Hardware, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 

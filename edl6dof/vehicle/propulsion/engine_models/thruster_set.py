@@ -9,7 +9,7 @@ Entry, Descent, and Landing System Architecture", AIAA 2008-7218, from memory.
 from __future__ import annotations
 
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 NAME = "thruster_set"

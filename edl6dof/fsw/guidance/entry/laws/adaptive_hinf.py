@@ -34,7 +34,7 @@ from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
 )
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, sin, sincos

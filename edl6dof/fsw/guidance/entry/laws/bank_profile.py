@@ -13,7 +13,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Capacity, Params, param
 from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS, BankPoint, bank_at, must_ascend
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

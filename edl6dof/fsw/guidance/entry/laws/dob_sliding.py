@@ -25,7 +25,7 @@ from edl6dof.config.base import param
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, exp

@@ -19,7 +19,7 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

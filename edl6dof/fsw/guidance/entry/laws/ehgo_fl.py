@@ -27,7 +27,7 @@ from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measur
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.vector import clamp

@@ -21,7 +21,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, NODES, fill_influence
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, sin
 from edl6dof.spatial.lookups import between, held_cell

@@ -32,7 +32,7 @@ from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.range_stretch import stretched
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, hypot, sin

@@ -20,7 +20,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos

@@ -11,7 +11,7 @@ from edl6dof.fsw.guidance.entry.observers.path_observer import MEMORY, PathObser
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

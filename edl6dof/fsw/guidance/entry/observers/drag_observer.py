@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import exp
 

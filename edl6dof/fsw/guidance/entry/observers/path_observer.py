@@ -16,7 +16,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import cos, exp
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import log
 from edl6dof.spatial.lookups import between, held_cell

@@ -9,7 +9,7 @@ Sources: Lu 2014, "Entry guidance: a unified method", section IV.A (linear in en
 from __future__ import annotations
 
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import clamp
 
 #: Kinds of plan.

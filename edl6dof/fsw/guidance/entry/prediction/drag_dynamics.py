@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from edl6dof.fsw.guidance.entry.prediction.airframe import area_rate
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import acos, sincos
 from edl6dof.spatial.vector import clamp
 

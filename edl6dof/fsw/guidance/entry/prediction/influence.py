@@ -26,7 +26,7 @@ import numpy as np
 
 from edl6dof.fsw.guidance.entry.prediction.reference import point_mass, reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, sin
 

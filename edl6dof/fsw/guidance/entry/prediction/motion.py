@@ -14,7 +14,7 @@ from math import sqrt
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.fsw.navigation.strapdown import gravity_I
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin, sincos
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.vector import add, clamp, cross, norm, scale, sub, unit

@@ -19,7 +19,7 @@ from edl6dof.fsw.guidance.entry.prediction.motion import (
     roll,
     step,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, unit

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import held, linear
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import clamp
 
 

@@ -20,7 +20,7 @@ from edl6dof.config.base import Capacity, Params, param
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS, BankPoint, bank_at, must_ascend
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.lookups import held_cell

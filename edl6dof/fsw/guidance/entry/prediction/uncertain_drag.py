@@ -13,7 +13,7 @@ out the V^2.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

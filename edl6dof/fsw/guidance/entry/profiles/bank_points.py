@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from edl6dof.config.base import REQUIRED, Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 MAX_POINTS = 32
 

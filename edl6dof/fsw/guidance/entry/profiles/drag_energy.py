@@ -22,7 +22,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.reference import node_of
 from edl6dof.fsw.guidance.entry.profiles.range_update import shape
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import sin

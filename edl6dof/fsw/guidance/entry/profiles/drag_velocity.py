@@ -20,7 +20,7 @@ import numpy as np
 
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
 from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import product, pseudo_inverse
 from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.vector import clamp

@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import inf, sqrt
 
 from edl6dof.config.base import Params, param
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 class EntryLimitParams(Params):

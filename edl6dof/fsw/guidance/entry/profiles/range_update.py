@@ -17,7 +17,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.reference import NODES, node_of
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.interpolation import smooth
 from edl6dof.spatial.lookups import cell, held

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import asin, sin
 from edl6dof.spatial.vector import clamp

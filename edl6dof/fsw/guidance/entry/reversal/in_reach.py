@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import hypot
 
 #: Speed (m/s) by which a reversal is put off to see whether later is better.

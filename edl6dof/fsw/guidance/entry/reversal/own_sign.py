@@ -7,7 +7,7 @@ Source: none, this is the null member of the family.
 from __future__ import annotations
 
 from edl6dof.config.base import Params
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
 

@@ -15,7 +15,7 @@ from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.vector import clamp

@@ -13,7 +13,7 @@ from math import inf, sqrt
 from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import dot, norm, take3
 
 #: Shortest time of flight (s), longest over its first guess, and shortest start at full thrust (s).

@@ -17,7 +17,7 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: Square of the first root of cos x cosh x = 1.
 CLAMPED = 4.730041**2

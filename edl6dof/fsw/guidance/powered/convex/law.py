@@ -32,7 +32,7 @@ from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
 from edl6dof.fsw.guidance.powered.relaxation import ARRIVAL, DWELL, GLIDE_SLOPE, TARGET, TILT
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import atan, cos, tan

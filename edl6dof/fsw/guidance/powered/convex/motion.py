@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
 
 

@@ -21,7 +21,7 @@ from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp, put3, take3
 

@@ -4,7 +4,7 @@ return from level ground.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise

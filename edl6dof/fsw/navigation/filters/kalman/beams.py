@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

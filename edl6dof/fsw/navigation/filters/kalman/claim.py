@@ -15,7 +15,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     TERRAIN,
     VELOCITY,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import multiply, normalise
 from edl6dof.spatial.vector import scale, take3
 

@@ -10,7 +10,7 @@ data snooping.
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 #: No reading.
 NONE = -1

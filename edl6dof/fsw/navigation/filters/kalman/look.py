@@ -11,7 +11,7 @@ from edl6dof.fsw.navigation.filters.kalman.dissent import dissenting
 from edl6dof.fsw.navigation.filters.kalman.reading import take_in
 from edl6dof.fsw.navigation.filters.kalman.scalar_update import expected_by, predicted_variance
 from edl6dof.fsw.navigation.filters.kalman.states import WIDTH
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

@@ -14,7 +14,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     TERRAIN,
     VELOCITY,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub

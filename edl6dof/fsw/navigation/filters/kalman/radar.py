@@ -9,7 +9,7 @@ from __future__ import annotations
 from edl6dof.fsw.navigation.filters.kalman.antenna import place_antenna
 from edl6dof.fsw.navigation.filters.kalman.ranges import look_at_ranges
 from edl6dof.fsw.navigation.filters.kalman.speeds import look_at_speeds
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

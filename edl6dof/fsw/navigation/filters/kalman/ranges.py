@@ -26,7 +26,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     SLOPE,
     TERRAIN,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 

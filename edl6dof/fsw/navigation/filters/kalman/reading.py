@@ -12,7 +12,7 @@ from edl6dof.fsw.navigation.filters.kalman.scalar_update import (
     weigh,
 )
 from edl6dof.fsw.navigation.filters.kalman.states import POSITION, WIDTH
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import dot, put3, scale, take3
 
 

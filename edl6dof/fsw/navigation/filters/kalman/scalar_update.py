@@ -9,7 +9,7 @@ Source: P. D. Joseph's form for a scalar, in Bierman, Factorization Methods for 
 
 from __future__ import annotations
 
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 
 
 @kernel

@@ -10,7 +10,7 @@ from edl6dof.fsw.navigation.filters.kalman.gate import refused_again
 from edl6dof.fsw.navigation.filters.kalman.look import take_in_look
 from edl6dof.fsw.navigation.filters.kalman.reading import clear
 from edl6dof.fsw.navigation.filters.kalman.states import ATTITUDE_ERROR, POSITION, SPEED_SCALE, VELOCITY
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, take3
 

@@ -9,7 +9,7 @@ from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at
 from edl6dof.fsw.navigation.filters.kalman.gate import refused_again
 from edl6dof.fsw.navigation.filters.kalman.reading import clear, take_in
 from edl6dof.fsw.navigation.filters.kalman.states import ATTITUDE_ERROR, STAR_BIAS
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import axes, conjugate, multiply, rotation_vector
 from edl6dof.spatial.vector import dot, take3, unit
 

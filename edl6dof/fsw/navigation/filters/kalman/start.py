@@ -21,7 +21,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     WIDTH,
 )
 from edl6dof.fsw.navigation.filters.kalman.transition import begin_interval
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.quaternion import axes
 

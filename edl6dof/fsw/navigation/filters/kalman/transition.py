@@ -27,7 +27,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     VELOCITY,
     WIDTH,
 )
-from edl6dof.jit import kernel
+from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import axes, from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
 

@@ -1,5 +1,0 @@
-"""See :mod:`edl6dof.kernels`."""
-
-from edl6dof.kernels.jit import inlined_kernel, kernel
-
-__all__ = ["inlined_kernel", "kernel"]
