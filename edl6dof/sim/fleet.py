@@ -86,7 +86,12 @@ class Fleet:
             *(self.peaks[some], self._works[some], self.sensors[some], self.memories[some]),
             *(self.cycles[some], self.outcomes[some], self._current[some]),
         )
-        return lambda count: fly_each(functions[0], *records, count, steps, NO_TICKS, NO_BRIEFS)
+
+        def fly(count: int) -> None:
+            if functions:
+                fly_each(functions[0], *records, count, steps, NO_TICKS, NO_BRIEFS)
+
+        return fly
 
     @property
     def flights(self) -> tuple[np.ndarray, ...]:
@@ -117,8 +122,6 @@ class Fleet:
 
     def advance(self, cycles: int) -> None:
         """Fly some base cycles of every flight that still flies, a share of them in this thread."""
-        if not self._functions:
-            return
         for helper in self._helpers:
             helper.begin(cycles)
         try:
