@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.beside import Side, sides, spelt
 from edl6dof.report.figure import (
     BLACK,
     GREY,
@@ -22,6 +21,7 @@ from edl6dof.report.figure import (
     cell_edges,
     thinned,
 )
+from edl6dof.report.labels import Side, sides, spelt
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -61,7 +61,7 @@ def other(run, tmp_path_factory):
 def test_report_says_where_it_is(run, tmp_path, capsys, monkeypatch):
     out = tmp_path / "r.html"
     assert command(capsys, monkeypatch, "report", run.folder, "--out", out) == (0, f"{out}\n", "")
-    assert out.stat().st_size > 4_000_000
+    assert out.stat().st_size > 3_000_000
 
 
 @pytest.mark.parametrize("painted", [("landing", "site"), pytest.param((), marks=pytest.mark.long)])

@@ -12,7 +12,7 @@ import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.manifest import seal
-from edl6dof.report import beside
+from edl6dof.report import labels as label_layout
 from edl6dof.report.figure import Axis, Panel, Trace
 from edl6dof.report.flight import actuators, corridor, flows, phase_planes, site
 from edl6dof.report.flight.build import flight_report
@@ -241,4 +241,4 @@ def test_words_of_a_point_do_not_stand_on_other_points():
     named = Trace(np.array([5.0]), np.array([5.0]), "case", "points", labels=("case 1",))
     above = Trace(np.linspace(4.5, 5.5, 11), np.full(11, 5.4), "others", "points")
     panel = Panel(Axis("x"), Axis("y"), [named, above])
-    assert beside.sides(panel, ((0.0, 10.0), (0.0, 10.0)), 600.0, 300.0)[0] == ["below"]
+    assert label_layout.sides(panel, ((0.0, 10.0), (0.0, 10.0)), 600.0, 300.0)[0] == ["below"]
