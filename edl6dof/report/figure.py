@@ -65,6 +65,12 @@ SEQUENTIAL = _inks(
 )  # fmt: skip
 
 
+def rgb(colour: str) -> tuple[int, int, int]:
+    """A colour of paper as it is on a dark ground, by red, green and blue from 0 to 255."""
+    red, green, blue = bytes.fromhex(DARK[colour][1:])
+    return red, green, blue
+
+
 @dataclass(frozen=True)
 class Axis:
     """An axis: title with unit, range if it is not that of the data, and names in the place of numbers."""

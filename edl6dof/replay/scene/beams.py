@@ -8,12 +8,13 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, Recorder
-from edl6dof.replay.scene.mesh import RGB
+from edl6dof.report.figure import rgb
+from edl6dof.report.panels import STATES
 from edl6dof.telemetry.columns import range_of
 from edl6dof.telemetry.instruments import EXCLUDED, NOT_USED, USED
 
 #: Colour of a ray.
-RAYS: dict[str, RGB] = {USED: (120, 235, 140), NOT_USED: (250, 190, 70), EXCLUDED: (240, 70, 70)}
+RAYS = {state: rgb(STATES[state]) for state in (USED, NOT_USED, EXCLUDED)}
 
 
 class Beams(Recorder):

@@ -11,18 +11,15 @@ from edl6dof.interface.eyes import look
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
+from edl6dof.report.figure import rgb
+from edl6dof.report.panels import CELLS
 from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Columns by which a map that was navigated comes to lie where it is.
 NAVIGATED = ("nav.error_east_m", "nav.error_north_m")
 #: Colour of each class of cell, and of what is chosen and passed over.
-PAINT: dict[str, RGB] = {
-    "safe": (70, 170, 120),
-    "edge": (110, 110, 115),
-    "slope": (225, 165, 60),
-    "rock": (200, 75, 50),
-}
+PAINT = {name: rgb(colour) for name, (_, colour) in CELLS.items()}
 CHOSEN: RGB = (245, 250, 255)
 PASSED_OVER: RGB = (255, 205, 60)
 RAY: RGB = (120, 235, 140)

@@ -10,15 +10,12 @@ import numpy as np
 
 from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene.beams import RAYS
 from edl6dof.replay.views.layout import lanes_of, spans_of
-from edl6dof.replay.views.panels import SERIES
-from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
+from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
+from edl6dof.report.panels import STATES
 
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
-GREY, FIRE, RED = (48, 48, 54), (250, 150, 60), (235, 50, 50)
-#: Colours of what is made of an inertial instrument.
-HEALTH = {IN_USE: (70, 130, 90), SATURATED: FIRE, EXCLUDED: RED}
+OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)
 #: Keys of events that are warnings.
 TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 #: A thruster counts as firing from this duty on.
@@ -65,7 +62,7 @@ class Lanes(Recorder):
             changes,
             CONFIGURATIONS,
             fitted(changes, CONFIGURATIONS, span),
-            [SERIES[1], SERIES[0], SERIES[2], SERIES[4]],
+            [rgb(colour) for colour in (VERMILION, BLUE, GREEN, ORANGE)],
         )
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
@@ -83,7 +80,7 @@ class Lanes(Recorder):
     def _instruments(self) -> None:
         """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
         for one in self.flight.instruments:
-            colours = RAYS if one.kind == "beam" else HEALTH
+            colours = {state: rgb(STATES[state]) for state in one.states if state in STATES}
             self._switched(
                 f"instruments/{one.kind}/{one.name}", {state: one.holds(state) for state in colours}, colours
             )
@@ -103,7 +100,7 @@ class Lanes(Recorder):
             [(self.t[i], states[code[i]]) for i in first],
             states,
             states,
-            [GREY, *colours.values()],
+            [OFF, *colours.values()],
             shown,
         )
 

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from edl6dof.replay.views.panels import RGB
-
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
 TIMELINE = "time"
 #: How long (s) a trail is.
 TRAIL_S = 60.0
-SPACE: RGB = (10, 9, 12)
+SPACE = (10, 9, 12)
 #: The viewer's field of view from top to bottom, deg.
 FIELD_DEG = 55.0
 #: Half the angle (deg) that the sphere which a camera follows fills: less than half the field, so that the

@@ -15,30 +15,21 @@ from edl6dof.report.figure import (
     GREY,
     ORANGE,
     PURPLE,
-    ROUGH,
-    SAFE,
     SEQUENTIAL,
-    STEEP,
-    UNSEEN,
     VERMILION,
     Axis,
     Figure,
     Heat,
     Panel,
     Trace,
-)
+)  # fmt: skip
+from edl6dof.report.flight.parts import legend_entry
+from edl6dof.report.panels import CELLS
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
-#: What stands in a legend for each class of cell, and its colour.
-SHOWN: dict[str, tuple[str, str]] = {
-    "safe": ("safe to stand on", SAFE),
-    "edge": ("not all of it seen", UNSEEN),
-    "slope": ("too steep", STEEP),
-    "rock": ("too rough", ROUGH),
-}
 #: Cells that a page needs side by side; more would weigh it down and nobody sees them.
-CELLS = 128
+MOST_CELLS = 128
 
 
 def figures(run: Run) -> Iterator[Figure]:
@@ -54,18 +45,15 @@ def figures(run: Run) -> Iterator[Figure]:
 def _fine(run: Run, found: LandingMap) -> Figure:
     """The map of the scan, by class of cell and as heights."""
     east, north = middles(found)
-    every = -(-len(east) // CELLS)
+    every = -(-len(east) // MOST_CELLS)
     e, n = east[::every], north[::every]
-    names = [CELL_CLASSES.index(name) for name in SHOWN]
+    names = [CELL_CLASSES.index(name) for name in CELLS]
     cell_class = np.argsort(names)[found.cell_class[::every, ::every]].astype(float)
-    kinds = Heat(e, n, cell_class, "", 0, len(SHOWN) - 1, [colour for _, colour in SHOWN.values()])
+    kinds = Heat(e, n, cell_class, "", 0, len(CELLS) - 1, [colour for _, colour in CELLS.values()])
     height = found.elevation_m[::every, ::every]
     low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
-    entries = [
-        Trace(np.array([np.nan]), np.array([np.nan]), text, "points", colour, symbol="square", width=4.0)
-        for text, colour in SHOWN.values()
-    ]
+    entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
     classes = Panel(
         _axis("east", (e[0], e[-1])),
         _axis("north", (n[0], n[-1])),

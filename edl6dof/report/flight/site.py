@@ -6,19 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    Axis,
-    Figure,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
+from edl6dof.report.flight.parts import placed
 from edl6dof.runs.run import Run
 from edl6dof.scenario.landing_ellipse import planned_ellipse
 
@@ -134,12 +123,4 @@ def _part(run: Run, part: str, name: str, colour: str, scale: float) -> Trace:
 
 
 def _events(run: Run, scale: float, names: dict[str, str]) -> Trace:
-    found = [
-        (run.at(EAST, run.when[key]) / scale, run.at(NORTH, run.when[key]) / scale, name)
-        for key, name in names.items()
-        if key in run.when
-    ]
-    east, north, labels = zip(*found, strict=True) if found else ((), (), ())
-    return Trace(
-        np.array(east), np.array(north), "events", "points", BLACK, labels=labels, legend=False, border=True
-    )
+    return placed(run, EAST, NORTH, names, (1.0 / scale, 1.0 / scale))

@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.report.figure import (
     BLUE,
     GREEN,
     GREY,
-    ORANGE,
-    PURPLE,
     VERMILION,
     Axis,
     Band,
@@ -30,15 +29,14 @@ from edl6dof.report.flight.corridor import (
 )
 from edl6dof.report.flight.parts import (
     EVENTS,
-    Curve,
+    figure_of,
     has_signal,
-    over_time,
+    legend_entry,
     phase_bands,
     phase_keys,
-    phase_legend,
     placed,
-    stacked,
 )
+from edl6dof.report.panels import OVERVIEW
 from edl6dof.runs.run import Run
 
 
@@ -55,28 +53,15 @@ def figures(run: Run) -> Iterator[Figure]:
 
 def overview(run: Run) -> Figure:
     """What everyone asks first, over the whole flight."""
-    rows = np.ones(len(run.t), bool)
-    height = [
-        Curve("truth.altitude_m", "above the ellipsoid", 1e-3, BLUE),
-        Curve("truth.height_above_areoid_m", "above the areoid", 1e-3, BLUE, "dash"),
-        Curve("truth.height_m", "above the ground", 1e-3, BLUE, "dot"),
+    figure, phases = figure_of(run, OVERVIEW), phase_keys(run)
+    panels = [replace(panel, bands=phase_bands(run)) for panel in figure.panels]
+    entries = [
+        legend_entry(key.removeprefix("phase.").replace("_", " "), colour, border=True)
+        for key, colour in phases.items()
     ]
-    panels = [
-        over_time(run, "height (km)", height, rows),
-        over_time(run, "speed (km/s)", [Curve("truth.speed_m_s", "", 1e-3, VERMILION)], rows),
-        over_time(
-            run, "dynamic\npressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows
-        ),
-        over_time(run, "load (Earth g)", [Curve("truth.load_g0", "", 1.0, PURPLE)], rows),
-        over_time(run, "heat flux\n(W/cm²)", [Curve("truth.heat_flux_w_cm2", "", 1.0, ORANGE)], rows),
-    ]
-    panels = [replace(panel, bands=phase_bands(run)) for panel in panels]
-    panels[0] = replace(panels[0], traces=[*panels[0].traces, *phase_legend(run)])
-    caption = (
-        "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below."
-    )
-    caption += " The ground colour is the mission phase." if phase_keys(run) else ""
-    return stacked("overview", "The whole flight", panels, caption, 150)
+    panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
+    caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
+    return replace(figure, panels=panels, caption=caption)
 
 
 def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
@@ -221,7 +206,7 @@ def deployment_box(run: Run) -> Figure:
     box = Band(
         GREEN, (0.0, most[0]), (0.0, most[1]), f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa", 0.14, outline=True
     )
-    x = Axis("Mach number", (0.0, 1.7 * most[0]))
+    x = Axis("Mach number (1)", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
     alpha = run.at("truth.total_alpha_deg", t0)
     caption = ""
@@ -229,3 +214,18 @@ def deployment_box(run: Run) -> Figure:
         allowed = float(limit["parachute_total_alpha_deg"])
         caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {allowed:g} deg)."
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)
+
+
+def descent_plane(run: Run) -> Iterator[Figure]:
+    """Height over descent speed: the plane in which powered descent is designed."""
+    if "ignition" not in run.when:
+        return
+    rows = run.between("backshell", "touchdown")
+    names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
+    curve = Trace(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows], "flown", colour=BLUE, width=2.2)
+    panel = Panel(
+        Axis("descent speed (m/s)"),
+        Axis("height above the ground (m)"),
+        [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)],
+    )
+    yield Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)
