@@ -21,25 +21,23 @@ import numpy as np
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows, scales
-from edl6dof.replay.scene.beams import Beams
 from edl6dof.replay.scene.descent import Descent
 from edl6dof.replay.scene.ensemble import Ensemble, write_ensemble
 from edl6dof.replay.scene.flames import Flames
 from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
-from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
+from edl6dof.replay.scene.hazards import NAVIGATED, Beams, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.near_ground import NearGround
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, phase_plane, readout
-from edl6dof.replay.views.cameras import Cameras
+from edl6dof.replay.views.cameras import Cameras, ScaleBar
 from edl6dof.replay.views.charts import axis_range, drawn, ends, shown
 from edl6dof.replay.views.director import Director
 from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
-from edl6dof.replay.views.legend import Legend
 from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.scale_bar import ScaleBar
+from edl6dof.replay.views.readout import Legend
 from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.

@@ -142,12 +142,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
             axes.tick_params(labelbottom=False)
     if figure.entries:
         shown: Any = named.values()  # containers of bars too, which matplotlib's types leave out
-        canvas.legend(
-            shown,
-            named.keys(),
-            loc="outside lower left",
-            ncols=_entries_in_line(named, letters),
-        )
+        canvas.legend(shown, named.keys(), loc="outside lower left", ncols=_entries_in_line(named, letters))
 
 
 def _panel(

@@ -13,7 +13,7 @@ from made_up import NOT_ENTERED, read, synthetic_flight
 
 from edl6dof.replay.history import MANY, poses, thin
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.telemetry.spans import spans
+from edl6dof.telemetry.thinning import spans
 
 pytest.importorskip("rerun")
 

@@ -18,7 +18,7 @@ from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
 from edl6dof.replay.scene import aeroshell, lander
-from edl6dof.replay.scene.canopy import canopy
+from edl6dof.replay.scene.aeroshell import canopy
 from edl6dof.replay.scene.globe import Globe, planet
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.outline import outline

@@ -20,10 +20,7 @@ from edl6dof.report.zones import zones_of
 
 AXES = ("roll", "pitch", "yaw")
 #: Telemetry columns that the planes show.
-COLUMNS = (
-    *(f"control.error_{axis}_deg" for axis in AXES),
-    *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
-)
+COLUMNS = (*(f"control.error_{axis}_deg" for axis in AXES), *(f"truth.rate_{axis}_deg_s" for axis in "pqr"))
 TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
 #: Ends of the picture, deg and deg/s.
 REACH_DEG, REACH_DEG_S = 180.0, 40.0

@@ -203,26 +203,12 @@ class Views:
     def site(self) -> rrb.Spatial3DView:
         """The vehicle where it stands in the end."""
         place = self.flown.end + [16.0, -26.0, 9.0]
-        return self._view(
-            "Site",
-            "/site",
-            _NOT_SITE,
-            place,
-            self.flown.end,
-        )
+        return self._view("Site", "/site", _NOT_SITE, place, self.flown.end)
 
     def above(self, scanned: np.ndarray) -> rrb.Spatial3DView:
         """The ground below the hover, north up."""
         place, target = scanned - [0.0, 20.0, 20.0], scanned - [0.0, 0.0, 100.0]
-        hidden = (
-            "near",
-            "vehicle/attitude_frame",
-            "path",
-            "markers",
-            "labels",
-            "drop_line",
-            *_OWN,
-        )
+        hidden = ("near", "vehicle/attitude_frame", "path", "markers", "labels", "drop_line", *_OWN)
         return self._view("Hazards from above", "/site", (*hidden, "trail", "sky"), place, target)
 
     def globe(self) -> rrb.Spatial3DView:

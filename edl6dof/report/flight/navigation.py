@@ -26,7 +26,7 @@ from edl6dof.report.panels import (
 )
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instruments import Instrument, instruments
-from edl6dof.telemetry.spans import spans
+from edl6dof.telemetry.thinning import spans
 from edl6dof.vehicle.faults.component import Component, Components
 
 AXES = ("north", "east", "down")

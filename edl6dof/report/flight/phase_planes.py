@@ -98,9 +98,7 @@ def _lines(panels: Sequence[Panel]) -> str:
 
 
 def _damped(
-    gains: Mapping[str, Any],
-    rates: Sequence[np.ndarray],
-    phases: Sequence[tuple[str, np.ndarray]],
+    gains: Mapping[str, Any], rates: Sequence[np.ndarray], phases: Sequence[tuple[str, np.ndarray]]
 ) -> Panel:
     """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it
     leaves alone.

@@ -8,17 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from edl6dof.interface.roles import HOVER_IMAGING, begun
-from edl6dof.report.figure import (
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILION,
-    Axis,
-    Band,
-    Figure,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import BLUE, GREEN, GREY, VERMILION, Axis, Band, Figure, Panel, Trace
 from edl6dof.report.flight.corridor import (
     Border,
     Entry,

@@ -104,19 +104,11 @@ def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     found = comparison(run.summary["figures"], run.summary["published"])
     rows: list[Row] = [
-        [
-            row.figure,
-            printed(row.unit),
-            row.own,
-            _sign(row.published),
-            Cell(row.difference, _KEPT[row.kept]),
-        ]
+        [row.figure, printed(row.unit), row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
         for row in found
     ]
     return Table(
-        ["figure", "unit", "this flight>", "published>", "difference>"],
-        rows,
-        "Beside the published flight",
+        ["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight"
     )
 
 
