@@ -187,6 +187,13 @@ HEIGHT_ERROR = Plot("nav_height_m", "height error", {"nav.error_height_m": "erro
 INNOVATION = Plot("nav_innovation", "largest innovation", {
     "nav.range_innovation": "range", "nav.speed_innovation": "speed"}, since="heat_shield")
 # fmt: on
+#: All of them by key.
+CATALOGUE: dict[str, Plot] = {
+    plot.key: plot
+    for value in tuple(vars().values())
+    for plot in ([value] if isinstance(value, Plot) else value if isinstance(value, tuple) else [])
+    if isinstance(plot, Plot)
+}
 
 
 class Stack(NamedTuple):

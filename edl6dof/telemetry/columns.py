@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from math import nan, sqrt
+from math import nan
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from edl6dof.config.named import UnknownName
 from edl6dof.config.units import UNITS
 from edl6dof.interface.thrusters import THRUSTER_FAILURES
-from edl6dof.spatial.arrays import tan
+from edl6dof.spatial.arrays import lengths, tan
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 
 
@@ -80,14 +80,14 @@ class Telemetry(Mapping[str, np.ndarray]):
     def longest(self, *names: str) -> float:
         """Largest length over all rows of the vector of some channels of one unit, squared in SI."""
         columns, from_si = self._si(names)
-        return sqrt(np.max(sum(column * column for column in columns))) * from_si[0]
+        return float(np.max(lengths(np.stack(columns, axis=-1)))) * from_si[0]
 
     def nearest(self, place: Sequence[str], other: Sequence[str]) -> float:
         """Least distance (m) over all rows of two places, each given by its channels, ``nan`` where there are
         none.
         """
-        steps = (self[one] - self[two] for one, two in zip(place, other, strict=True))
-        return sqrt(np.fmin.reduce(sum(step * step for step in steps), initial=np.nan))
+        steps = [self[one] - self[two] for one, two in zip(place, other, strict=True)]
+        return float(np.fmin.reduce(lengths(np.stack(steps, axis=-1)), initial=nan))
 
     def fastest_swing(self, rate: str, roll: str, angle: str) -> float:
         """Largest magnitude over all rows of a rate without its part that is banking about the velocity, by

@@ -7,7 +7,8 @@ import pytest
 
 from edl6dof.replay.views.layout import PAGES
 from edl6dof.report import panels
-from edl6dof.report.panels import BOUND, STACKS, Plot, Stack
+from edl6dof.report.channels import chosen
+from edl6dof.report.panels import BOUND, CATALOGUE, STACKS, Plot, Stack
 from edl6dof.telemetry.channels import CHANNELS
 
 CHANNEL = {channel.name: channel for channel in CHANNELS}
@@ -53,3 +54,11 @@ def test_bounds_stand_on_both_sides_of_an_error_that_is_alone():
     assert [one.sigma for one in panels.POSITION_ERROR.apart()] == [
         f"nav.sigma_{axis}_m" for axis in ("north", "east", "down")
     ]
+
+
+def test_a_plot_of_the_catalogue_can_be_asked_for_by_its_key():
+    parts = {one.key for plot in CATALOGUE.values() for one in plot.apart()}
+    assert {plot.key for plot in DRAWN} <= CATALOGUE.keys() | parts
+    columns = {name: np.ones(3) for name in CHANNEL}
+    assert chosen(columns, ["bank_deg"], "run") == ["truth.bank_deg", "guide.bank_deg"]
+    assert chosen(columns, ["truth.mach", "engine_thrust_kn"], "run")[0] == "truth.mach"

@@ -18,7 +18,7 @@ from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"
 #: Letters of a line of an axis' title.
-LETTERS = 18
+LETTERS = 15
 #: Bounds are shown up to this many times the largest error, which would not be seen otherwise.
 FAR = 30.0
 #: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
