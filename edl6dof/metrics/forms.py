@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
 from edl6dof.interface.roles import LIFT, TRIM, span
-from edl6dof.spatial.arrays import lengths, total
-from edl6dof.telemetry.columns import Telemetry
+
+if TYPE_CHECKING:
+    from edl6dof.telemetry.columns import Telemetry  # whose kernels a report need not load
 
 #: Last seconds of the trim phase, in which its limit cycle is looked at.
 LIMIT_CYCLE_S = 30.0
@@ -49,7 +50,7 @@ def between(since: str, *until: str) -> Form:
 
 
 def value(event: str, *channels: str, added: bool = False, before: bool = False) -> Form:
-    """A channel at an event; of several the length of their vector, or their sum (``added``).
+    """A channel at an event; of several the length of their vector, or the sum of two (``added``).
 
     ``before``: in the row before it: an estimate is a reading old, and has not seen how contact shakes the
     vehicle.
@@ -59,10 +60,11 @@ def value(event: str, *channels: str, added: bool = False, before: bool = False)
         t, telemetry = flown.when.get(event), flown.telemetry
         if t is None:
             return None
-        values = telemetry.at(float(telemetry.beside(t)["t_s"][0]) if before else t, *channels)
-        if len(values) == 1:
-            return values[0]
-        return total(values) if added else float(lengths(np.array(values)))
+        t = float(telemetry.beside(t)["t_s"][0]) if before else t
+        if len(channels) > 1 and not added:
+            return telemetry.length_at(t, *channels)
+        first, *others = telemetry.at(t, *channels)
+        return first + others[0] if added else first
 
     return form
 

@@ -73,6 +73,10 @@ class Telemetry(Mapping[str, np.ndarray]):
         share = min(max((t - times[0]) / (times[1] - times[0]), 0.0), 1.0)
         return (table[:, 0] + share * (table[:, 1] - table[:, 0])).tolist()
 
+    def length_at(self, t: float, *names: str) -> float:
+        """Length of the vector of some channels at time ``t`` (s), as :meth:`at` gives them."""
+        return float(lengths(np.array(self.at(t, *names))))
+
     def largest(self, *names: str) -> float:
         """Largest magnitude of some channels of one unit over all rows, which are not none."""
         return float(np.max([np.max(np.abs(self[name])) for name in names]))

@@ -77,26 +77,10 @@ def use(run: Run) -> Table:
         impulse = seconds * float(jet["thrust_n"])
         pulses = int(np.sum(on[1:] & ~on[:-1]))
         used = impulse / (float(jet["specific_impulse_s"]) * G0)
-        rows.append(
-            [
-                jet["name"],
-                jet["group"],
-                f"{jet['thrust_n']:g}",
-                f"{pulses:,}",
-                f"{seconds:.2f}",
-                f"{impulse:,.0f}",
-                f"{used:.2f}",
-            ]
-        )
-    columns = [
-        "thruster",
-        "group",
-        "thrust (N)>",
-        "pulses>",
-        "time at full thrust (s)>",
-        "vacuum impulse (N s)>",
-        "propellant (kg)>",
-    ]
+        numbers = (f"{pulses:,}", f"{seconds:.2f}", f"{impulse:,.0f}", f"{used:.2f}")
+        rows.append([jet["name"], jet["group"], f"{jet['thrust_n']:g}", *numbers])
+    columns = ["thruster", "group", "thrust (N)>", "pulses>", "time at full thrust (s)>"]
+    columns += ["vacuum impulse (N s)>", "propellant (kg)>"]
     caption = f"Thruster use, from the telemetry of one integration step each {step * 1e3:g} ms"
     return Table(columns, rows, caption)
 

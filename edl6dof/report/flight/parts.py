@@ -11,7 +11,7 @@ from textwrap import fill
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, GREY, PHASES, SERIES, Axis, Band, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import BLACK, BLUE, GREY, PHASES, SERIES, Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.panels import Plot, Stack
 from edl6dof.report.panels import has_signal as _has_signal
 from edl6dof.runs.run import Run
@@ -141,6 +141,11 @@ def phase_bands(run: Run) -> list[Band]:
         Band(colour, x=span, opacity=0.75)
         for colour, span in zip(keys.values(), pairwise(starts), strict=True)
     ]
+
+
+def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
+    """The way of the vehicle in a plane."""
+    return Trace(x, y, name, colour=BLUE, width=2.2)
 
 
 def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:

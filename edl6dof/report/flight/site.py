@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
-from edl6dof.report.flight.parts import placed
+from edl6dof.report.figure import GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
+from edl6dof.report.flight.parts import flown, placed
 from edl6dof.runs.run import Run
 from edl6dof.scenario.landing_ellipse import planned_ellipse
 
@@ -23,7 +23,7 @@ def figures(run: Run) -> Iterator[Figure]:
 
 def ground_track(run: Run) -> Figure:
     """The whole way over ground, east and north of the landing site; the two axes have different scales."""
-    curve = Trace(run[EAST] / 1e3, run[NORTH] / 1e3, "vehicle", colour=BLUE, width=2.2)
+    curve = flown(run[EAST] / 1e3, run[NORTH] / 1e3, "vehicle")
     panel = Panel(
         _axis("east", "km"),
         _axis("north", "km"),
@@ -45,7 +45,7 @@ def landing_site(run: Run) -> Figure:
         _part(run, "heat_shield", "heat shield", ORANGE, 1e3),
         _part(run, "backshell", "backshell", PURPLE, 1e3),
     ]
-    below = Trace(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle", colour=BLUE, width=2.2)
+    below = flown(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle")
     limit = run.scenario["limits"]["landing_distance_m"]
     allowed = [] if limit is None else [_circle(float(limit) / 1e3, "allowed distance")]
     parachute = _events(run, 1e3, {"mortar": "parachute"})
@@ -66,7 +66,7 @@ def landing_site(run: Run) -> Figure:
     )
     last = run.between("backshell")
     marks = {"touchdown": "touchdown"}
-    track = Trace(run[EAST][last], run[NORTH][last], "vehicle", colour=BLUE, width=2.2)
+    track = flown(run[EAST][last], run[NORTH][last], "vehicle")
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
     near = [_target(run)] if away < 2.0 * reach else []  # else there were nothing else to be seen

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from edl6dof.interface.roles import HOVER_IMAGING, begun
-from edl6dof.report.figure import BLUE, GREEN, GREY, VERMILION, Axis, Band, Figure, Panel, Trace
+from edl6dof.report.figure import GREEN, GREY, VERMILION, Axis, Band, Figure, Panel, Trace
 from edl6dof.report.flight.corridor import (
     Border,
     Entry,
@@ -20,6 +20,7 @@ from edl6dof.report.flight.corridor import (
 from edl6dof.report.flight.parts import (
     EVENTS,
     figure_of,
+    flown,
     has_signal,
     legend_entry,
     phase_bands,
@@ -61,16 +62,8 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
     lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
     rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
     x, y = entry.speed[rows] / 1e3, lowest[rows]
-    return [
-        Trace(
-            np.append(x, x[::-1]),
-            np.append(y, np.full(len(x), edge)),
-            "beyond a limit",
-            "region",
-            VERMILION,
-            border=True,
-        )
-    ]
+    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
+    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]
 
 
 def on_scale(panel: Panel) -> tuple[Panel, str]:
@@ -95,26 +88,16 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
     found = borders(run, entry)
     lowest = min((float(border.drag.min()) for border in found), default=1.0)
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
-    x = entry.speed / 1e3
     traces = forbidden(entry, found, top)
-    traces += [
-        Trace(x, border.drag, border.name, colour=border.colour, dash=border.dash, border=True)
-        for border in found
-    ]
-    traces.append(
-        Trace(
-            x, equilibrium_glide(entry), "equilibrium glide, lift up", colour=GREEN, dash="dash", border=True
-        )
-    )
+    traces += [border.trace(entry.speed, border.drag) for border in (*found, glide(entry))]
     rows = run.between(until="mortar")
     speed, reference = run["truth.airspeed_m_s"][rows] / 1e3, run["guide.reference_drag_m_s2"][rows]
     if np.any(reference > 0.0):
-        traces.append(
-            Trace(speed, np.where(reference > 0.0, reference, np.nan), "reference", colour=GREY, width=2.2)
-        )
-    traces.append(Trace(speed, aerodynamic_accelerations(run, rows)[0], "flown", colour=BLUE, width=2.2))
+        given = np.where(reference > 0.0, reference, np.nan)
+        traces.append(Trace(speed, given, "reference", colour=GREY, width=2.2))
+    traces.append(flown(speed, aerodynamic_accelerations(run, rows)[0]))
     panel = Panel(
-        Axis("speed in the air (km/s)", (float(x.max()) * 1.03, 0.0)),
+        Axis("speed in the air (km/s)", (float(entry.speed.max()) / 1e3 * 1.03, 0.0)),
         Axis("drag acceleration (m/s²)", (0.0, top)),
         traces,
     )
@@ -131,28 +114,10 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     rows = run.between(until="mortar")
     found = borders(run, entry)
     traces = []
-    for border in (*found, Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")):
+    for border in (*found, glide(entry)):
         density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
-        traces.append(
-            Trace(
-                entry.speed / 1e3,
-                entry.height(density) / 1e3,
-                border.name,
-                colour=border.colour,
-                dash=border.dash,
-                border=True,
-            )
-        )
-    flown = run.between()
-    traces.append(
-        Trace(
-            run["truth.airspeed_m_s"][flown] / 1e3,
-            run["truth.height_above_areoid_m"][flown] / 1e3,
-            "flown",
-            colour=BLUE,
-            width=2.2,
-        )
-    )
+        traces.append(border.trace(entry.speed, entry.height(density) / 1e3))
+    traces.append(flown(run["truth.airspeed_m_s"] / 1e3, run["truth.height_above_areoid_m"] / 1e3))
     names: dict[str, str] = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
     traces.append(placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3)))
     widest = float(run["truth.airspeed_m_s"][rows].max()) / 1e3
@@ -163,11 +128,14 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         traces,
     )
     panel, beyond = on_scale(panel)
-    caption = "The flight runs from left to right" + (
-        "; it must stay above the borders of its limits." if found else "."
-    )
-    caption += beyond
+    above = "; it must stay above the borders of its limits" if found else ""
+    caption = f"The flight runs from left to right{above}.{beyond}"
     return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
+
+
+def glide(entry: Entry) -> Border:
+    """The equilibrium glide."""
+    return Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")
 
 
 def _titled(words: str, panel: Panel) -> str:
@@ -182,20 +150,13 @@ def deployment_box(run: Run) -> Figure:
     t0 = run.when["mortar"]
     rows = (run.t > t0 - 60.0) & (run.t < t0 + 60.0) & (run["truth.mach"] < 1.7 * most[0])
     top = 1.25 * max(most[1], float(run["truth.dynamic_pressure_pa"][rows].max()))
+    names = {"mortar": "mortar fire", "line_stretch": "", "trim_wing": "trim wing"}
     traces = [
-        Trace(
-            run["truth.mach"][rows], run["truth.dynamic_pressure_pa"][rows], "flown", colour=BLUE, width=2.2
-        ),
-        placed(
-            run,
-            "truth.mach",
-            "truth.dynamic_pressure_pa",
-            {"mortar": "mortar fire", "line_stretch": "", "trim_wing": "trim wing"},
-        ),
+        flown(run["truth.mach"][rows], run["truth.dynamic_pressure_pa"][rows]),
+        placed(run, "truth.mach", "truth.dynamic_pressure_pa", names),
     ]
-    box = Band(
-        GREEN, (0.0, most[0]), (0.0, most[1]), f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa", 0.14, outline=True
-    )
+    words = f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa"
+    box = Band(GREEN, (0.0, most[0]), (0.0, most[1]), words, 0.14, outline=True)
     x = Axis("Mach number (1)", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
     alpha = run.at("truth.total_alpha_deg", t0)
@@ -212,7 +173,7 @@ def descent_plane(run: Run) -> Iterator[Figure]:
         return
     rows = run.between("backshell", "touchdown")
     names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
-    curve = Trace(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows], "flown", colour=BLUE, width=2.2)
+    curve = flown(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows])
     panel = Panel(
         Axis("descent speed (m/s)"),
         Axis("height above the ground (m)"),
