@@ -37,30 +37,13 @@ from edl6dof.replay.views.charts import axis_range, drawn, ends, shown
 from edl6dof.replay.views.director import Director
 from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
 from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.readout import Legend
 from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
-    Ground,
-    Hazards,
-    Globe,
-    Track,
-    Cameras,
-    Director,
-    ScaleBar,
-    Vehicle,
-    Flames,
-    NearGround,
-    Arrows,
-    Beams,
-    Descent,
-    charts.Charts,
-    PhasePlanes,
-    lanes.Lanes,
-    readout.Readout,
-    Legend,
-)
+    Ground, Hazards, Globe, Track, Cameras, Director, ScaleBar, Vehicle, Flames, NearGround, Arrows, Beams,
+    Descent, charts.Charts, PhasePlanes, lanes.Lanes, readout.Readout, readout.Legend,
+)  # fmt: skip
 
 
 def history(flight: Flown) -> History:

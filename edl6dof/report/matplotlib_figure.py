@@ -21,7 +21,7 @@ from edl6dof.report.figure import (
     Trace,
     cell_edges,
     thinned,
-)
+)  # fmt: skip
 from edl6dof.report.labels import Side, sides, spelt
 
 if TYPE_CHECKING:
@@ -38,43 +38,21 @@ WIDTH = 7.0
 PIXELS_PER_INCH = 1000.0 / WIDTH
 #: matplotlib's settings, which it types by a literal of all their names.
 STYLE: Any = {
-    "font.family": "sans-serif",
-    "font.size": 8.0,
-    "axes.titlesize": "medium",
-    "axes.titleweight": "bold",
-    "axes.edgecolor": GREY,
-    "axes.linewidth": 0.7,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": RULE,
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-    "legend.fontsize": "medium",
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-    "path.simplify": True,
-}
+    "font.family": "sans-serif", "font.size": 8.0, "axes.titlesize": "medium", "axes.titleweight": "bold",
+    "axes.edgecolor": GREY, "axes.linewidth": 0.7, "axes.grid": True, "axes.axisbelow": True,
+    "grid.color": RULE, "grid.linewidth": 0.6, "legend.frameon": False, "legend.fontsize": "medium",
+    "xtick.color": INK, "ytick.color": INK, "pdf.fonttype": 42, "svg.fonttype": "none", "path.simplify": True,
+}  # fmt: skip
 #: Letters of the names along an axis beyond which they stand upright.
 _NAMES_IN_LINE = 60
 
 _DASHES: dict[str, Any] = {
-    "solid": "-",
-    "dash": (0, (5, 2)),
-    "dot": (0, (1, 1.6)),
-    "dashdot": (0, (5, 2, 1, 2)),
-}
+    "solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2)),
+}  # fmt: skip
 _SYMBOLS = {
-    "circle": "o",
-    "square": "s",
-    "diamond": "D",
-    "cross": "P",
-    "x": "X",
-    "star": "*",
-    "triangle-up": "^",
+    "circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^",
     "triangle-down": "v",
-}
+}  # fmt: skip
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:

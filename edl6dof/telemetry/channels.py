@@ -52,6 +52,7 @@ def _vector(stem: str, suffix: str, axes: str, meaning: str, brief: bool = False
     ]
 
 
+# fmt: off
 CHANNELS: tuple[Channel, ...] = (
     Channel("truth.altitude_m", "height above the reference ellipsoid", brief=True),
     Channel("truth.height_above_areoid_m", "height above the areoid, from which the air counts", brief=True),
@@ -92,18 +93,14 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("truth.engine_thrust_n", "main engine thrust"),
     Channel("truth.riser_tension_n", "tension in riser and lines"),
     *_vector("truth.canopy", "m", "east north up", "canopy relative to the landing site"),
-    *_vector(
-        "truth.heat_shield", "m", "east north up", "jettisoned heat shield relative to the landing site"
-    ),
-    *_vector(
-        "truth.backshell", "m", "east north up", "released backshell relative to the landing site", brief=True
-    ),
+    *_vector("truth.heat_shield", "m", "east north up",
+             "jettisoned heat shield relative to the landing site"),
+    *_vector("truth.backshell", "m", "east north up",
+             "released backshell relative to the landing site", brief=True),
     Channel("truth.trim_wing", "trim-wing opening, 0 to 1"),
     Channel("truth.footpads", "footpads on the ground"),
-    Channel(
-        "sensed.gyros_saturated",
-        "gyros at the end of their range: the sum of 2 to the power of their numbers from 0",
-    ),
+    Channel("sensed.gyros_saturated",
+            "gyros at the end of their range: the sum of 2 to the power of their numbers from 0"),
     Channel("sensed.accelerometers_saturated", "accelerometers at the end of their range, likewise"),
     Channel("nav.mach", "navigated Mach number (no wind)"),
     Channel("nav.alpha_deg", "navigated angle of attack (no wind)"),
@@ -113,12 +110,10 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("nav.drag_m_s2", "measured drag acceleration"),
     Channel("nav.mass_kg", "believed mass"),
     *_vector("nav.error", "m", "north east down", "estimated less true position", brief=True),
-    *_vector(
-        "nav.error_v", "m_s", "north east down", "estimated less true velocity over the ground", brief=True
-    ),
-    *_vector(
-        "nav.error_attitude", "deg", "north east down", "rotation from true to estimated attitude", brief=True
-    ),
+    *_vector("nav.error_v", "m_s", "north east down",
+             "estimated less true velocity over the ground", brief=True),
+    *_vector("nav.error_attitude", "deg", "north east down",
+             "rotation from true to estimated attitude", brief=True),
     Channel("nav.error_height_m", "estimated less true height above the ground", brief=True),
     *_vector("nav.sigma", "m", "north east down", "claimed standard deviation of position"),
     *_vector("nav.sigma_v", "m_s", "north east down", "claimed standard deviation of velocity"),
@@ -146,8 +141,7 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("guide.thrust_direction", "", "north east down", "commanded thrust direction"),
     Channel(
         "guide.hazard_stage",
-        "hazard detection: 0 not begun, 1 image asked for, 2 coarse point chosen, 3 scanning, 4 spot chosen",
-    ),
+        "hazard detection: 0 not begun, 1 image asked for, 2 coarse point chosen, 3 scanning, 4 spot chosen"),
     Channel("guide.coarse_east_m", "coarse point to land at, from the landing site as navigated, east"),
     Channel("guide.coarse_north_m", "coarse point to land at, likewise, north"),
     Channel("guide.spot_east_m", "spot to land on, from the landing site as navigated, east"),
@@ -155,22 +149,17 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller", brief=True),
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
     *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B", brief=True),
-    *_vector(
-        "estimate.force",
-        "n",
-        "x y z",
-        "estimated disturbance force in B; the axial one contains engine and drag",
-    ),
+    *_vector("estimate.force", "n", "x y z",
+             "estimated disturbance force in B; the axial one contains engine and drag"),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
     Channel("diagnosis.leaking", "branch whose leak is looked into, by number from 0; -1 for none"),
     Channel("diagnosis.common_loss", "share of its flow that every propellant branch is thought to lose"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
-    Channel(
-        "diagnosis.in_use",
-        "thrusters that the flight computer may use: the sum of 2 to the power of their numbers",
-    ),
+    Channel("diagnosis.in_use",
+            "thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
     *_vector("control.unallocated", "nm", "x y z", "demanded torque that stays unallocated"),
 )
+# fmt: on
 
 #: Channels that a flight of a campaign records.
 BRIEF_CHANNELS: tuple[Channel, ...] = tuple(channel for channel in CHANNELS if channel.brief)

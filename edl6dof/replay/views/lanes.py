@@ -57,13 +57,8 @@ class Lanes(Recorder):
             row = motion.released(place)
             if row is not None:
                 changes.append((float(self.t[row]), name))
-        self._lane(
-            f"{page}/Vehicle",
-            changes,
-            CONFIGURATIONS,
-            fitted(changes, CONFIGURATIONS, span),
-            [rgb(colour) for colour in (VERMILION, BLUE, GREEN, ORANGE)],
-        )
+        labels, colours = fitted(changes, CONFIGURATIONS, span), map(rgb, (VERMILION, BLUE, GREEN, ORANGE))
+        self._lane(f"{page}/Vehicle", changes, CONFIGURATIONS, labels, list(colours))
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
             self._switched(f"{page}/Engine", {"on": on}, {"on": FIRE})
@@ -95,14 +90,8 @@ class Lanes(Recorder):
             code[holds] = number
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
         shown = [False] + [True] * len(when)
-        self._lane(
-            name,
-            [(self.t[i], states[code[i]]) for i in first],
-            states,
-            states,
-            [OFF, *colours.values()],
-            shown,
-        )
+        changes = [(self.t[i], states[code[i]]) for i in first]
+        self._lane(name, changes, states, states, [OFF, *colours.values()], shown)
 
     def _lane(
         self,

@@ -64,14 +64,8 @@ class Layout:
                 self._tour(), clock, top, auto_views=False, auto_layout=False, collapse_panels=True
             )
         possible = (
-            self._flight(),
-            self._entry(),
-            self._parachute(),
-            self._powered(),
-            self._hazards(),
-            self._control(),
-            self._navigation(),
-            self._thrusters(),
+            *(self._flight(), self._entry(), self._parachute(), self._powered()),
+            *(self._hazards(), self._control(), self._navigation(), self._thrusters()),
         )
         pages = [self._with_lanes(page) for page in possible if page is not None]
         pages.append(self._tour())
