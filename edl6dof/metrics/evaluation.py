@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.metrics.figures import DECLARED, FIGURES, LIMITS, Source
+from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Source, figure_of_merit
 from edl6dof.metrics.forms import Flown
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
@@ -51,14 +51,31 @@ class Check:
         """Whether the limit is kept; a value that could not be formed does not keep it."""
         return bool(self.value <= self.limit)
 
+    @property
+    def of_balance(self) -> bool:
+        """Whether it judges the simulator and not the mission."""
+        return figure_of_merit(self.figure).source == "balance"
+
+    @property
+    def told(self) -> str:
+        """What stands for it in the outcome: a broken balance with its numbers."""
+        unit = f" {self.unit}" if self.unit else ""
+        return (
+            f"{self.label}: {self.value:.1e}, limit {self.limit:g}{unit}" if self.of_balance else self.label
+        )
+
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that is set and whose point this flight reached."""
-    return [
-        Check(figure.name, figure.meaning, figures[figure.name], limit, figure.unit.label)
-        for figure in LIMITS
-        if figure.name in figures and (limit := getattr(limits, figure.limit)) is not None
+    """Every limit that is set and whose point this flight reached, and every balance that it does not
+    keep.
+    """
+    bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
+    found = [
+        Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label)
+        for figure, bound in (*bounds, *((figure, figure.allowed) for figure in BALANCES))
+        if figure.name in figures and bound is not None
     ]
+    return [check for check in found if not (check.of_balance and check.ok)]
 
 
 def formed(flown: Flown, *sources: Source) -> dict[str, float]:

@@ -23,7 +23,7 @@ from edl6dof.report.figure import (
     Panel,
     Trace,
     thinned,
-)  # fmt: skip
+)
 from edl6dof.report.labels import Side, sides, spelt
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"

@@ -14,7 +14,7 @@ from edl6dof.spatial.frames import (
     to_local,
     total_angle_of_attack,
     wind_angles,
-)  # fmt: skip
+)
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, scale, take3
 from edl6dof.telemetry.navigation import record_claims, record_errors, record_readings

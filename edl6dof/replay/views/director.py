@@ -22,7 +22,7 @@ from edl6dof.replay.views.cameras import (
     moving_mean,
     steady,
     together,
-)  # fmt: skip
+)
 from edl6dof.replay.views.spatial import KEPT_DEG
 from edl6dof.spatial import rotations as turns
 

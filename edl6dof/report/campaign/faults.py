@@ -28,7 +28,7 @@ from edl6dof.report.figure import (
     Heat,
     Panel,
     Trace,
-)  # fmt: skip
+)
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (

@@ -12,7 +12,7 @@ from edl6dof.report.flight import (
     site,
     trajectory,
     words,
-)  # fmt: skip
+)
 from edl6dof.report.flight.parts import over_flight
 from edl6dof.report.panels import STACKS
 from edl6dof.runs.run import Run

@@ -22,7 +22,7 @@ from edl6dof.report.figure import (
     Heat,
     Panel,
     Trace,
-)  # fmt: skip
+)
 from edl6dof.report.flight.parts import legend_entry
 from edl6dof.report.panels import CELLS
 from edl6dof.runs.run import Run

@@ -23,7 +23,7 @@ from edl6dof.report.panels import (
     NAV_TOUCHDOWN,
     NAV_VELOCITY,
     STATES,
-)  # fmt: skip
+)
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instruments import Instrument, instruments
 from edl6dof.telemetry.thinning import spans

@@ -24,7 +24,7 @@ from edl6dof.report.figure import (
     Mark,
     Panel,
     Trace,
-)  # fmt: skip
+)
 from edl6dof.report.flight.parts import has_signal
 from edl6dof.report.zones import AIMED_FOR, FIRING, zones_of
 from edl6dof.runs.run import Run

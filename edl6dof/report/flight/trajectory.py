@@ -16,7 +16,7 @@ from edl6dof.report.flight.corridor import (
     borders,
     entry_state,
     equilibrium_glide,
-)  # fmt: skip
+)
 from edl6dof.report.flight.parts import (
     EVENTS,
     figure_of,
@@ -26,7 +26,7 @@ from edl6dof.report.flight.parts import (
     phase_bands,
     phase_keys,
     placed,
-)  # fmt: skip
+)
 from edl6dof.report.panels import OVERVIEW
 from edl6dof.runs.run import Run
 
