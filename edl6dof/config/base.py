@@ -113,10 +113,6 @@ class Params(BaseModel):
         extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True
     )
 
-    #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.
-    moved: ClassVar[Mapping[str, str]] = {}
-    #: Keys of an older form, and how what they said is written now.
-    former: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
 
