@@ -178,7 +178,7 @@ def param(
         record: whether compiled code needs it (``False`` for names, files and Python-side switches).
         factory: makes the default instead of ``default`` (for lists and sub-models).
         printed: the number of ``source``, where the default is this software's (see
-            :mod:`~edl6dof.config.as_printed`).
+            :mod:`~edl6dof.config.paper_values`).
         usual: smallest and largest usual value, and the reason (see :mod:`~edl6dof.config.usual`).
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
