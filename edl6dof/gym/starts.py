@@ -63,7 +63,7 @@ class StartPool:
 
     def fleet(self, count: int, workers: int) -> Fleet:
         """As many flights of the scenario."""
-        return Fleet(count, self._flights.base.records.tables, self.loaded.scenario.steps_per_cycle, workers)
+        return Fleet(count, self._flights.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
 
     def _flown(self, case: int) -> Start:
         """The flight of a case; of one that does not come so far another that does.
@@ -74,7 +74,7 @@ class StartPool:
         for seed in range(case, _PATIENCE * _CASES, _CASES):
             variant = self._flights.of(seed)
             parts = variant.parts
-            if parts.tables is not self._flights.base.records.tables:
+            if parts.tables is not self._flights.base.parts.tables:
                 raise refusal(self._task.scenario, "disperses the tables of the world, which a fleet shares")
             flight = SteppedFlight(variant.loaded, parts, telemetry=False)
             if self._comes(flight):

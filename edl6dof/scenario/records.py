@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.dtype import duplicate
-from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
@@ -140,26 +139,14 @@ class Records(NamedTuple):
     onboard: np.ndarray
 
 
-def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
-    """Truth, tables and belief of a scenario; what it shares with one that was built is copied.
+def build_records(loaded: LoadedScenario) -> Records:
+    """Build truth, tables and belief of a scenario; scenarios of the same inputs share the tables.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
     """
     tables = build_tables(loaded.truth)
-    if like is None or tables is not like.records.tables:
-        return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
-    case = build_case(loaded.truth, tables, (like.loaded.truth, like.records.case))
-    if changed_fields(loaded.scenario, like.loaded.scenario).isdisjoint(BELIEVED):
-        return Records(case, tables, duplicate(like.records.onboard))
-    return Records(case, tables, build_onboard(loaded.scenario))
-
-
-class Built(NamedTuple):
-    """A scenario and its records, for nobody to write to."""
-
-    loaded: LoadedScenario
-    records: Records
+    return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
