@@ -19,7 +19,6 @@ from io import BufferedReader
 from pathlib import Path
 
 from edl6dof import __version__
-from edl6dof.another_version import told, writer
 from edl6dof.config.errors import refusal
 from edl6dof.durable import sync, write_atomic
 
@@ -88,13 +87,12 @@ class Manifest:
         """Read the manifest of a folder.
 
         Raises:
-            ConfigError: there is none, it is damaged, or another version wrote it in a form of its own.
+            ConfigError: there is none, or it is damaged.
         """
         path = folder / MANIFEST
         if not path.is_file():
             raise refusal(folder, f"is no result of edl6dof: it has no {MANIFEST}")
-        words = told(writer(path))
-        damaged = f"cannot be read: {words}" if words else "is damaged: it is no manifest"
+        damaged = "is damaged: it is no manifest"
         try:
             content = json.loads(_bytes(path))
             kind, files = content["kind"], content["files"]

@@ -5,6 +5,7 @@ again, and no code is loaded.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,6 @@ from edl6dof.config.named import UnknownName
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
 from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
-from edl6dof.runs.needing import other_versions
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
@@ -183,5 +183,18 @@ class Run(Mapping[str, np.ndarray]):
         try:
             return parsed(self._manifest.read(name), kind)
         except ValueError as error:
-            words = f"is not the file of a run: {error}{other_versions(self.folder)}"
-            raise refusal(self.folder / name, words) from None
+            raise refusal(self.folder / name, f"is not the file of a run: {error}") from None
+
+
+@contextmanager
+def needing_channels(*folders: Path) -> Iterator[None]:
+    """Turn a channel that the runs in the folders lack into one line.
+
+    Raises:
+        ConfigError: the runs lack a channel.
+    """
+    try:
+        yield
+    except UnknownName as error:
+        words = f"no {error.kind} {error.name!r}, which is needed here; plot and export show what there is"
+        raise refusal(", ".join(map(str, folders)), words) from None
