@@ -24,7 +24,7 @@ from edl6dof.durable import sync, write_atomic
 
 MANIFEST = "manifest.json"
 
-#: What was made from the result later, and may be made again (:mod:`edl6dof.runs.made`).
+#: What was made from the result later, and may be made again (:mod:`edl6dof.runs.files`).
 MADE = "made.json"
 
 #: What commands write later into a folder of each kind; a user's own files never look like these.
@@ -94,7 +94,7 @@ class Manifest:
             raise refusal(folder, f"is no result of edl6dof: it has no {MANIFEST}")
         damaged = "is damaged: it is no manifest"
         try:
-            content = json.loads(_bytes(path))
+            content = json.loads(read_file(path))
             kind, files = content["kind"], content["files"]
         except (ValueError, KeyError, TypeError, RecursionError):
             raise refusal(path, damaged) from None
@@ -115,8 +115,8 @@ class Manifest:
         path = self.folder / name
         if name not in self.files:
             raise refusal(path, f"no such file, says {MANIFEST}")
-        content = _bytes(path)
-        if _hash(content) != self.files[name]:
+        content = read_file(path)
+        if sha256(content) != self.files[name]:
             raise refusal(
                 path,
                 (
@@ -157,7 +157,12 @@ def _names(folder: Path) -> Iterator[str]:
             yield path.relative_to(folder).as_posix()
 
 
-def _bytes(path: Path) -> bytes:
+def read_file(path: Path) -> bytes:
+    """Read all bytes of a file.
+
+    Raises:
+        ConfigError: it is missing, no regular file, or cannot be read.
+    """
     with _opened(path) as file:
         return file.read()
 
@@ -178,7 +183,8 @@ def _opened(path: Path) -> Iterator[BufferedReader]:
         raise refusal(path, f"cannot be read: {error.strerror or error}") from None
 
 
-def _hash(content: bytes) -> str:
+def sha256(content: bytes | memoryview) -> str:
+    """Return the SHA-256 of some bytes as hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 

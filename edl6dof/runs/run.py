@@ -16,8 +16,7 @@ from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import refusal
 from edl6dof.config.named import UnknownName
 from edl6dof.manifest import Manifest
-from edl6dof.runs.contents import Content, Event, Summary, parsed
-from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
+from edl6dof.runs.contents import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times

@@ -17,9 +17,9 @@ from edl6dof.campaign import engines, run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.storage import identity as origin
-from edl6dof.campaign.storage.files import StoreError
 from edl6dof.campaign.storage.inputs import input_files
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import ConfigError
 from edl6dof.environment import profile_file
 
 DATA = ROOT / "edl6dof" / "data"
@@ -136,10 +136,10 @@ def test_table_changed_between_kill_and_resume(tmp_path, thin_air):
         run.fly(plan, store, Changing(stop))
     table.write_text(changed)
     first, second = (hashlib.sha256(text.encode()).hexdigest()[:12] for text in (was, changed))
-    with pytest.raises(StoreError, match=f"file {table}: was {first}, is {second}"):
+    with pytest.raises(ConfigError, match=f"file {table}: was {first}, is {second}"):
         run.resumed_plan(store)
     table.unlink()
-    with pytest.raises(StoreError, match=f"file {table}: was {first}, is gone"):
+    with pytest.raises(ConfigError, match=f"file {table}: was {first}, is gone"):
         run.resumed_plan(store)
     table.write_text(was)
     run.fly(run.resumed_plan(store), store, Threads())
@@ -150,7 +150,7 @@ def test_table_changed_while_it_flies(tmp_path, thin_air):
     plan, table, was, changed, undisturbed = thin_air
     store = Store(tmp_path / "out")
     run.begin(plan, store, None)
-    with pytest.raises(StoreError, match=f"{table} changed while it was flown"):
+    with pytest.raises(ConfigError, match=f"{table} changed while it was flown"):
         run.fly(plan, store, Changing(lambda: table.write_text(changed)))
     assert len(store.parts.indices()) == 2 and not store.complete
     table.write_text(was)
@@ -168,7 +168,7 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
     copy = tmp_path / "edl6dof" / "data" / "atmosphere" / AIR.name
     copy.write_bytes(AIR.read_bytes() + b"\n")
     with pytest.raises(
-        StoreError, match=(f"file edl6dof/data/atmosphere/{AIR.name}: was [0-9a-f]{{12}}, is [0-9a-f]{{12}}")
+        ConfigError, match=(f"file edl6dof/data/atmosphere/{AIR.name}: was [0-9a-f]{{12}}, is [0-9a-f]{{12}}")
     ):
         run.resumed_plan(store)
 
@@ -179,7 +179,7 @@ def test_other_versions_are_named_each(tmp_path, monkeypatch, library, sampling)
     run.begin(plan, store, None)
     monkeypatch.setattr(getattr(origin, library), "__version__", "0.7")
     monkeypatch.setattr(edl6dof, "__version__", "9.9")
-    with pytest.raises(StoreError, match=rf"edl6dof: was .*, is 9.9; {library}: was .*, is 0.7\)"):
+    with pytest.raises(ConfigError, match=rf"edl6dof: was .*, is 9.9; {library}: was .*, is 0.7\)"):
         run.resumed_plan(store)
 
 

@@ -18,11 +18,11 @@ import scipy
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.storage.documents import Identity
-from edl6dof.campaign.storage.files import digest, sha256
+from edl6dof.campaign.storage.documents import Identity, digest
 from edl6dof.campaign.storage.inputs import input_files
 from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.jit import outside_sources
+from edl6dof.manifest import sha256
 
 _PACKAGE = Path(edl6dof.__file__).resolve().parent
 #: Folders of the package from which no row follows.
