@@ -23,10 +23,10 @@ from scipy.optimize import linprog
 from edl6dof.config.units import G0
 from edl6dof.design.entry_plan import Plan, figures, own_points
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import Scenario
-from edl6dof.scenario.start import start_of
 
 Goal = Literal["parachute_altitude", "dispersion"]
 

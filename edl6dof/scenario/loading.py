@@ -15,8 +15,7 @@ from edl6dof.config.validate import refuse, steps, validate
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
-from edl6dof.scenario.data_files import file_problems
-from edl6dof.scenario.mesh_paths import with_whole_paths
+from edl6dof.scenario.data_files import file_problems, with_whole_paths
 from edl6dof.scenario.plausible import unusual_in
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario

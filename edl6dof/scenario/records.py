@@ -26,8 +26,8 @@ from edl6dof.scenario.belief import believe
 from edl6dof.scenario.case import build_case
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.places import start_of, vertical_axes
 from edl6dof.scenario.schema import Scenario
-from edl6dof.scenario.start import start_of, vertical_axes
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import (

@@ -23,8 +23,7 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
-    "edl6dof.scenario.belief": {"lift"},
-    "edl6dof.scenario.believed_aero": {"lift"},
+    "edl6dof.scenario.believed_vehicle": {"lift"},
     "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
     "edl6dof.sim.observing": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
@@ -37,9 +36,7 @@ OTHER_MEANINGS = {
     "edl6dof.studies.hu2022.findings": {"landed"},
     "edl6dof.studies.hu2022.rows": {"landed"},
     "edl6dof.vehicle.faults.component": {"parachute"},  # kind of component
-    "edl6dof.vehicle.mass": {"parachute"},  # key of an older form, as in vehicle
     "edl6dof.vehicle.plant": {"parachute"},  # field of a record
-    "edl6dof.vehicle.vehicle": {"parachute"},
 }
 #: The list of roles, which takes its words from what phases are usually called.
 ROLES = "edl6dof.interface.roles"

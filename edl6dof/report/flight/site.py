@@ -20,7 +20,7 @@ from edl6dof.report.figure import (
     Trace,
 )
 from edl6dof.runs.run import Run
-from edl6dof.scenario.landing_ellipse import planned_ellipse
+from edl6dof.scenario.relief import planned_ellipse
 
 EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
 
