@@ -15,7 +15,7 @@ from typing import Any
 
 from docs_notebooks import pages as notebooks
 
-from edl6dof.config.reference import Row, rows
+from edl6dof.config.parameter_table import Row, rows
 
 #: Pages of parameters: file, title, dotted paths whose parameters are on it; the first page that fits has it.
 PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (

@@ -11,7 +11,7 @@ from edl6dof.app.exit_status import BAD_INPUT
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, refusal
-from edl6dof.config.schema import json_schema
+from edl6dof.config.json_schema import json_schema
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
 

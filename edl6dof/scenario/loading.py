@@ -12,7 +12,7 @@ from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import refuse, steps, validate
-from edl6dof.interchange.vehicle import expand_daveml
+from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems, with_whole_paths

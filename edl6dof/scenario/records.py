@@ -23,11 +23,11 @@ from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
-from edl6dof.scenario.case import build_case
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.places import start_of, vertical_axes
 from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.truth import build_case
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import (

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from edl6dof.config.named import UnknownName
+from edl6dof.config.errors import UnknownName
 from edl6dof.interface.thrusters import THRUSTER_FAILURES
 from edl6dof.records import offset
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel

@@ -11,7 +11,7 @@ from edl6dof.config.document.source import parse_document
 from edl6dof.config.dump import dump_resolved
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.paper_values import PrintedParams
-from edl6dof.config.reference import rows
+from edl6dof.config.parameter_table import rows
 from edl6dof.config.validate import validate
 
 
