@@ -132,7 +132,10 @@ class Dask:
         while True:
             try:
                 return future.result(timeout=LOOK_S)
-            except TimeoutError:
+            except (
+                TimeoutError,
+                UnboundLocalError,
+            ):  # the latter from distributed: its own wait was cancelled
                 if future.status == "error":
                     raise
             except KilledWorker as error:

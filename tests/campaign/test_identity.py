@@ -164,7 +164,7 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
     run.begin(plan, store, None)
     shutil.copytree(DATA, tmp_path / "edl6dof" / "data")
     monkeypatch.setattr(profile_file, "_DATA", tmp_path / "edl6dof" / "data" / "atmosphere")
-    monkeypatch.setattr(origin, "_PACKAGE", tmp_path / "edl6dof")
+    monkeypatch.setattr(origin, "PACKAGE", tmp_path / "edl6dof")
     copy = tmp_path / "edl6dof" / "data" / "atmosphere" / AIR.name
     copy.write_bytes(AIR.read_bytes() + b"\n")
     with pytest.raises(
@@ -190,7 +190,7 @@ def test_what_moves_no_bit_is_in_no_identity(tmp_path, monkeypatch):
     for folder in ("fsw", "report"):
         (package / folder).mkdir(parents=True)
         (package / folder / "a.py").write_text("1")
-    monkeypatch.setattr(origin, "_PACKAGE", package)
+    monkeypatch.setattr(origin, "PACKAGE", package)
     hashes = []
     for changed in ("fsw", "report"):
         origin.source_hash.cache_clear()

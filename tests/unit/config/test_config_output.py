@@ -124,7 +124,14 @@ def test_a_default_outside_its_own_bounds_is_refused():
 def test_reading_a_configuration_does_not_import_numpy():
     modules = ", ".join(
         f"edl6dof.config.{name}"
-        for name in ("document.source", "document.overrides", "validate", "parameter_table", "json_schema", "dump")
+        for name in (
+            "document.source",
+            "document.overrides",
+            "validate",
+            "parameter_table",
+            "json_schema",
+            "dump",
+        )
     )
     code = f"import sys, {modules}; sys.exit('numpy' in sys.modules or 'numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
