@@ -72,8 +72,8 @@ def pages() -> dict[str, str]:
 
 
 def _all_rows() -> list[Row]:
-    from edl6dof.calibration.params import CalibrationFile
-    from edl6dof.campaign.design.params import CampaignFile
+    from edl6dof.calibration.section import CalibrationFile
+    from edl6dof.campaign.design.sections import CampaignFile
     from edl6dof.scenario.schema import Scenario
 
     return [*rows(Scenario), *rows(CampaignFile), *rows(CalibrationFile)]

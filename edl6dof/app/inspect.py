@@ -68,8 +68,8 @@ def scenario_schema() -> dict[str, Any]:
     """Schema of scenario files, of those that extend another one, and of their campaign, sweep and
     calibration sections.
     """
-    from edl6dof.calibration.params import CalibrationFile
-    from edl6dof.campaign.design.params import CampaignFile
+    from edl6dof.calibration.section import CalibrationFile
+    from edl6dof.campaign.design.sections import CampaignFile
     from edl6dof.config.document.extends import EXTENDS
 
     schema = json_schema(Scenario)

@@ -8,7 +8,7 @@ from math import nan
 
 import numpy as np
 
-from edl6dof.calibration.params import CalibrationFile, CalibrationParams
+from edl6dof.calibration.section import CalibrationFile, CalibrationParams
 from edl6dof.calibration.surface import Data
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
+from edl6dof.campaign.fault_kinds import OF_THRUSTERS
 from edl6dof.campaign.fault_response import AIR, NOT_BEGUN_YET, POWERED
-from edl6dof.campaign.faults import OF_THRUSTERS
 from edl6dof.campaign.rows import Row
 
 REGIMES = (AIR, POWERED, NOT_BEGUN_YET)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
 
-from edl6dof.calibration.params import CalibrationFile
+from edl6dof.calibration.section import CalibrationFile
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.rows import Row

@@ -17,8 +17,8 @@ from edl6dof.report.figure import Axis, Panel, Trace
 from edl6dof.report.flight import actuators, corridor, flows, phase_planes, site
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.plotly_figure import plotly_figure
-from edl6dof.runs.results import write_run
 from edl6dof.runs.run import Run
+from edl6dof.runs.run_writer import write_run
 
 
 @pytest.fixture(scope="module")

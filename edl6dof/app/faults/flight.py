@@ -12,7 +12,7 @@ from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.faults.choice import matrix_of
 from edl6dof.app.faults.command import Wanted
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.faults import matrix_plan
+from edl6dof.campaign.fault_kinds import matrix_plan
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.base import stated
 from edl6dof.config.errors import refusal

@@ -11,8 +11,8 @@ from scipy.special import ndtr
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.dispersions import Draw, Target
-from edl6dof.campaign.design.params import Correlated
 from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.design.sections import Correlated
 from edl6dof.config.errors import refusal
 
 #: Standard normal deviates over which moments are summed, and their weights.

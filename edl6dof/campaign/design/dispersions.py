@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
-from edl6dof.campaign.design.params import CampaignParams, Correlated
+from edl6dof.campaign.design.sections import CampaignParams, Correlated
 from edl6dof.config.base import stated
 from edl6dof.config.document.overrides import make_room
 from edl6dof.config.document.source import Document

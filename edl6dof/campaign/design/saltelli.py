@@ -16,8 +16,8 @@ from typing import Any, get_args
 import numpy as np
 
 from edl6dof.campaign.design.case import BELIEF, TRUTH, A, B, Of
-from edl6dof.campaign.design.params import CampaignParams
 from edl6dof.campaign.design.sampling import sobol_numbers
+from edl6dof.campaign.design.sections import CampaignParams
 
 #: Name of the random profiles (density, gusts), which are a group of their own.
 PROFILES = "random profiles"

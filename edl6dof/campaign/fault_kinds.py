@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from edl6dof.campaign.design.params import FaultMatrixParams
 from edl6dof.campaign.design.plan import Plan, plan_of
+from edl6dof.campaign.design.sections import FaultMatrixParams
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.interface.roles import (
