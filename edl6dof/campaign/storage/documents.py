@@ -1,59 +1,11 @@
-"""The JSON files of a campaign's folder: each carries its own hash, and is whole or a message names it."""
+"""Contents of the JSON files of a campaign's folder, each of which carries its own hash."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
-
-from edl6dof.config.errors import refusal
-from edl6dof.durable import write_atomic
-from edl6dof.manifest import read_file, sha256
-
-
-class Sealed(BaseModel):
-    """Content of a JSON file that carries its own hash."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-Content = TypeVar("Content", bound=Sealed)
-
-#: Key under which a sealed file holds the hash of all else in it.
-_SEAL = "sha256"
-
-
-def digest(data: Any) -> str:
-    """SHA-256 of plain data; the order of keys does not count."""
-    return sha256(json.dumps(data, sort_keys=True).encode())
-
-
-def write_sealed(path: Path, data: Sealed) -> None:
-    """Write a JSON file that carries its own hash, durably."""
-    plain = data.model_dump(mode="json")
-    write_atomic(path, (json.dumps({**plain, _SEAL: digest(plain)}, indent=1) + "\n").encode())
-
-
-def read_sealed(path: Path, kind: type[Content]) -> Content:
-    """Read what :func:`write_sealed` wrote.
-
-    Raises:
-        ConfigError: it cannot be read, or is not as it was written.
-    """
-    try:
-        plain = json.loads(read_file(path))
-        intact = isinstance(plain, dict) and plain.pop(_SEAL, None) == digest(plain)
-    except (ValueError, RecursionError):
-        intact = False
-    if not intact:
-        raise refusal(path, "is damaged: it is not as it was written")
-    try:
-        return kind.model_validate_json(json.dumps(plain))
-    except ValidationError:
-        raise refusal(path, "was written by another version of edl6dof") from None
+from edl6dof.manifest import Sealed, digest
 
 
 class Identity(Sealed):

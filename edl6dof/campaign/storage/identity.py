@@ -19,7 +19,7 @@ import scipy
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.storage.documents import Identity, digest
+from edl6dof.campaign.storage.documents import Identity
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
@@ -27,7 +27,7 @@ from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.environment.profile_file import profile_path
 from edl6dof.environment.terrain import MAP
 from edl6dof.jit import outside_sources
-from edl6dof.manifest import sha256
+from edl6dof.manifest import digest, sha256
 from edl6dof.scenario.data_files import PROFILES, TABLES
 
 #: Folders of the package from which no row follows.

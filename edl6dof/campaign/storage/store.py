@@ -27,11 +27,11 @@ from pathlib import Path
 import pyarrow as pa
 from filelock import FileLock, Timeout
 
-from edl6dof.campaign.storage.documents import Info, Summary, read_sealed, write_sealed
+from edl6dof.campaign.storage.documents import Info, Summary
 from edl6dof.campaign.storage.parts import NAMES, Parts, open_parquet
 from edl6dof.config.errors import refusal
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
-from edl6dof.manifest import hash_of, read_file, sha256
+from edl6dof.manifest import hash_of, read_file, read_sealed, sha256, write_sealed
 
 #: Name of a file that a killed program was writing, with the name that it was to get.
 _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
