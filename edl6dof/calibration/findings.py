@@ -97,7 +97,7 @@ def rounded(found: Findings) -> dict[str, float]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """What the figures cannot tell, in sentences."""
+    """Return what the figures cannot determine, in sentences."""
     paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.beside)
     said = [
         f"{figures} figures tell {fitted.told_apart:.1f} of {len(paths)} parameters; the rest is what the "

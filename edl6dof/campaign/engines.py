@@ -1,4 +1,4 @@
-"""What flies the cases of a campaign: threads of this process, or the workers of a Dask cluster.  Rows are
+"""Engines that fly the cases of a campaign: threads of this process, or workers of a Dask cluster.  Rows are
 the same from each.
 """
 

@@ -152,7 +152,7 @@ class CaseRunner:
         return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
 
     def prepared(self, case: Case) -> Ready | str:
-        """What flies, or why it cannot."""
+        """Return what flies, or why it cannot."""
         try:
             variant = self.variants.build(case)
             return Ready(variant, variant.applied(case))

@@ -1,4 +1,4 @@
-"""What a parameter model allows at a dotted path: the one walk that validation messages, ``--set`` and the
+"""Places of a parameter model by dotted path: the one walk that validation messages, ``--set`` and the
 reference share.
 """
 
@@ -75,12 +75,12 @@ def field_slot(name: str, info: FieldInfo) -> Slot:
 
 
 def is_model(option: Any) -> bool:
-    """Whether a type is a parameter model."""
+    """Return whether a type is a parameter model."""
     return isinstance(option, type) and issubclass(option, BaseModel)
 
 
 def is_tag_of(option: Any, tag: Any) -> bool:
-    """Whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a
+    """Return whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a
     ``Literal`` field.
     """
     if not is_model(option):

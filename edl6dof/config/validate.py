@@ -189,7 +189,7 @@ def _count(value: Any, slot: Slot) -> str:
 
 
 def _hint(slot: Slot, value: Any) -> str:
-    """What was probably meant by text in the place of a mapping or a number."""
+    """Return what was probably meant by text in the place of a mapping or a number."""
     if isinstance(value, str) and slot.models and re.match(r"\w+:\S", value):
         return "; a blank is missing behind the colon"
     if not isinstance(value, str) or not {float, int} & set(slot.options):

@@ -1,4 +1,4 @@
-"""What a planned entry amounts to: where it ends, the loads it meets, the authority it leaves, and how far
+"""Figures of a planned entry: where it ends, the loads it meets, the authority it leaves, and how far
 the open loop misses when air, lift or entry angle are not the expected ones.
 """
 

@@ -56,7 +56,7 @@ class Limits:
     aside_m: float
 
     def slack(self, plan: Plan) -> dict[str, float]:
-        """What is left to each limit, as a share of it; below zero where it is broken."""
+        """Margin to each limit, as a share of it; below zero where it is broken."""
         return {
             "load": 1.0 - plan.load_g0 / self.load_g0,
             "heat rate": 1.0 - plan.heat_rate_w_cm2 / self.heat_rate_w_cm2,

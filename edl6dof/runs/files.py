@@ -67,7 +67,7 @@ def refuse_existing_file(target: Path, force: bool, made_from: Path | None = Non
 
 
 def is_made_from(result: Path, file: Path) -> bool:
-    """Whether ``file`` is, byte for byte, what was made from the result in a folder.
+    """Return whether ``file`` is, byte for byte, what was made from the result in a folder.
 
     Raises:
         ConfigError: it cannot be read.

@@ -72,7 +72,7 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
-        """What the lander saw and chose; ``None`` of a flight without hazard detection."""
+        """Map that the lander saw and the site it chose; ``None`` of a flight without hazard detection."""
         if LANDING_MAP not in self._manifest.files:
             return None
         try:
@@ -123,7 +123,7 @@ class Run(Mapping[str, np.ndarray]):
         return self._described(name, b"unit")
 
     def meaning(self, name: str) -> str:
-        """What a column means."""
+        """Return the meaning of a column."""
         return self._described(name, b"meaning")
 
     def at(self, name: str, t: float) -> float:

@@ -40,7 +40,7 @@ LEAST_FLOW_SHARE = 1e-3
 
 
 def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
-    """What the flight computer believes, shape (1,): nominal models, no perturbation, and of the wind
+    """Build the belief of the flight computer, shape (1,): nominal models, no perturbation, and of the wind
     the expected mean.
     """
     onboard = np.zeros(1, ONBOARD)

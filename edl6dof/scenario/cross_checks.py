@@ -59,7 +59,7 @@ def _lag_problems(scenario: Scenario) -> dict[str, str]:
 
 
 def _heed_problems(scenario: Scenario) -> dict[str, str]:
-    """What a phase asks of a controller that takes no notice of it."""
+    """Return what a phase asks of a controller that ignores it."""
     found = {}
     for k, phase in enumerate(scenario.mission.phases):
         asked = {"hold_alpha": phase.hold_alpha, "bandwidth": phase.bandwidth != 1.0}
@@ -110,7 +110,7 @@ def _sensor_problems(scenario: Scenario) -> dict[str, str]:
 
 
 def _hazard_problems(scenario: Scenario) -> dict[str, str]:
-    """What detects hazards needs the lidar, and the map of it a footprint of cells that is not too large."""
+    """Require the lidar for hazard detection, and for its map a footprint of cells that is not too large."""
     hazard, found = scenario.flight_software.hazard, {}
     if hazard.detection == "given":
         return {}

@@ -40,7 +40,7 @@ class LoadedScenario:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What is unusual in it, one line each with file, line and key: allowed, and perhaps a mistake."""
+        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
         found = unusual_in(self.scenario) | unusual_in(self.truth)
         return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 

@@ -54,7 +54,7 @@ TABLES = np.dtype(
 
 
 class TableInputs(NamedTuple):
-    """What the tables of a scenario follow from; ``aero`` only for a capsule, ``body`` for a body of any
+    """Inputs of the tables of a scenario; ``aero`` only for a capsule, ``body`` for a body of any
     shape.
     """
 
@@ -66,7 +66,7 @@ class TableInputs(NamedTuple):
 
 
 def table_inputs(scenario: Scenario) -> TableInputs:
-    """What the tables follow from, with the content of the files as it is now.
+    """Return the inputs of the tables, with the content of the files as it is now.
 
     Raises:
         ValueError: a file is not named or is no table.
@@ -115,7 +115,7 @@ BELIEVED = frozenset(
 
 
 def build_onboard(scenario: Scenario) -> np.ndarray:
-    """What the flight computer believes of a scenario, shape (1,); planned once for all that share it.
+    """Build the belief of the flight computer, shape (1,); planned once for all scenarios that share it.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
@@ -130,7 +130,7 @@ def _onboard(believed: Scenario, inputs: TableInputs) -> np.ndarray:
 
 
 class Records(NamedTuple):
-    """What one flight reads, each shape (1,): the truth, the large tables it shares with others, the
+    """Records that one flight reads, each shape (1,): the truth, the large tables it shares with others, the
     belief.
     """
 
@@ -174,7 +174,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 
 @cache
 def _new_plant() -> np.ndarray:
-    """What every plant begins with: nothing has left it, and nothing has happened."""
+    """Return the state that every plant begins with: nothing has left it, and nothing has happened."""
     plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
@@ -208,7 +208,7 @@ def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
 
 @cache
 def _new_fsw(layout: np.dtype) -> np.ndarray:
-    """What every flight computer begins with."""
+    """Return the memory that every flight computer begins with."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in INSTRUMENT_HEALTH.names or ():

@@ -48,7 +48,7 @@ class Relief:
 
     @property
     def detailed(self) -> bool:
-        """Whether the ground has relief that is finer than the map."""
+        """True if the ground has relief that is finer than the map."""
         return int(self._terrain["landing_area"]["model"][0]) != NO_RELIEF
 
     def rocks(self, latitude: float, longitude: float, side: float, smallest: float) -> np.ndarray:

@@ -55,7 +55,7 @@ def _limit(meaning: str) -> Any:
 
 
 class LimitParams(Params):
-    """What counts as landed within limits, and what ends a flight.
+    """Limits of a successful landing, and limits that end a flight.
 
     A limit that is not set is not checked.
     """

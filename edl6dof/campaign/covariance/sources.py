@@ -22,14 +22,14 @@ _WEIGHTS = np.exp(-0.5 * _DEVIATES**2) / np.exp(-0.5 * _DEVIATES**2).sum()
 
 @dataclass(frozen=True)
 class Source:
-    """What one line of a campaign's dispersions draws: a parameter, a group, or every item of a list."""
+    """One line of a campaign's dispersions: a parameter, a group, or every item of a list."""
 
     name: str
     draws: tuple[Draw, ...]
 
     @property
     def is_list(self) -> bool:
-        """Whether it stands for the items of a list."""
+        """True if it stands for the items of a list."""
         return "*" in self.name
 
     @property

@@ -9,7 +9,7 @@ from edl6dof.manifest import Sealed, digest
 
 
 class Identity(Sealed):
-    """What the rows of a campaign follow from.
+    """Everything that the rows of a campaign follow from.
 
     Attributes:
         plan: SHA-256 of the plan.

@@ -51,7 +51,7 @@ class Store:
 
     @property
     def info(self) -> Info:
-        """What ``campaign.json`` says."""
+        """Content of ``campaign.json``."""
         if not self.folder.is_dir() or not os.path.lexists(self._info):
             raise refusal(self.folder, "is not the folder of a campaign (no campaign.json)")
         return read_sealed(self._info, Info)
@@ -77,12 +77,12 @@ class Store:
 
     @property
     def is_half_begun(self) -> bool:
-        """Whether a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
+        """True if a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
         return os.path.lexists(self._info) and not os.path.lexists(self._plan)
 
     @property
     def complete(self) -> bool:
-        """Whether all rows are together in one table."""
+        """True if all rows are together in one table."""
         return os.path.lexists(self._summary)
 
     @property
@@ -150,7 +150,7 @@ class Store:
                     folder.rmdir()
 
     def _entries(self) -> list[Path]:
-        """What lies in the folder, but for the lock."""
+        """Return what lies in the folder, except the lock."""
         return sorted(path for path in self.folder.iterdir() if path.name != _LOCK)
 
     def check_new(self, force: bool) -> None:
