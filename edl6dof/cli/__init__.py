@@ -38,6 +38,10 @@ def main() -> None:
     """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its
     own.
     """
+    if os.path.lexists(".numba_config.yaml"):
+        words = "holds settings of numba for this folder, which edl6dof does not take: start it elsewhere"
+        print(f".numba_config.yaml: {words}, or set them as NUMBA_ variables", file=sys.stderr)
+        sys.exit(2)
     # what a command loads lives to its end; to search it for cycles of garbage all the time takes a seventh
     # of a short one, and once more as it ends, half a second
     gc.set_threshold(20_000, 20, 20)

@@ -58,11 +58,15 @@ def termination(flight: Flight) -> Termination:
     missed = [check for check in flight.checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
         return Termination(True, True, words + (within if flight.checks else ""), "")
-    told, plain = reasons(flight, missed)
+    of_mission = [check for check in missed if not check.of_balance]
+    # nothing that happened to the vehicle unbalances its flight
+    told, plain = ("", "") if missed and not of_mission else reasons(flight, of_mission)
     if missed:
-        limits = ", ".join(check.label for check in missed)
+        limits, labels = (
+            ", ".join(each) for each in zip(*((one.told, one.label) for one in missed), strict=True)
+        )
         return Termination(
-            False, True, f"{words} outside limits ({limits}){told}", f"outside limits: {limits}{plain}"
+            False, True, f"{words} outside limits ({limits}){told}", f"outside limits: {labels}{plain}"
         )
     head, figure = _what(flight)
     where = f" in phase {_phase(flight)}"
