@@ -159,7 +159,7 @@ def test_scenario_edited_between_kill_and_resume(tmp_path, thin_air):
     was = own.read_text()
     assert was.count("speed_m_s: 50.0") == 1
     own.write_text(was.replace("speed_m_s: 50.0", "speed_m_s: 51.0"))
-    with pytest.raises(StoreError, match="campaign.yaml"):
+    with pytest.raises(ConfigError, match="campaign.yaml"):
         run.fly(run.resumed_plan(store), store, Threads())
     own.write_text(was)
     os.utime(own, (0, 0))  # a clock that was set back in between has no say
