@@ -93,7 +93,7 @@ def report(
 ) -> list[Path]:
     """Write a report; see :func:`edl6dof.report`."""
     from edl6dof.api.reports import write_report
-    from edl6dof.runs.run import needing_channels
+    from edl6dof.runs.needing import needing_channels
 
     target, folder = None if out is None else Path(out), folder_of(run)
     with needing_channels(folder):
@@ -117,7 +117,7 @@ def replay(
 ) -> list[Path]:
     """Show a replay, or write it; see :func:`edl6dof.replay`."""
     from edl6dof.app.replay import FilmOptions, ReplayOptions, show_replay
-    from edl6dof.runs.run import needing_channels
+    from edl6dof.runs.needing import needing_channels
 
     folders = tuple(map(folder_of, runs))
     page_file, picture, film = (None if path is None else Path(path) for path in (html, screenshot, video))

@@ -9,7 +9,7 @@ from pathlib import Path
 from traceback import extract_tb
 
 from edl6dof.config.errors import ConfigError, refusal
-from edl6dof.runs.run import needing_channels
+from edl6dof.runs.needing import needing_channels
 
 #: The flight, or what was to be shown by flights, is not within its limits.
 NOT_WITHIN_LIMITS = 1

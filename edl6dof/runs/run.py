@@ -5,7 +5,6 @@ again, and no code is loaded.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -182,17 +181,3 @@ class Run(Mapping[str, np.ndarray]):
             return parsed(self._manifest.read(name), kind)
         except ValueError as error:
             raise refusal(self.folder / name, f"is not the file of a run: {error}") from None
-
-
-@contextmanager
-def needing_channels(*folders: Path) -> Iterator[None]:
-    """Turn a channel that the runs in the folders lack into one line.
-
-    Raises:
-        ConfigError: the runs lack a channel.
-    """
-    try:
-        yield
-    except UnknownName as error:
-        words = f"no {error.kind} {error.name!r}, which is needed here; plot and export show what there is"
-        raise refusal(", ".join(map(str, folders)), words) from None
