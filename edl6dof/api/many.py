@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from edl6dof.api.campaigns import CampaignResult
     from edl6dof.api.flights import Flight
     from edl6dof.calibration.findings import Findings
-    from edl6dof.verify.runner import Report
+    from edl6dof.verify.check import Report
 
 #: What many flights are reported to: how many have flown, and of how many.
 Progress = Callable[[int, int], None]

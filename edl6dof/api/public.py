@@ -14,7 +14,7 @@ from edl6dof.scenario.loading import load_scenario
 
 if TYPE_CHECKING:
     from edl6dof.calibration.findings import Findings
-    from edl6dof.verify.runner import Report
+    from edl6dof.verify.check import Report
 
 __all__ = [
     "CampaignResult",
@@ -169,8 +169,7 @@ def calibrate(
 def verify(names: Sequence[str]) -> list[Report]:
     """Run check cases; see :func:`edl6dof.verify`."""
     from edl6dof.config.wording import nearest
-    from edl6dof.verify.registry import CASES
-    from edl6dof.verify.runner import run_case
+    from edl6dof.verify.check import CASES, run_case
 
     for name in names:
         if name not in CASES:
