@@ -6,14 +6,12 @@ import numpy as np
 
 from edl6dof.environment.gravity import potential_F
 from edl6dof.jit import kernel
+from edl6dof.metrics.figures import from_si
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.vector import dot, norm, sub, take3
 from edl6dof.vehicle.motion.balance import vehicle_mass
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 from edl6dof.vehicle.surroundings import planet_rotation
-
-#: What :func:`_errors` returns.
-_FIGURES = ("energy_balance", "momentum_balance_m_s", "separation_balance_m_s", "mass_balance")
 
 
 def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
@@ -23,7 +21,7 @@ def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
         cases: the truth of the flight, shape (1,).
         plants: its plant, shape (1,).
     """
-    return dict(zip(_FIGURES, _errors(cases, plants), strict=True))
+    return from_si("balance", _errors(cases, plants))
 
 
 @kernel

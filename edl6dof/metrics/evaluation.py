@@ -1,25 +1,37 @@
-"""Figures of a flight from its telemetry, events and peaks, and the limits that they must keep;
-``edl6dof.metrics.figures`` declares them.
+"""Figures of a flight: those that its telemetry and events give, as :mod:`edl6dof.metrics.figures` declares,
+those at any event that a scenario publishes, peaks, the miss of the aim point; and the limits on them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from math import isfinite, pi
 from typing import Any
 
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun
-from edl6dof.metrics.extremes import CALM, EXTREMES, SWINGS, role_rows
-from edl6dof.metrics.figures import BALANCES, LIMITS, figure_of_merit
+from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Source, figure_of_merit
+from edl6dof.metrics.forms import Flown
+from edl6dof.spatial.arrays import interpolate
+from edl6dof.spatial.elementary import asin, atan2, cos, sin
+from edl6dof.spatial.frames import great_circle
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
-#: Last seconds of the trim phase, in which its limit cycle is looked at.
-LIMIT_CYCLE_S = 30.0
-#: What its limit cycle shows in.
-TRIM_ERRORS = tuple(f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw"))
+#: What is known at any event of a mission, each with the ending of a figure's name; ``s`` is the time of it:
+#: ``bridle_cut_height_m`` is the height above the ground at the event ``bridle_cut``.
+AT_EVENTS = (
+    "s",
+    "mach",
+    "dynamic_pressure_pa",
+    "altitude_m",
+    "height_above_areoid_m",
+    "height_m",
+    "speed_m_s",
+    "total_alpha_deg",
+)
 
 
 @dataclass(frozen=True)
@@ -66,121 +78,40 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     return [check for check in found if not (check.of_balance and check.ok)]
 
 
-def metrics(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
-    """Figures that telemetry tells of what the flight went through.
+def formed(flown: Flown, *sources: Source) -> dict[str, float]:
+    """Figures from telemetry and events that have one of the sources, as far as the flight came."""
+    found = {
+        figure.name: figure.form(flown)
+        for figure in FIGURES
+        if figure.form is not None and figure.source in sources
+    }
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def event_and_quantity(name: str, events: Collection[str]) -> tuple[str, str] | None:
+    """Event and quantity that the name of a figure is put together from; ``None`` where it is not."""
+    for quantity in AT_EVENTS:
+        event = name.removesuffix(f"_{quantity}")
+        if event != name and event in events:
+            return event, quantity
+    return None
+
+
+def event_figures(telemetry: Telemetry, wanted: Iterable[str], done: Mapping[str, float]) -> dict[str, float]:
+    """Those of the ``wanted`` figures that are at events of the flight.
 
     Args:
         telemetry: its rows.
-        when: time (s) of its events by key, see :func:`edl6dof.telemetry.timeline.first_times`.
-        roles: role of each phase.
+        wanted: names of figures; those that are declared are passed over.
+        done: time (s) of each event of the mission by its name, ``nan`` of one that did not come.
     """
-    figures: dict[str, float] = {}
-    figures.update(_event_figures(telemetry, when))
-    figures.update(_trim_figures(telemetry, roles))
-    figures.update(_entry_figures(telemetry, when, roles))
-    figures.update(_descent_figures(telemetry, when, roles))
-    propellant = telemetry["truth.propellant_kg"]
-    figures["propellant_used_kg"] = float(propellant[0] - propellant[-1])
-    return figures
-
-
-def _beyond(rising: np.ndarray, value: float) -> int:
-    """Index of the first element above ``value``."""
-    return int(np.searchsorted(rising, value, side="right"))
-
-
-def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
-    figures: dict[str, float] = {}
-    if (t := when.get(begun(LIFT))) is not None:
-        figures["lift_start_s"] = t
-    if (t := when.get("trim_wing")) is not None:
-        figures["trim_wing_s"], (figures["trim_wing_mach"],) = t, telemetry.at(t, "truth.mach")
-    if (t := when.get("mortar")) is not None:
-        figures["parachute_s"] = t
-        names = (
-            *("mach", "dynamic_pressure_pa", "total_alpha_deg"),
-            *("altitude_m", "height_above_areoid_m", "height_m", "speed_m_s"),
-        )
-        values = telemetry.at(t, *(f"truth.{name}" for name in names))
-        figures.update({f"parachute_{name}": value for name, value in zip(names, values, strict=True)})
-    if (t := when.get("heat_shield")) is not None:
-        figures["heat_shield_s"] = t
-    if (t := when.get("backshell")) is not None:
-        figures["backshell_s"] = t
-        figures["backshell_height_m"], figures["backshell_speed_m_s"] = telemetry.at(
-            t, "truth.height_m", "truth.speed_m_s"
-        )
-    if "mortar" in when and "backshell" in when:
-        figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
-    if "backshell" in when and "touchdown" in when:
-        figures["powered_duration_s"] = when["touchdown"] - when["backshell"]
-    if "ignition" in when and (over := [when[end] for end in ("cut_off", "touchdown") if end in when]):
-        figures["engine_burn_s"] = min(over) - when["ignition"]
-    if "backshell" in when and begun(HOVER_IMAGING) in when:
-        figures["powered_deceleration_s"] = when[begun(HOVER_IMAGING)] - when["backshell"]
-    return figures
-
-
-def _trim_figures(telemetry: Telemetry, roles: list[str]) -> dict[str, float]:
-    """Limit cycle and propellant of the trim phase; S1 asks for a deadband below 5 deg."""
-    first, last = role_rows(telemetry, roles, TRIM)
-    if last - first < 2 or last == len(telemetry["t_s"]):
-        return {}
-    phase = telemetry.rows(first, last)
-    times, propellant = phase["t_s"], phase["truth.propellant_kg"]
-    late = phase.rows(_beyond(times, times[-1] - LIMIT_CYCLE_S), None)
-    return {
-        "trim_aoa_limit_cycle_deg": float(np.max(late.largest(*TRIM_ERRORS))),
-        "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1]),
-    }
-
-
-def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
-    first, last = role_rows(telemetry, roles, LIFT)
-    if first == last:
-        return {}
-    t = telemetry.rows(first, last)["t_s"]
-    pitch, yaw = np.fmax(
-        *(part.rows(telemetry, when, roles).fastest_swings(SWINGS) for part in CALM)
-    ).tolist()
-    before = min(first, 1)
-    with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
-    figures = {
-        "bank_reversals": float(np.count_nonzero(with_entry[1:] * with_entry[:-1] < 0.0)),
-        **_extremes(telemetry, when, roles, "max_bank_rate_deg_s"),
-        "max_pitch_rate_lift_deg_s": pitch,
-        "max_yaw_rate_lift_deg_s": yaw,
-    }
-    zero = with_entry[before:] == 0.0
-    if zero[first_zero := zero.argmax()]:
-        figures["bank_zero_s"] = float(t[first_zero])
-    return figures
-
-
-def _extremes(
-    telemetry: Telemetry, when: dict[str, float], roles: list[str], *names: str
-) -> dict[str, float]:
-    return {name: EXTREMES[name].of(EXTREMES[name].part.rows(telemetry, when, roles)) for name in names}
-
-
-def _descent_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
-    figures: dict[str, float] = {}
-    if PARACHUTE in roles and "mortar" in when:
-        figures.update(_extremes(telemetry, when, roles, "max_rate_parachute_deg_s"))
-    if "ignition" in when:
-        figures.update(_powered_figures(telemetry, when, roles))
-    return figures
-
-
-def _powered_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
-    """Figures between the times of ignition and of touchdown."""
-    figures = _extremes(telemetry, when, roles, "max_rate_powered_deg_s", "max_attitude_error_powered_deg")
-    figures["roll_error_at_ignition_deg"] = telemetry.at(when["ignition"], "control.error_roll_deg")[0]
-    figures.update(_extremes(telemetry, when, roles, "max_disturbance_torque_nm", "max_estimated_torque_nm"))
-    for name in ("max_roll_error_powered_deg", "min_backshell_distance_m"):
-        if len((rows := EXTREMES[name].part.rows(telemetry, when, roles))["t_s"]):
-            figures[name] = EXTREMES[name].of(rows)
-    return figures
+    found = {}
+    for name in wanted:
+        at = None if name in DECLARED else event_and_quantity(name, done)
+        if at is None or not isfinite(t := done[at[0]]) or t < telemetry["t_s"][0] - 1e-9:
+            continue
+        found[name] = t if at[1] == "s" else telemetry.at(t, f"truth.{at[1]}")[0]
+    return found
 
 
 def peak_figures(plant: np.void, peaks: np.void, when: dict[str, float]) -> dict[str, float]:
@@ -195,3 +126,43 @@ def peak_figures(plant: np.void, peaks: np.void, when: dict[str, float]) -> dict
         found["max_load_parachute_g0"] = peaks["parachute_load"]
         found["max_riser_tension_n"] = peaks["riser_tension"]
     return {name: float(value) / split_unit(name)[1].to_si for name, value in found.items()}
+
+
+def relaxation_figures(relaxed: np.void) -> dict[str, float]:
+    """Figures of a ``RELAXED`` record; none where every constraint was kept."""
+    noted = np.flatnonzero(relaxed["t"] > 0.0)
+    if not len(noted):
+        return {}
+    most = int(noted[-1])
+    return {"constraints_relaxed": most + 1.0, "landing_error_m": float(relaxed["landing_error"][most])}
+
+
+def deployment_figures(
+    telemetry: Telemetry, mortar_fire_s: float, aim_point: tuple[float, float], radius_m: float
+) -> dict[str, float]:
+    """Miss of the aim point (latitude and longitude, rad) at mortar fire, m on a sphere of ``radius_m``.
+
+    Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great
+    circle on which the flight began towards it.
+    """
+    first, near = telemetry.rows(0, 1), telemetry.beside(mortar_fire_s)
+    start, here = _place(first, float(first["t_s"][0])), _place(near, mortar_fire_s)
+    arc, azimuth = _arc(start, here)
+    goal, along = _arc(start, aim_point)
+    turn = azimuth - along
+    return {
+        "parachute_miss_m": radius_m * _arc(here, aim_point)[0],
+        "parachute_downrange_m": radius_m * (atan2(sin(arc) * cos(turn), cos(arc)) - goal),
+        "parachute_crossrange_m": radius_m * asin(sin(arc) * sin(turn)),
+    }
+
+
+def _place(rows: Telemetry, t: float) -> tuple[float, float]:
+    """Latitude and longitude, rad, at time ``t`` (s) on the straight lines between one or two rows."""
+    latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
+    without_jump = np.unwrap(longitude) if np.ptp(longitude) > pi else longitude
+    return float(interpolate(t, rows["t_s"], latitude)), float(interpolate(t, rows["t_s"], without_jump))
+
+
+def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    return great_circle(sin(a[0]), cos(a[0]), a[1], sin(b[0]), cos(b[0]), b[1])

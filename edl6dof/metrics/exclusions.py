@@ -68,10 +68,7 @@ def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
 
 
 def exclusion_figures(
-    found: Sequence[Exclusion],
-    faults: Sequence[FaultParams],
-    components: Components,
-    plant: np.void,
+    found: Sequence[Exclusion], faults: Sequence[FaultParams], components: Components, plant: np.void
 ) -> dict[str, float]:
     """Number of sound instruments excluded, and time from the first fault of an instrument that was found to
     its exclusion if there was one.

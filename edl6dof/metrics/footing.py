@@ -11,12 +11,13 @@ from math import isfinite, pi, sqrt
 
 import numpy as np
 
-from edl6dof.config.units import split_unit
+from edl6dof.config.units import DEG
 from edl6dof.environment.landing_area.census import within
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.landing_area.rocks import HEIGHT
 from edl6dof.jit import kernel
+from edl6dof.metrics.figures import from_si
 from edl6dof.spatial.elementary import atan, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.lookups import endless_cell
@@ -32,13 +33,6 @@ FOOTPRINT = sqrt(12.6 / pi)
 #: Smallest diameter (m) of rocks that are counted: they are half as high.
 COUNTED = 0.5
 
-#: What :func:`_footing` returns, in SI units.
-_FIGURES = (
-    *("touchdown_slope_deg", "rocks_under_lander", "largest_rock_m", "largest_rock_height_m"),
-    *("ground_under_belly_m", "belly_clearance_m"),
-)
-_FROM_SI = tuple(1.0 / split_unit(name)[1].to_si for name in _FIGURES)
-
 
 def footing_figures(
     cases: np.ndarray, tables: np.ndarray, plants: np.ndarray, outputs: np.ndarray
@@ -51,8 +45,8 @@ def footing_figures(
     gear = case["vehicle"]["landing_gear"]
     if not (generated and isfinite(plant["touchdown_time"]) and plant["legs"] and gear["n_footpads"] >= 3):
         return {}
-    values = _footing(cases, tables, plants, outputs)
-    figures = {name: value * factor for name, value, factor in zip(_FIGURES, values, _FROM_SI, strict=True)}
+    slope, values = _footing(cases, tables, plants, outputs)
+    figures = {"touchdown_slope_deg": slope * (1.0 / DEG), **from_si("footing", values)}
     if gear["n_underside"] == 0:
         del figures["ground_under_belly_m"], figures["belly_clearance_m"]
     return figures
@@ -68,7 +62,7 @@ def _footing(cases, tables, plants, outputs):
     _, largest = within(terrain.landing_area.rocks, north, east, FOOTPRINT, 0.0)
     plane = plane_of_footpads(case, tables[0], out, q, rotation)
     reach, clearance = under_belly(case, tables[0], out, q, rotation, plane)
-    return atan(hypot(plane[1], plane[2])), float(rocks), largest, HEIGHT * largest, reach, clearance
+    return atan(hypot(plane[1], plane[2])), (float(rocks), largest, HEIGHT * largest, reach, clearance)
 
 
 @kernel

@@ -15,7 +15,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.errors import Inconsistent
-from edl6dof.metrics.at_events import AT_EVENTS, event_and_quantity
+from edl6dof.metrics.evaluation import AT_EVENTS, event_and_quantity
 from edl6dof.metrics.figures import DECLARED, FigureOfMerit, figure_of_merit
 from edl6dof.spatial.elementary import hypot
 

@@ -8,34 +8,14 @@ from math import isfinite
 
 import numpy as np
 
-from edl6dof.config.units import split_unit
 from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
 from edl6dof.jit import kernel
+from edl6dof.metrics.figures import from_si
 from edl6dof.spatial.elementary import acos, atan2, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z, to_local
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, dot, norm, take3
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
-
-#: What :func:`_contact` returns, in SI units.
-_FIGURES = (
-    *("touchdown_s", "touchdown_vertical_m_s", "touchdown_horizontal_m_s"),
-    *(
-        "touchdown_roll_error_deg",
-        "touchdown_pitch_error_deg",
-        "touchdown_yaw_error_deg",
-        "touchdown_tilt_deg",
-    ),
-    *(
-        "touchdown_roll_rate_deg_s",
-        "touchdown_pitch_rate_deg_s",
-        "touchdown_yaw_rate_deg_s",
-        "touchdown_rate_deg_s",
-    ),
-    *("touchdown_slope_deg", "landing_latitude_deg", "landing_longitude_deg"),
-    *("landing_east_m", "landing_north_m", "landing_distance_m"),
-)
-_FROM_SI = tuple(1.0 / split_unit(name)[1].to_si for name in _FIGURES)
 
 
 def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
@@ -50,12 +30,12 @@ def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     """
     if not isfinite(plants["touchdown_time"][0]):
         return {}
-    values = _contact(cases, plants)
-    return {name: value * factor for name, value, factor in zip(_FIGURES, values, _FROM_SI, strict=True)}
+    return from_si("contact", _contact(cases, plants))
 
 
 @kernel
 def _contact(cases, plants):
+    """The figures of contact in their order, SI."""
     case, plant = cases[0], plants[0]
     t, y, planet = plant.touchdown_time, plant.touchdown, case.planet
     spin = planet.rotation_rate

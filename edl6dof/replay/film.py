@@ -66,10 +66,7 @@ def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], Non
         ViewerFailed: the viewer lacks something, or ended with an error.
     """
     times, program = cut.times, encoder()
-    with (
-        drawing(recording, float(times[0]), SIZE) as draw,
-        _encoding(program, target, cut.fps) as frames,
-    ):
+    with drawing(recording, float(times[0]), SIZE) as draw, _encoding(program, target, cut.fps) as frames:
         for k, t in enumerate(times):
             frames.write(draw(float(t)))
             told(k + 1, len(times))

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.interchange.mesh_file import read_mesh_file
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.layout import FLIGHTS, PHASES
 from edl6dof.replay.views.spatial import TIMELINE, root_of
+from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -80,6 +83,26 @@ class Recorder:
             vertex_colors=mesh.colours,
             **more,
         )
+
+    def own_mesh(self, part: str | None) -> list[Any] | None:
+        """The user's own mesh that shows a part, in its place in B; of ``None``, all that is not a part."""
+        own = next((mesh for mesh in self.vehicle.appearance.meshes if mesh.part == part), None)
+        if own is None:
+            return None
+        file, half = read_mesh_file(Path(own.file)), 0.5 * np.radians(own.yaw_pitch_roll_deg)
+        yaw, pitch, roll = (
+            np.insert(np.sin(angle) * np.eye(3)[2 - k], 0, np.cos(angle)) for k, angle in enumerate(half)
+        )
+        place = self.rr.Transform3D(
+            translation=own.origin_m,
+            quaternion=turns.xyzw(turns.multiply(turns.multiply(yaw, pitch), roll)),
+            scale=np.full(3, own.scale),
+        )
+        return [self.rr.Asset3D(contents=file.content, media_type=file.media_type), place]
+
+    def shown(self, part: str | None, mesh: Mesh, **more: Any) -> list[Any]:
+        """A part as rerun takes it; ``more`` goes with the drawn shape alone."""
+        return self.own_mesh(part) or [self.mesh(mesh, **more)]
 
     def marker(
         self, name: str, place: Sequence[float] | np.ndarray, colour: tuple[int, int, int], size: float = 4.0

@@ -13,64 +13,44 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.relevant import relevant
 from edl6dof.replay.scene.arrows import Arrows, scales
-from edl6dof.replay.scene.beams import Beams
 from edl6dof.replay.scene.descent import Descent
 from edl6dof.replay.scene.ensemble import Ensemble, write_ensemble
 from edl6dof.replay.scene.flames import Flames
 from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
-from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
+from edl6dof.replay.scene.hazards import NAVIGATED, Beams, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.near_ground import NearGround
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, phase_plane, readout
-from edl6dof.replay.views.cameras import Cameras
-from edl6dof.replay.views.curves import axis_range, drawn, ends, given
+from edl6dof.replay.views.cameras import Cameras, ScaleBar
+from edl6dof.replay.views.charts import axis_range, drawn, ends, shown
 from edl6dof.replay.views.director import Director
-from edl6dof.replay.views.layout import Layout, spans_of
-from edl6dof.replay.views.legend import Legend
-from edl6dof.replay.views.panels import GROUPS, PLOTS, Plot
+from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
 from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.scale_bar import ScaleBar
 from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
-    Ground,
-    Hazards,
-    Globe,
-    Track,
-    Cameras,
-    Director,
-    ScaleBar,
-    Vehicle,
-    Flames,
-    NearGround,
-    Arrows,
-    Beams,
-    Descent,
-    charts.Charts,
-    PhasePlanes,
-    lanes.Lanes,
-    readout.Readout,
-    Legend,
-)
+    Ground, Hazards, Globe, Track, Cameras, Director, ScaleBar, Vehicle, Flames, NearGround, Arrows, Beams,
+    Descent, charts.Charts, PhasePlanes, lanes.Lanes, readout.Readout, readout.Legend,
+)  # fmt: skip
 
 
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    shown = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
-    return History(flight, shown, relevant((*charts.COLUMNS, *navigation), flight.scenario))
+    columns = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
+    return History(flight, columns, (*charts.COLUMNS, *navigation))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
@@ -168,7 +148,7 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
         start=places[0],
         end=places[-1],
         deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.entity for plot in PLOTS if _says_something(plot, first)),
+        plots=frozenset(plot.key for plot in shown(first)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
@@ -183,12 +163,6 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
     )
 
 
-def _says_something(plot: Plot, flight: History) -> bool:
-    """Whether a flight has what a plot shows: not one that is never anything but zero."""
-    held = [flight.series[name] for name in plot.columns if name in flight.series]
-    return len(held) == len(plot.columns) and any(np.nan_to_num(values).any() for values in held)
-
-
 def _ranges(
     flights: Sequence[History], whole: tuple[float, float]
 ) -> dict[tuple[str, str], tuple[float, float]]:
@@ -196,12 +170,13 @@ def _ranges(
     the curves of all flights lie on it.
     """
     spans, found = {"Flight": whole, **spans_of(whole, flights[0].when)}, {}
-    for plot in PLOTS:
-        own = [flight for flight in flights if set(plot.columns) <= set(flight.series)]
-        curves = [drawn(given(plot, flight.series), flight.series, flight.when) for flight in own]
-        for page, span in spans.items():
-            if values := [value for one in curves for value in ends(*one, span)]:
-                found[page, plot.entity] = axis_range(min(values), max(values))
+    curves: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for flight in flights:
+        for plot in shown(flight):
+            curves.setdefault(plot.key, []).append(drawn(plot, flight))
+    for key, page in product(curves, spans):
+        if values := [value for one in curves[key] for value in ends(*one, spans[page])]:
+            found[page, key] = axis_range(min(values), max(values))
     return found
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.report.panels import CATALOGUE
 
 
 class Columns(Protocol):
@@ -26,14 +27,16 @@ class Columns(Protocol):
 
 
 def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:
-    """Names of the columns that match, in the order of the patterns; ``place``: whose they are, for messages.
+    """Names of the columns that match, in the order of the patterns, or that a plot of the catalogue shows
+    whose key is given; ``place``: whose they are, for messages.
 
     Raises:
         ConfigError: a pattern matches nothing.
     """
     found: dict[str, None] = {}
     for pattern in patterns:
-        names = [name for name in columns if fnmatchcase(name, pattern)]
+        plotted = CATALOGUE[pattern].channels if pattern in CATALOGUE else ()
+        names = [name for name in columns if name in plotted or fnmatchcase(name, pattern)]
         if not names:
             begun = [name for name in columns if name.startswith(pattern)]
             near = f"{pattern}*" if len(begun) > 1 else nearest(pattern, begun or list(columns))

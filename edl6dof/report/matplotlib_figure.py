@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.beside import Side, sides, spelt
 from edl6dof.report.figure import (
     BLACK,
     GREY,
@@ -18,11 +17,13 @@ from edl6dof.report.figure import (
     Axis,
     Figure,
     Heat,
+    Mark,
     Panel,
     Trace,
     cell_edges,
     thinned,
 )
+from edl6dof.report.labels import Side, sides, spelt
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -38,53 +39,21 @@ WIDTH = 7.0
 PIXELS_PER_INCH = 1000.0 / WIDTH
 #: matplotlib's settings, which it types by a literal of all their names.
 STYLE: Any = {
-    "font.family": "sans-serif",
-    "font.size": 8.0,
-    "axes.titlesize": "medium",
-    "axes.titleweight": "bold",
-    "axes.edgecolor": GREY,
-    "axes.linewidth": 0.7,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": RULE,
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-    "legend.fontsize": "medium",
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-    "path.simplify": True,
-}
+    "font.family": "sans-serif", "font.size": 8.0, "axes.titlesize": "medium", "axes.titleweight": "bold",
+    "axes.edgecolor": GREY, "axes.linewidth": 0.7, "axes.grid": True, "axes.axisbelow": True,
+    "grid.color": RULE, "grid.linewidth": 0.6, "legend.frameon": False, "legend.fontsize": "medium",
+    "xtick.color": INK, "ytick.color": INK, "pdf.fonttype": 42, "svg.fonttype": "none", "path.simplify": True,
+}  # fmt: skip
 #: Letters of the names along an axis beyond which they stand upright.
 _NAMES_IN_LINE = 60
 
 _DASHES: dict[str, Any] = {
-    "solid": "-",
-    "dash": (0, (5, 2)),
-    "dot": (0, (1, 1.6)),
-    "dashdot": (0, (5, 2, 1, 2)),
-}
+    "solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2)),
+}  # fmt: skip
 _SYMBOLS = {
-    "circle": "o",
-    "square": "s",
-    "diamond": "D",
-    "cross": "P",
-    "x": "X",
-    "star": "*",
-    "triangle-up": "^",
+    "circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^",
     "triangle-down": "v",
-}
-_BESIDE: dict[Side, dict[str, Any]] = {
-    "above": {"xytext": (0, 4), "ha": "center", "va": "bottom"},
-    "below": {"xytext": (0, -4), "ha": "center", "va": "top"},
-    "right": {"xytext": (5, 0), "ha": "left", "va": "center"},
-    "left": {"xytext": (-5, 0), "ha": "right", "va": "center"},
-    "above right": {"xytext": (4, 4), "ha": "left", "va": "bottom"},
-    "above left": {"xytext": (-4, 4), "ha": "right", "va": "bottom"},
-    "below right": {"xytext": (4, -4), "ha": "left", "va": "top"},
-    "below left": {"xytext": (-4, -4), "ha": "right", "va": "top"},
-}
+}  # fmt: skip
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
@@ -146,12 +115,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
             axes.tick_params(labelbottom=False)
     if figure.entries:
         shown: Any = named.values()  # containers of bars too, which matplotlib's types leave out
-        canvas.legend(
-            shown,
-            named.keys(),
-            loc="outside lower left",
-            ncols=_entries_in_line(named, letters),
-        )
+        canvas.legend(shown, named.keys(), loc="outside lower left", ncols=_entries_in_line(named, letters))
 
 
 def _panel(
@@ -160,7 +124,7 @@ def _panel(
     x: tuple[float, float],
     y: tuple[float, float],
     named: dict[str, Shown],
-    beside: Mapping[int, Sequence[Side]],
+    placed: Mapping[int, Sequence[Side]],
 ) -> None:
     axes.set(title=panel.title, ylabel=panel.y.title)
     if panel.equal:
@@ -169,51 +133,34 @@ def _panel(
     else:
         _scale(axes, "x", panel.x, x)
         _scale(axes, "y", panel.y, y)
+    small: Any = {"fontsize": "small", "textcoords": "offset points", "ha": "right"}
     for band in panel.bands:
         (left, right), (low, high) = (band.bounds("x", x) or x), (band.bounds("y", y) or y)
+        order = 2.0 if band.opacity == 1.0 or panel.heat is not None else 0.5
         edge = band.colour if band.outline else "none"
-        axes.fill_between(
-            [left, right],
-            low,
-            high,
-            facecolor=band.colour,
-            edgecolor=edge,
-            alpha=band.opacity,
-            linewidth=0.8,
-            zorder=2.0 if band.opacity == 1.0 or panel.heat is not None else 0.5,
-        )
-        if band.label:
-            axes.annotate(
-                band.label,
-                (right, high),
-                (-2, -2),
-                textcoords="offset points",
-                ha="right",
-                va="top",
-                color=GREY,
-                fontsize="small",
-            )
-    for mark in (*spelt(panel.marks, "x", x), *spelt(panel.marks, "y", y)):
-        style = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
-        if mark.axis == "x":
-            axes.axvline(mark.at, **style)
-            place: dict[str, Any] = {
-                "xy": (mark.at, 0.98),
-                "xycoords": ("data", "axes fraction"),
-                "rotation": 90,
-                "va": "top",
-            }
-        else:
-            axes.axhline(mark.at, **style)
-            place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data"), "va": "bottom"}
-        if x[0] <= mark.at <= x[1] if mark.axis == "x" else y[0] <= mark.at <= y[1]:
-            axes.annotate(mark.label, ha="right", color=mark.colour, fontsize="small", **place)
+        look: Any = {"facecolor": band.colour, "edgecolor": edge, "alpha": band.opacity, "zorder": order}
+        axes.fill_between([left, right], low, high, linewidth=0.8, **look)
+        axes.annotate(band.label, (right, high), (-2, -2), va="top", color=GREY, **small)
+    for mark in spelt(panel.marks, "x", x):
+        axes.axvline(mark.at, **_line(mark))
+        if x[0] <= mark.at <= x[1]:
+            place: Any = {"xy": (mark.at, 0.98), "xycoords": ("data", "axes fraction"), "rotation": 90}
+            axes.annotate(mark.label, xytext=(0, 0), va="top", color=mark.colour, **place, **small)
+    for mark in spelt(panel.marks, "y", y):
+        axes.axhline(mark.at, **_line(mark))
+        if y[0] <= mark.at <= y[1]:
+            place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data")}
+            axes.annotate(mark.label, xytext=(0, 0), va="bottom", color=mark.colour, **place, **small)
     if panel.heat is not None:
         _heat(axes, panel.heat)
     for k, trace in enumerate(panel.coloured()):
-        artist = _trace(axes, thinned(trace), beside.get(k, ()))
+        artist = _trace(axes, thinned(trace), placed.get(k, ()))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
+
+
+def _line(mark: Mark) -> dict[str, Any]:
+    return {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
 
 
 def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, float]) -> None:
@@ -231,30 +178,34 @@ def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, 
             axes.tick_params(axis="x", labelrotation=90)
 
 
-def _trace(axes: Axes, trace: Trace, beside: Sequence[Side]) -> Shown:
-    for x, y, words, side in zip(trace.x, trace.y, trace.labels, beside, strict=False):
-        axes.annotate(
-            words, (x, y), fontsize="small", color=trace.colour, textcoords="offset points", **_BESIDE[side]
-        )
+def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
+    for x, y, words, side in zip(trace.x, trace.y, trace.labels, placed, strict=False):
+        style: Any = {"fontsize": "small", "color": trace.colour, "textcoords": "offset points"}
+        axes.annotate(words, (x, y), **style, **_beside(side))
     if trace.kind == "bars":
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
         return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
     if trace.kind == "points":
-        size = (2.4 + 1.3 * trace.width) ** 2
-        style: dict[str, Any] = {
-            "marker": _SYMBOLS.get(trace.symbol, "o"),
-            "linewidths": 0.3,
-            "edgecolors": "white",
-            "zorder": 3,
-        }
-        return axes.scatter(trace.x, trace.y, s=size, color=trace.colour, **style)
+        look: Any = {"s": (2.4 + 1.3 * trace.width) ** 2, "marker": _SYMBOLS.get(trace.symbol, "o")}
+        edge: Any = {"linewidths": 0.3, "edgecolors": "white", "zorder": 3}
+        return axes.scatter(trace.x, trace.y, color=trace.colour, **look, **edge)
     if trace.kind == "region":
         return axes.fill(trace.x, trace.y, facecolor=trace.colour, alpha=0.13, linewidth=0.0)[0]
-    draw = "steps-post" if trace.kind == "steps" else "default"
-    dash = _DASHES[trace.dash]
-    return axes.plot(
-        trace.x, trace.y, color=trace.colour, linewidth=0.62 * trace.width, linestyle=dash, drawstyle=draw
-    )[0]
+    look = {"linewidth": 0.62 * trace.width, "linestyle": _DASHES[trace.dash]}
+    look["drawstyle"] = "steps-post" if trace.kind == "steps" else "default"
+    return axes.plot(trace.x, trace.y, color=trace.colour, **look)[0]
+
+
+def _beside(side: Side) -> dict[str, Any]:
+    """Where words stand from their point, pt."""
+    up = ("above" in side) - ("below" in side)
+    across = ("right" in side) - ("left" in side)
+    offset = (4 if up else 5) * across, 4 * up
+    return {
+        "xytext": offset,
+        "ha": ("center", "left", "right")[across],
+        "va": ("center", "bottom", "top")[up],
+    }
 
 
 def _write_cells(axes: Axes, heat: Heat) -> None:

@@ -4,7 +4,8 @@
 (async () => {
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const figures = read("figure-data");
-  const darkColours = read("dark-colours");
+  const { template, dark: darkColours } = read("style");
+  for (const { layout, narrow } of Object.values(figures)) for (const one of [layout, narrow]) if (one) one.template = template;
   const places = [...document.querySelectorAll("div.plot")];
   const narrow = matchMedia("(max-width: 640px)");
   const dark = matchMedia("(prefers-color-scheme: dark)");

@@ -8,12 +8,9 @@ All text is escaped where the template puts it in; only style, scripts and numbe
 from __future__ import annotations
 
 import base64
-import gzip
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +18,22 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
-from edl6dof.report.dark import DARK
+from edl6dof.report import figure
 from edl6dof.report.document import Cell, Listing, Report, Table
-from edl6dof.report.figure import Figure
-from edl6dof.report.plotly_figure import plotly_figure, plotly_layout
+from edl6dof.report.figure import DARK, Figure
+from edl6dof.report.plotly_figure import TEMPLATE, plotly_figure, plotly_layout
 
 _HERE = Path(__file__).parent
+#: plotly.js for plots of two axes, compressed; where it is from stands beside it.
+PLOTLY = _HERE.parent / "data" / "plotly" / "plotly-cartesian.min.js.gz"
+#: Colours by their names in the style of the page.
+COLOURS: dict[str, str] = {
+    name: getattr(figure, name.upper())
+    for name in (
+        *("ink", "soft", "rule", "axis", "paper", "ground"),
+        *("good", "warn", "bad", "published", "recalled", "estimate"),
+    )
+}
 _MARK = re.compile(r"#\s*\[([" + "".join(STATUS_MARKS) + r"])\](.*)$")
 
 
@@ -39,36 +46,21 @@ def page(report: Report) -> str:
             report=report,
             style=_verbatim(_HERE / "page.css"),
             script=_verbatim(_HERE / "page.js"),
-            plotly=_packed_plotly(),
-            drawings={figure.key: drawing(figure) for figure in report.figures()},
+            colours=COLOURS,
+            plotly=base64.b64encode(PLOTLY.read_bytes()).decode("ascii"),
+            template=TEMPLATE,
+            drawings={one.key: drawing(one) for one in report.figures()},
             dark=DARK,
         )
     )
 
 
-def drawing(figure: Figure) -> dict[str, Any]:
+def drawing(shown: Figure) -> dict[str, Any]:
     """What plotly.js draws; and where panels side by side go in a window too narrow for them."""
-    drawn = plotly_figure(figure)
-    if figure.columns > 1:
-        drawn["narrow"] = plotly_layout(replace(figure, columns=1))
+    drawn = plotly_figure(shown)
+    if shown.columns > 1:
+        drawn["narrow"] = plotly_layout(replace(shown, columns=1))
     return drawn
-
-
-def plotly_js() -> bytes:
-    """The plotly.js of the installed plotly, read without importing plotly."""
-    found = find_spec("plotly")
-    if found is None or found.origin is None:
-        raise ModuleNotFoundError("plotly is not installed; pip install plotly")
-    return (Path(found.origin).parent / "package_data" / "plotly.min.js").read_bytes()
-
-
-@cache
-def _packed_plotly() -> str:
-    """plotly.js compressed, as text; the same in every page.
-
-    Level 9 would take twice as long for a hundredth less.
-    """
-    return base64.b64encode(gzip.compress(plotly_js(), 5, mtime=0)).decode("ascii")
 
 
 def _environment() -> Environment:

@@ -104,9 +104,7 @@ def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
 
 
 def comparison(
-    figures: Mapping[str, float | None],
-    published: Published,
-    deviations: Mapping[str, float] | None = None,
+    figures: Mapping[str, float | None], published: Published, deviations: Mapping[str, float] | None = None
 ) -> list[Compared]:
     """A row for each published figure.
 

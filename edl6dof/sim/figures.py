@@ -6,17 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from edl6dof.metrics.at_events import event_figures
 from edl6dof.metrics.balance import balance_figures
-from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import diagnosis_figures
-from edl6dof.metrics.drift import drift_figures
-from edl6dof.metrics.evaluation import metrics, peak_figures
+from edl6dof.metrics.evaluation import (
+    deployment_figures,
+    event_figures,
+    formed,
+    peak_figures,
+    relaxation_figures,
+)
 from edl6dof.metrics.exclusions import exclusion_figures
 from edl6dof.metrics.footing import footing_figures
-from edl6dof.metrics.hazard import hazard_figures
-from edl6dof.metrics.navigation import navigation_figures
-from edl6dof.metrics.relaxation import relaxation_figures
+from edl6dof.metrics.forms import Flown
+from edl6dof.metrics.hazard import drift_figures, hazard_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.telemetry.timeline import first_times, moments
 
@@ -31,7 +33,8 @@ def figures_of(flight: Flight) -> dict[str, float]:
     # a flight that goes on from a saved state has no telemetry of what happened before
     when = {key: t for key, t in happened.items() if t >= flight.telemetry["t_s"][0] - 1e-9}
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
-        figures = metrics(flight.telemetry, when, scenario.phase_roles)
+        flown = Flown(flight.telemetry, when, scenario.phase_roles)
+        figures = formed(flown, "events", "telemetry")
         done = dict(zip(scenario.mission.events, plant["done"].tolist(), strict=False))
         figures |= event_figures(flight.telemetry, scenario.published, done)
         figures |= peak_figures(plant, flight.peaks[0], happened)
@@ -43,7 +46,7 @@ def figures_of(flight: Flight) -> dict[str, float]:
             flight.isolated_faults, truth.faults, truth.components, truth.branches, plant
         )
         if scenario.navigation_filter != "given":
-            figures |= navigation_figures(flight.telemetry, when)
+            figures |= formed(flown, "navigation")
             figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, plant)
         return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
 

@@ -16,10 +16,13 @@ from edl6dof.interface.capacities import MAX_BEAMS, MAX_BRANCHES, MAX_THRUSTERS
 
 
 class Channel(NamedTuple):
-    """One telemetry column: dotted name with unit suffix, and what it means."""
+    """One telemetry column: dotted name with unit suffix, what it means, and whether figures and timeline are
+    formed from it, so that a flight of a campaign records it too (``brief``).
+    """
 
     name: str
     meaning: str
+    brief: bool = False
 
     @property
     def group(self) -> str:
@@ -42,34 +45,35 @@ class Channel(NamedTuple):
         return 1.0 / split_unit(self.name.partition(".")[2])[1].to_si
 
 
-def _vector(stem: str, suffix: str, axes: str, meaning: str) -> list[Channel]:
+def _vector(stem: str, suffix: str, axes: str, meaning: str, brief: bool = False) -> list[Channel]:
     return [
-        Channel(f"{stem}_{axis}{'_' + suffix if suffix else ''}", f"{meaning}, {axis}")
+        Channel(f"{stem}_{axis}{'_' + suffix if suffix else ''}", f"{meaning}, {axis}", brief)
         for axis in axes.split()
     ]
 
 
+# fmt: off
 CHANNELS: tuple[Channel, ...] = (
-    Channel("truth.altitude_m", "height above the reference ellipsoid"),
-    Channel("truth.height_above_areoid_m", "height above the areoid, from which the air counts"),
+    Channel("truth.altitude_m", "height above the reference ellipsoid", brief=True),
+    Channel("truth.height_above_areoid_m", "height above the areoid, from which the air counts", brief=True),
     Channel("truth.elevation_m", "height of the ground below above the areoid"),
-    Channel("truth.height_m", "height above the ground"),
-    Channel("truth.latitude_deg", "geodetic latitude"),
-    Channel("truth.longitude_deg", "east longitude"),
-    *_vector("truth.site", "m", "east north up", "position relative to the landing site"),
+    Channel("truth.height_m", "height above the ground", brief=True),
+    Channel("truth.latitude_deg", "geodetic latitude", brief=True),
+    Channel("truth.longitude_deg", "east longitude", brief=True),
+    *_vector("truth.site", "m", "east north up", "position relative to the landing site", brief=True),
     *_vector("truth.r_I", "m", "x y z", "position, inertial"),
     *_vector("truth.v_I", "m_s", "x y z", "velocity, inertial"),
     *_vector("truth.v", "m_s", "north east down", "planet-relative velocity"),
-    Channel("truth.speed_m_s", "planet-relative speed"),
+    Channel("truth.speed_m_s", "planet-relative speed", brief=True),
     Channel("truth.flight_path_angle_deg", "flight-path angle of the planet-relative velocity"),
     Channel("truth.azimuth_deg", "azimuth of the planet-relative velocity, from north through east"),
     Channel("truth.airspeed_m_s", "speed relative to the air"),
-    Channel("truth.alpha_deg", "angle of attack in the air"),
-    Channel("truth.beta_deg", "sideslip angle in the air"),
-    Channel("truth.total_alpha_deg", "angle between the body axis and the air-relative velocity"),
+    Channel("truth.alpha_deg", "angle of attack in the air", brief=True),
+    Channel("truth.beta_deg", "sideslip angle in the air", brief=True),
+    Channel("truth.total_alpha_deg", "angle between the body axis and the air-relative velocity", brief=True),
     Channel("truth.bank_deg", "bank angle about the planet-relative velocity"),
-    Channel("truth.mach", "Mach number"),
-    Channel("truth.dynamic_pressure_pa", "dynamic pressure"),
+    Channel("truth.mach", "Mach number", brief=True),
+    Channel("truth.dynamic_pressure_pa", "dynamic pressure", brief=True),
     Channel("truth.density_kg_m3", "air density"),
     Channel("truth.temperature_k", "air temperature"),
     *_vector("truth.wind", "m_s", "north east down", "wind, towards"),
@@ -77,28 +81,26 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("truth.heat_flux_w_cm2", "stagnation-point convective heat flux, Sutton-Graves"),
     Channel("truth.heat_load_j_cm2", "integrated heat flux"),
     *_vector("truth.q_I2B", "", "w x y z", "attitude quaternion, scalar first, inertial to body"),
-    *_vector("truth.rate", "deg_s", "p q r", "inertial body rate"),
+    *_vector("truth.rate", "deg_s", "p q r", "inertial body rate", brief=True),
     Channel("truth.tilt_deg", "angle of the thrust axis (-x of B) from the vertical"),
     Channel("truth.mass_kg", "mass"),
     *_vector("truth.centre", "m", "x y z", "centre of mass in B"),
-    Channel("truth.propellant_kg", "propellant left"),
+    Channel("truth.propellant_kg", "propellant left", brief=True),
     *_vector("truth.aero_force", "n", "x y z", "aerodynamic force in B, trim wing included"),
     *_vector("truth.aero_moment", "nm", "x y z", "aerodynamic moment about the centre of mass in B"),
-    *_vector("truth.disturbance", "nm", "x y z", "moment of everything but the thrusters, in B"),
+    *_vector("truth.disturbance", "nm", "x y z", "moment of everything but the thrusters, in B", brief=True),
     *_vector("truth.rcs_force", "n", "x y z", "mean thruster force of the last step, in B"),
     Channel("truth.engine_thrust_n", "main engine thrust"),
     Channel("truth.riser_tension_n", "tension in riser and lines"),
     *_vector("truth.canopy", "m", "east north up", "canopy relative to the landing site"),
-    *_vector(
-        "truth.heat_shield", "m", "east north up", "jettisoned heat shield relative to the landing site"
-    ),
-    *_vector("truth.backshell", "m", "east north up", "released backshell relative to the landing site"),
+    *_vector("truth.heat_shield", "m", "east north up",
+             "jettisoned heat shield relative to the landing site"),
+    *_vector("truth.backshell", "m", "east north up",
+             "released backshell relative to the landing site", brief=True),
     Channel("truth.trim_wing", "trim-wing opening, 0 to 1"),
     Channel("truth.footpads", "footpads on the ground"),
-    Channel(
-        "sensed.gyros_saturated",
-        "gyros at the end of their range: the sum of 2 to the power of their numbers from 0",
-    ),
+    Channel("sensed.gyros_saturated",
+            "gyros at the end of their range: the sum of 2 to the power of their numbers from 0"),
     Channel("sensed.accelerometers_saturated", "accelerometers at the end of their range, likewise"),
     Channel("nav.mach", "navigated Mach number (no wind)"),
     Channel("nav.alpha_deg", "navigated angle of attack (no wind)"),
@@ -107,10 +109,12 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("nav.bank_deg", "navigated bank angle"),
     Channel("nav.drag_m_s2", "measured drag acceleration"),
     Channel("nav.mass_kg", "believed mass"),
-    *_vector("nav.error", "m", "north east down", "estimated less true position"),
-    *_vector("nav.error_v", "m_s", "north east down", "estimated less true velocity over the ground"),
-    *_vector("nav.error_attitude", "deg", "north east down", "rotation from true to estimated attitude"),
-    Channel("nav.error_height_m", "estimated less true height above the ground"),
+    *_vector("nav.error", "m", "north east down", "estimated less true position", brief=True),
+    *_vector("nav.error_v", "m_s", "north east down",
+             "estimated less true velocity over the ground", brief=True),
+    *_vector("nav.error_attitude", "deg", "north east down",
+             "rotation from true to estimated attitude", brief=True),
+    Channel("nav.error_height_m", "estimated less true height above the ground", brief=True),
     *_vector("nav.sigma", "m", "north east down", "claimed standard deviation of position"),
     *_vector("nav.sigma_v", "m_s", "north east down", "claimed standard deviation of velocity"),
     *_vector("nav.sigma_attitude", "deg", "north east down", "claimed standard deviation of attitude"),
@@ -121,8 +125,8 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("nav.gyros_in_use", "gyros not excluded, likewise"),
     Channel("nav.accelerometers_in_use", "accelerometers not excluded, likewise"),
     Channel("nav.beams_in_use", "radar beams not excluded, likewise"),
-    Channel("guide.phase", "mission phase, index into the phase table"),
-    Channel("guide.bank_deg", "commanded bank angle"),
+    Channel("guide.phase", "mission phase, index into the phase table", brief=True),
+    Channel("guide.bank_deg", "commanded bank angle", brief=True),
     Channel("guide.reference_drag_m_s2", "reference drag acceleration"),
     Channel("guide.range_to_go_km", "great-circle range to the entry aim point"),
     Channel("guide.crossrange_km", "crossrange to the entry aim point, positive when heading right of it"),
@@ -137,67 +141,28 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("guide.thrust_direction", "", "north east down", "commanded thrust direction"),
     Channel(
         "guide.hazard_stage",
-        "hazard detection: 0 not begun, 1 image asked for, 2 coarse point chosen, 3 scanning, 4 spot chosen",
-    ),
+        "hazard detection: 0 not begun, 1 image asked for, 2 coarse point chosen, 3 scanning, 4 spot chosen"),
     Channel("guide.coarse_east_m", "coarse point to land at, from the landing site as navigated, east"),
     Channel("guide.coarse_north_m", "coarse point to land at, likewise, north"),
     Channel("guide.spot_east_m", "spot to land on, from the landing site as navigated, east"),
     Channel("guide.spot_north_m", "spot to land on, likewise, north"),
-    *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller"),
+    *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller", brief=True),
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
-    *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B"),
-    *_vector(
-        "estimate.force",
-        "n",
-        "x y z",
-        "estimated disturbance force in B; the axial one contains engine and drag",
-    ),
+    *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B", brief=True),
+    *_vector("estimate.force", "n", "x y z",
+             "estimated disturbance force in B; the axial one contains engine and drag"),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
     Channel("diagnosis.leaking", "branch whose leak is looked into, by number from 0; -1 for none"),
     Channel("diagnosis.common_loss", "share of its flow that every propellant branch is thought to lose"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
-    Channel(
-        "diagnosis.in_use",
-        "thrusters that the flight computer may use: the sum of 2 to the power of their numbers",
-    ),
+    Channel("diagnosis.in_use",
+            "thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
     *_vector("control.unallocated", "nm", "x y z", "demanded torque that stays unallocated"),
 )
+# fmt: on
 
-#: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign
-#: records.  Those that one figure needs stand together, as a log is larger than the caches: reading it is
-#: most of the work.
-BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
-    {channel.name: channel for channel in CHANNELS}[name]
-    for name in (
-        *("guide.phase", "guide.bank_deg"),
-        *(
-            "truth.rate_p_deg_s",
-            "truth.rate_q_deg_s",
-            "truth.rate_r_deg_s",
-            "truth.alpha_deg",
-            "truth.beta_deg",
-        ),
-        *("truth.dynamic_pressure_pa", "truth.propellant_kg", "truth.total_alpha_deg"),
-        *(
-            "truth.altitude_m",
-            "truth.height_above_areoid_m",
-            "truth.height_m",
-            "truth.latitude_deg",
-            "truth.longitude_deg",
-            "truth.speed_m_s",
-            "truth.mach",
-        ),
-        *("truth.site_east_m", "truth.site_north_m", "truth.site_up_m"),
-        *("truth.backshell_east_m", "truth.backshell_north_m", "truth.backshell_up_m"),
-        *("truth.disturbance_x_nm", "truth.disturbance_y_nm", "truth.disturbance_z_nm"),
-        *("estimate.torque_x_nm", "estimate.torque_y_nm", "estimate.torque_z_nm"),
-        *("control.error_roll_deg", "control.error_pitch_deg", "control.error_yaw_deg"),
-        *("nav.error_north_m", "nav.error_east_m", "nav.error_down_m"),
-        *("nav.error_v_north_m_s", "nav.error_v_east_m_s", "nav.error_v_down_m_s"),
-        *("nav.error_attitude_north_deg", "nav.error_attitude_east_deg", "nav.error_attitude_down_deg"),
-        "nav.error_height_m",
-    )
-)
+#: Channels that a flight of a campaign records.
+BRIEF_CHANNELS: tuple[Channel, ...] = tuple(channel for channel in CHANNELS if channel.brief)
 
 
 def _layout(channels: Sequence[Channel]) -> list[tuple]:

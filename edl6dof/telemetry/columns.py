@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from math import nan
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from edl6dof.config.errors import UnknownName
+from edl6dof.config.units import UNITS
 from edl6dof.interface.thrusters import THRUSTER_FAILURES
-from edl6dof.records import offset
+from edl6dof.spatial.arrays import lengths, tan
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
-from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest, rows_of_words
 
 
 class Telemetry(Mapping[str, np.ndarray]):
@@ -65,42 +67,46 @@ class Telemetry(Mapping[str, np.ndarray]):
         an end its value is held.
         """
         near = self.beside(t)
-        words, from_si = words_of(self._log.dtype, names)
-        table, times = rows_of_words(near._log)[:, words] * from_si, near["t_s"]
+        table, times = np.array([near[name] for name in names]), near["t_s"]
         if len(times) == 1:
-            return table[0].tolist()
+            return table[:, 0].tolist()
         share = min(max((t - times[0]) / (times[1] - times[0]), 0.0), 1.0)
-        return (table[0] + share * (table[1] - table[0])).tolist()
+        return (table[:, 0] + share * (table[:, 1] - table[:, 0])).tolist()
 
-    def largest(self, *names: str) -> np.ndarray:
-        """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the
-        time that columns take.
-        """
-        words, from_si = words_of(self._log.dtype, names)
-        return largest(self._log, words) * from_si
+    def length_at(self, t: float, *names: str) -> float:
+        """Length of the vector of some channels at time ``t`` (s), as :meth:`at` gives them."""
+        return float(lengths(np.array(self.at(t, *names))))
+
+    def largest(self, *names: str) -> float:
+        """Largest magnitude of some channels of one unit over all rows, which are not none."""
+        return float(np.max([np.max(np.abs(self[name])) for name in names]))
 
     def longest(self, *names: str) -> float:
-        """Largest length over all rows of the vector of some channels of one unit, ``nan`` of no rows."""
-        words, from_si = words_of(self._log.dtype, names)
-        return longest(self._log, words) * float(from_si[0])
+        """Largest length over all rows of the vector of some channels of one unit, squared in SI."""
+        columns, from_si = self._si(names)
+        return float(np.max(lengths(np.stack(columns, axis=-1)))) * from_si[0]
 
     def nearest(self, place: Sequence[str], other: Sequence[str]) -> float:
-        """Least distance over all rows of two places, each given by its channels in the unit of their record,
-        ``nan`` where there are none.
+        """Least distance (m) over all rows of two places, each given by its channels, ``nan`` where there are
+        none.
         """
-        a, b = (words_of(self._log.dtype, tuple(names))[0] for names in (place, other))
-        return nearest(self._log, a, b)
+        steps = [self[one] - self[two] for one, two in zip(place, other, strict=True)]
+        return float(np.fmin.reduce(lengths(np.stack(steps, axis=-1)), initial=nan))
 
-    def fastest_swings(self, swings: Sequence[Sequence[str]]) -> np.ndarray:
-        """Largest magnitudes over all rows of some rates without their part that is banking about the
-        velocity, ``nan`` of no rows; each is given by the channels of the rate, of the roll rate, and of an
-        angle.
+    def fastest_swing(self, rate: str, roll: str, angle: str) -> float:
+        """Largest magnitude over all rows of a rate without its part that is banking about the velocity, by
+        the channels of the rate, of the roll rate, and of an angle; ``nan`` of no rows.
 
         A bank at rate p about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the
         body (sideslip: in pitch); S1 counts the rates of the angle-of-attack and sideslip channels.
         """
-        rates, rolls, angles = (words_of(self._log.dtype, names) for names in zip(*swings, strict=True))
-        return fastest_turns(self._log, rates[0], int(rolls[0][0]), angles[0]) * rates[1]
+        (q, p, alpha), from_si = self._si((rate, roll, angle))
+        return float(np.max(np.abs(q - p * tan(alpha)))) * from_si[0] if len(q) else nan
+
+    def _si(self, names: Sequence[str]) -> tuple[list[np.ndarray], list[float]]:
+        """Columns in SI, and their factors to the unit."""
+        places = [self._places[name] for name in names]
+        return [self._log[group][field] for group, field, _ in places], [place[2] for place in places]
 
     def __repr__(self) -> str:
         return f"<Telemetry: {len(self)} channels, {len(self._log):,} rows>"
@@ -112,20 +118,39 @@ class Telemetry(Mapping[str, np.ndarray]):
         return len(self._places) + len(self._named)
 
 
+class _Slot(NamedTuple):
+    """Columns that stand for each thruster, radar beam or propellant branch: how their names begin and end,
+    the field of the log, whose they are, and what they mean.
+    """
+
+    prefix: str
+    suffix: str
+    field: str
+    owner: Literal[0, 1, 2]
+    meaning: str
+
+
+_STATES = ", ".join(f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_FAILURES, 1))
+_SLOTS = (
+    _Slot("rcs", "", "duty", 0, "mean thrust fraction of thruster {} over the last integration step"),
+    _Slot("fault", "", "fault", 0, f"true state of thruster {{}}: 0 works, {_STATES}"),
+    _Slot("valve", "", "valve", 0, "whether thruster {} is commanded to fire in the present control cycle"),
+    _Slot("range", "_m", "range", 1, "range that radar beam {} read last; 0 without an echo"),
+    _Slot("used", "_kg", "used", 2, "propellant that went through branch {} since the start"),
+    _Slot("metered", "_kg", "metered", 2,
+          "what the flow meter of branch {} has counted of it; 0 without a meter"),
+    _Slot("expected", "_kg_s", "expected", 2,
+          "flow through branch {} that commands call for, mean of a control cycle"),
+)  # fmt: skip
+
+
 @lru_cache
-def _slots(
-    thrusters: tuple[str, ...], beams: tuple[str, ...], branches: tuple[str, ...]
-) -> dict[str, tuple[str, int]]:
+def _slots(*names: tuple[str, ...]) -> dict[str, tuple[str, int]]:
     """Field and index of the columns of each thruster, radar beam and propellant branch."""
-    kinds = (
-        *((kind, "", field, thrusters) for kind, field in _PER_THRUSTER),
-        ("range", "_m", "range", beams),
-        *((kind, suffix, kind, branches) for kind, suffix in _PER_BRANCH),
-    )
     return {
-        f"{kind}.{name}{suffix}": (field, index)
-        for kind, suffix, field, names in kinds
-        for index, name in enumerate(names)
+        f"{slot.prefix}.{name}{slot.suffix}": (slot.field, index)
+        for slot in _SLOTS
+        for index, name in enumerate(names[slot.owner])
     }
 
 
@@ -142,31 +167,17 @@ def describe(name: str) -> tuple[str, str]:
     """
     if name == "t_s":
         return "s", "time since the initial state"
-    if name.startswith("rcs."):
-        return "", f"mean thrust fraction of thruster {name[4:]} over the last integration step"
-    if name.startswith("fault."):
-        codes = ", ".join(
-            f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_FAILURES, 1)
-        )
-        return "", f"true state of thruster {name[6:]}: 0 works, {codes}"
-    if name.startswith("valve."):
-        return "", f"whether thruster {name[6:]} is commanded to fire in the present control cycle"
-    if name.startswith("range."):
-        return "m", f"range that radar beam {name[6:-2]} read last; 0 without an echo"
-    if name.startswith("used."):
-        return "kg", f"propellant that went through branch {name[5:-3]} since the start"
-    if name.startswith("metered."):
-        return "kg", f"what the flow meter of branch {name[8:-3]} has counted of it; 0 without a meter"
-    if name.startswith("expected."):
-        return "kg/s", f"flow through branch {name[9:-5]} that commands call for, mean of a control cycle"
+    prefix, _, rest = name.partition(".")
+    for slot in _SLOTS:
+        if prefix == slot.prefix:
+            unit = UNITS[slot.suffix[1:]].label if slot.suffix else ""
+            return unit, slot.meaning.format(rest.removesuffix(slot.suffix))
     if name not in _BY_NAME:
         raise UnknownName("channel", name, _BY_NAME)
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 
 
-_PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"), ("valve", "valve"))
-_PER_BRANCH = (("used", "_kg"), ("metered", "_kg"), ("expected", "_kg_s"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
 
@@ -178,14 +189,6 @@ def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
         "t_s": ("t", "", 1.0),
         **{channel.name: (channel.group, channel.field, channel.from_si) for channel in channels},
     }
-
-
-@lru_cache
-def words_of(dtype: np.dtype, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Where channels stand in a row, in eight-byte words, and their factors to the unit."""
-    places = [_PLACES[name] for name in names]
-    offsets = [offset(dtype, group) + offset(dtype[group], field) for group, field, _ in places]
-    return np.array(offsets) // 8, np.array([from_si for _, _, from_si in places])
 
 
 # looked up many times for every flight

@@ -21,14 +21,7 @@ from edl6dof.telemetry.navigation import record_claims, record_errors, record_re
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
-from edl6dof.vehicle.plant import (
-    ATTITUDE,
-    CANOPY_POSITION,
-    HEAT,
-    POSITION,
-    RATE,
-    VELOCITY,
-)
+from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, HEAT, POSITION, RATE, VELOCITY
 from edl6dof.vehicle.propulsion.rcs import efficiency
 from edl6dof.vehicle.propulsion.tanks import propellant_left
 from edl6dof.vehicle.surroundings import planet_rotation

@@ -72,3 +72,9 @@ def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
     edge = np.flatnonzero(gap[1:] != gap[:-1])
     kept[edge] = kept[edge + 1] = True
     return np.flatnonzero(kept[:n])
+
+
+def spans(present: np.ndarray) -> list[tuple[int, int]]:
+    """First and one-past-last row of each run of ``True``."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], present, [False]]).astype(int)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

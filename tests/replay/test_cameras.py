@@ -10,7 +10,7 @@ from made_up import MORTAR, SHELL, SHIELD, synthetic_flight
 
 import edl6dof
 from edl6dof.replay.recording import history
-from edl6dof.replay.scene.canopy import canopy
+from edl6dof.replay.scene.aeroshell import canopy
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.cameras import SEPARATION_S, Spheres, away, facing, steady, together
 from edl6dof.replay.views.spatial import EYE, FIELD_DEG

@@ -18,8 +18,8 @@ from made_up import (
 )
 
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene.beams import RAYS
-from edl6dof.replay.views.panels import NAVIGATION, PAGES
+from edl6dof.replay.scene.hazards import RAYS
+from edl6dof.replay.views.layout import NAVIGATION, PAGES
 from edl6dof.telemetry.instruments import EXCLUDED, NOT_USED, USED
 
 pytest.importorskip("rerun")
@@ -109,7 +109,7 @@ def test_perfect_sensors_leave_no_trace(tmp_path):
     path = tmp_path / "perfect.rrd"
     write_replay([history(synthetic_flight())], path)
     held = {c.entity_path for c in RrdReader(path).stream().collect().schema().component_columns()}
-    own = {f"/plots/{plot.entity}" for plot in PAGES[NAVIGATION]} | {"/site/vehicle/beams"}
+    own = {f"/plots/{plot.key}" for plot in PAGES[NAVIGATION]} | {"/site/vehicle/beams"}
     assert not held & own and not any(name.startswith("/instruments") for name in held)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from edl6dof.replay.views.moving import moving_largest, moving_mean
+from edl6dof.replay.views.cameras import moving_largest, moving_mean
 
 
 @pytest.mark.parametrize("rows, width", [(5, 63), (40, 1), (200, 7), (3000, 63)])

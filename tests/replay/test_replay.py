@@ -13,7 +13,7 @@ from made_up import NOT_ENTERED, read, synthetic_flight
 
 from edl6dof.replay.history import MANY, poses, thin
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.telemetry.spans import spans
+from edl6dof.telemetry.thinning import spans
 
 pytest.importorskip("rerun")
 
@@ -117,7 +117,7 @@ def test_blueprint_travels_with_the_file(replay):
         *(
             "Mach number (1)",
             "Roll: error (deg), rate (deg/s)",
-            "Disturbance torque x (N m)",
+            "Disturbance torque, roll (N m)",
             "Thrusters A1 to D7",
         ),
     } <= names
@@ -126,7 +126,7 @@ def test_blueprint_travels_with_the_file(replay):
 def test_plots_hold_the_telemetry(flight, replay):
     tm = flight.telemetry
     for entity, names, factor in (
-        ("/plots/altitude_km", ["truth.altitude_m", "truth.height_m"], 1e-3),
+        ("/plots/altitude_km", ["truth.altitude_m", "truth.height_above_areoid_m", "truth.height_m"], 1e-3),
         ("/plots/body_rate_deg_s", [f"truth.rate_{axis}_deg_s" for axis in "pqr"], 1.0),
     ):
         times, columns = read(replay, entity)

@@ -18,7 +18,7 @@ from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
 from edl6dof.replay.scene import aeroshell, lander
-from edl6dof.replay.scene.canopy import canopy
+from edl6dof.replay.scene.aeroshell import canopy
 from edl6dof.replay.scene.globe import Globe, planet
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.outline import outline
@@ -126,8 +126,7 @@ def test_zone_lines_are_those_that_the_control_law_steers_for():
     params = ZoneParams(rate_deg_s=6.0, far_deg=25.0, near_deg=2.0, deceleration_deg_s2=3.0)
     record = np.zeros(1, dtype_of(ZoneParams))
     fill(record[0], params)
-    control = type("Control", (), {"roll": params, "pitch_yaw": params})()
-    lines = boundaries(control, 1)
+    lines = boundaries(dict.fromkeys(("roll", "pitch_yaw"), params.model_dump()), 1)
     curve = np.sinh(lines[1][0] * np.arcsinh(180.0)) * [1.0, -1.0]
     for error, rate in curve[1:-1:7]:
         assert np.degrees(target_rate(record[0], np.radians(error), 1.0)) == pytest.approx(rate, rel=1e-6)
@@ -139,7 +138,7 @@ def test_deadband_lines_are_where_the_switching_law_begins_to_fire():
     params = law.PhasePlaneParams(deadband_deg=2.0, rate_limit_deg_s=30.0)
     record = np.zeros(1, dtype_of(law.PhasePlaneParams))
     fill(record[0], params)
-    right = np.sinh(boundaries(params, 0)[1][0] * np.arcsinh(180.0)) * [1.0, -1.0]
+    right = np.sinh(boundaries(params.model_dump(), 0)[1][0] * np.arcsinh(180.0)) * [1.0, -1.0]
     for error, rate in right[(np.abs(right[:, 1]) < 8.0) & (np.abs(right[:, 1]) > 0.2)][::3]:
         inside, outside = (
             switch_axis(record[0], 0, np.radians(error + d), np.radians(rate)) for d in (-0.01, 0.01)

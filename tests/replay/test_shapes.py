@@ -11,7 +11,7 @@ from made_up import entities, synthetic_flight
 
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene import aeroshell, lander
-from edl6dof.replay.scene.canopy import canopy
+from edl6dof.replay.scene.aeroshell import canopy
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.outline import outline
 from edl6dof.scenario.loading import load_scenario

@@ -14,10 +14,10 @@ from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.arrows import COVERED, forces, scales
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.callouts import Label, laid_out, screen
-from edl6dof.replay.views.curves import axis_range, given
+from edl6dof.replay.views.charts import axis_range
 from edl6dof.replay.views.lanes import fitted
-from edl6dof.replay.views.panels import BANK, RANGE, RATES
 from edl6dof.replay.views.spatial import body_eye
+from edl6dof.report.panels import BANK, RANGE, RATES
 
 pytest.importorskip("rerun")
 
@@ -91,11 +91,12 @@ def test_an_axis_holds_its_curve_and_has_two_to_six_ticks(low, high):
 
 def test_a_command_that_no_law_gives_is_not_drawn():
     zero, some = np.zeros(3), np.array([0.0, np.nan, 1.0])
-    flown = given(BANK, {"guide.bank_deg": zero, "truth.bank_deg": some})
-    assert (flown.columns, flown.series) == (("truth.bank_deg",), {"truth.bank_deg": "flown"})
-    assert given(BANK, {"guide.bank_deg": some, "truth.bank_deg": zero}) == BANK
-    assert given(RATES, dict.fromkeys(RATES.columns, zero)) == RATES, "zero of what is flown is told"
-    assert given(RANGE, {"guide.range_to_go_km": zero}) == RANGE, "a plot has a curve"
+    flown = BANK.shown({"guide.bank_deg": zero, "truth.bank_deg": some})
+    assert (flown.channels, flown.curves) == (("truth.bank_deg",), {"truth.bank_deg": "flown"})
+    assert BANK.shown({"guide.bank_deg": some, "truth.bank_deg": zero}) == BANK
+    rates = dict.fromkeys(RATES.channels, zero) | {"truth.rate_q_deg_s": some}
+    assert RATES.shown(rates) == RATES, "zero of what is flown is told"
+    assert RANGE.shown({"guide.range_to_go_km": zero}) is None, "a plot has a curve"
 
 
 def test_a_name_that_has_no_room_is_left_out_of_its_lane():

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
-from edl6dof.report.flight import disturbance
-from edl6dof.report.flight.parts import Curve
+from edl6dof.report.flight import parts
 from edl6dof.report.plotly_figure import plotly_figure
 
 
@@ -35,11 +34,11 @@ def test_numbers_of_a_logarithmic_axis_are_written_out():
 
 
 def test_a_single_peak_leaves_the_rest_of_a_torque_to_be_seen():
-    torque, rows, curves = np.sin(np.arange(5000.0)), slice(None), [Curve("a"), Curve("absent")]
-    assert disturbance._span({"a": torque}, curves, rows) is None
-    assert disturbance._span({"a": 2.9 * torque}, curves, rows) is None
+    torque = np.sin(np.arange(5000.0))
+    assert parts._clipped([torque]) is None
+    assert parts._clipped([2.9 * torque]) is None
     torque[-1] = 6000.0
-    first, last = disturbance._span({"a": torque}, curves, rows)
+    first, last = parts._clipped([torque, np.zeros(5000)])
     assert -first == last == pytest.approx(1.1, abs=0.01)
 
 

@@ -11,6 +11,7 @@ import edl6dof
 from edl6dof.manifest import seal
 from edl6dof.report.flight import hazards
 from edl6dof.report.flight.build import flight_report
+from edl6dof.report.panels import CELLS
 from edl6dof.runs.run import Run
 from edl6dof.runs.run_writer import write_run
 from edl6dof.telemetry.landing_map import CELL_CLASSES
@@ -36,7 +37,7 @@ def named(panel):
 
 def test_colours_are_the_classes(seen, drawn):
     safety_map = drawn["hazard_map"].panels[0].heat
-    kinds = list(hazards.SHOWN)
+    kinds = list(CELLS)
     every = len(seen.landing_map.cell_class) // len(safety_map.x)
     counted = Counter(CELL_CLASSES[int(one)] for one in seen.landing_map.cell_class[::every, ::every].ravel())
     shown = Counter(kinds[int(one)] for one in safety_map.values.ravel())

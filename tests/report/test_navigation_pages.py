@@ -11,9 +11,9 @@ from rich.console import Console
 import edl6dof
 from edl6dof.manifest import seal
 from edl6dof.report import terminal
-from edl6dof.report.flight import instruments, navigation
+from edl6dof.report.flight import navigation, parts
 from edl6dof.report.flight.build import flight_report
-from edl6dof.report.flight.instruments import COLOURS
+from edl6dof.report.panels import STATES
 from edl6dof.runs.run import Run
 from edl6dof.runs.run_writer import write_run
 from edl6dof.telemetry.channels import CHANNELS
@@ -78,7 +78,7 @@ def found(run):
 
 
 def test_perfect_sensors_have_no_such_pages():
-    assert [*navigation.figures(MadeUp()), *instruments.figures(MadeUp())] == []
+    assert [*navigation.figures(MadeUp())] == []
 
 
 def test_table_holds_error_and_three_sigma_at_each_moment(made_up):
@@ -96,7 +96,7 @@ def test_velocity_before_the_radar_ends_with_its_first_echo(made_up):
     figure = found(made_up)["nav_velocity"]
     assert all(trace.x[-1] == 39.5 and trace.x[0] == 0.0 for panel in figure.panels for trace in panel.traces)
     assert found(made_up)["nav_landing"].panels[0].traces[0].x[0] == 60.0
-    assert found(made_up)["nav_touchdown"].panels[0].traces[0].x[0] == 90.0 - navigation.LAST_S + 0.5
+    assert found(made_up)["nav_touchdown"].panels[0].traces[0].x[0] == 50.5
 
 
 def test_bounds_are_symmetrical_and_scales_too(made_up):
@@ -109,7 +109,7 @@ def test_bounds_are_symmetrical_and_scales_too(made_up):
 
 def test_a_bound_far_beyond_the_error_does_not_flatten_it(made_up):
     made_up["nav.sigma_east_m"][:] = 1e6
-    assert found(made_up)["nav_position"].panels[1].y.range[1] == pytest.approx(1.08 * navigation.FAR * 200.0)
+    assert found(made_up)["nav_position"].panels[1].y.range[1] == pytest.approx(1.08 * parts.FAR * 200.0)
 
 
 def test_innovations_are_shown_while_there_are_echoes_with_the_gate_of_the_filter(made_up):
@@ -129,19 +129,19 @@ def test_without_a_radar_nothing_is_said_of_one(made_up):
         del made_up[f"range.{name}_m"]
     made_up.scenario["sensors"]["carried"] = ["inertial_unit"]
     assert not {"nav_innovation", "nav_landing"} & set(found(made_up))
-    (figure,) = instruments.figures(made_up)
+    figure = found(made_up)["nav_instruments"]
     assert [panel.y.title for panel in figure.panels] == ["gyros", "accelerometers"]
 
 
 def stretches(panel, lane, state):
     """Beginning and end of each stretch of a state in a lane."""
-    traces = [trace for trace in panel.traces if trace.name == state and trace.colour == COLOURS[state]]
+    traces = [trace for trace in panel.traces if trace.name == state and trace.colour == STATES[state]]
     points = [(x, y) for trace in traces for x, y in zip(trace.x, trace.y, strict=True) if y == lane]
     return [(begin, end) for (begin, _), (end, _) in zip(points[::2], points[1::2], strict=True)]
 
 
 def test_a_lane_is_what_was_made_of_its_instrument(made_up):
-    (figure,) = instruments.figures(made_up)
+    figure = found(made_up)["nav_instruments"]
     gyros, accelerometers, beams = figure.panels
     assert [panel.y.names for panel in figure.panels] == [["g1", "g2"], ["a1"], ["left", "right"]]
     assert gyros.y.range == (1.5, -0.5), "the first on top"

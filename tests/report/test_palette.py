@@ -7,8 +7,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from edl6dof.report.dark import DARK
 from edl6dof.report.figure import (
+    DARK,
     GREEN,
     INK,
     ORANGE,
@@ -25,6 +25,7 @@ from edl6dof.report.figure import (
 )
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.page import drawing
+from edl6dof.report.plotly_figure import TEMPLATE
 
 #: What each kind of eye sees of linear red, green and blue, which it lacks wholly.  Source: Machado, Oliveira
 #: and Fernandes 2009.
@@ -101,5 +102,6 @@ def test_every_colour_of_a_drawing_has_one_on_a_dark_page(run):
             return {colour for item in value for colour in colours(item)}
         return {value[:7]} if isinstance(value, str) and value.startswith("#") else set()
 
-    found = {colour for figure in flight_report(run).figures() for colour in colours(drawing(figure))}
+    drawings = [drawing(figure) for figure in flight_report(run).figures()]
+    found = colours([TEMPLATE, *drawings])
     assert len(found) > 15 and found <= DARK.keys()

@@ -4,6 +4,7 @@ studies are the same.
 
 from __future__ import annotations
 
+import base64
 import copy
 import re
 
@@ -20,7 +21,7 @@ from edl6dof.manifest import seal
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.views.spatial import TIMELINE
 from edl6dof.report.flight.build import flight_report
-from edl6dof.report.page import page
+from edl6dof.report.page import PLOTLY, page
 from edl6dof.runs.run import Run
 from edl6dof.runs.run_writer import write_run
 from edl6dof.studies import hu2022, yan2016
@@ -93,7 +94,9 @@ def test_figures_need_the_roles(tmp_path):
 
 
 def test_report_is_the_same(run, other, other_run):
-    pages = [page(flight_report(one)) for one in (run, other_run)]
+    # any letters may stand in the packed plotly.js
+    packed = base64.b64encode(PLOTLY.read_bytes()).decode()
+    pages = [page(flight_report(one)).replace(packed, "") for one in (run, other_run)]
     hashes = [one.summary["scenario_sha256"] for one in (run, other_run)]
     assert with_old_names(pages[1], other[1]).replace(hashes[1], hashes[0]) == pages[0]
 

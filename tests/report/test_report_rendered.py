@@ -17,10 +17,10 @@ import pytest
 from browser import Shown, share, show
 from live_page import NO_GL, opened
 
-from edl6dof.report.dark import DARK
 from edl6dof.report.document import Report, Section
 from edl6dof.report.figure import (
     BLUE,
+    DARK,
     GOOD,
     GREEN,
     PAPER,

@@ -9,10 +9,9 @@ import numpy as np
 from edl6dof.config.base import Vec3
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import aeroshell
-from edl6dof.replay.scene.canopy import canopy
+from edl6dof.replay.scene.aeroshell import canopy
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.motion import Flown
-from edl6dof.replay.scene.own_mesh import shown
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
@@ -76,7 +75,7 @@ class Descent(Recorder):
         origin, turn = self.motion.discarded(place, own_centre)
         rows = first + np.flatnonzero(np.isfinite(origin[first:, 0]))
         tint = {"albedo_factor": [104, 84, 70, 255]} if name == "heat_shield" else {}
-        self.at(self.t[first], f"{self.root}/{name}/shape", *shown(self, part, mesh, **tint))
+        self.at(self.t[first], f"{self.root}/{name}/shape", *self.shown(part, mesh, **tint))
         attitude = np.tile(turns.xyzw(turn), (len(rows), 1))
         self.columns(
             f"{self.root}/{name}",

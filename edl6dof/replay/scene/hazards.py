@@ -1,5 +1,6 @@
 """What the lander saw and chose: rays of the lidar while it scans, and from the choice on the map of hazards
-painted on the ground, the spots that were passed over, and the footprint of the chosen one.
+painted on the ground, the spots that were passed over, and the footprint of the chosen one; and the beams of
+the radar, as far as they have their echo.
 """
 
 from __future__ import annotations
@@ -8,25 +9,27 @@ import numpy as np
 
 from edl6dof.interface.capacities import SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.eyes import look
-from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.history import thin
+from edl6dof.replay.recorder import SCALAR_HZ, Recorder
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
+from edl6dof.report.figure import rgb
+from edl6dof.report.panels import CELLS, STATES
 from edl6dof.spatial import rotations as turns
+from edl6dof.telemetry.columns import range_of
+from edl6dof.telemetry.instruments import EXCLUDED, NOT_USED, USED
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Columns by which a map that was navigated comes to lie where it is.
 NAVIGATED = ("nav.error_east_m", "nav.error_north_m")
 #: Colour of each class of cell, and of what is chosen and passed over.
-PAINT: dict[str, RGB] = {
-    "safe": (70, 170, 120),
-    "edge": (110, 110, 115),
-    "slope": (225, 165, 60),
-    "rock": (200, 75, 50),
-}
+PAINT = {name: rgb(colour) for name, (_, colour) in CELLS.items()}
 CHOSEN: RGB = (245, 250, 255)
 PASSED_OVER: RGB = (255, 205, 60)
 RAY: RGB = (120, 235, 140)
 LEGEND = "green is safe, amber too steep, red too rough, grey not all seen; yellow dots were passed over"
+#: Colour of a ray of the radar.
+RAYS = {state: rgb(STATES[state]) for state in (USED, NOT_USED, EXCLUDED)}
 #: How far (m) above the ground the map is drawn, and every how many cells a vertex.
 _ABOVE, _EVERY = 0.04, 2
 #: Rays of a row that are drawn.
@@ -112,3 +115,31 @@ class Hazards(Recorder):
         """Places east and north (m), shape (n, 2), with the height of the ground and a little more."""
         up = self.motion.site.ground(*places.T)[1]
         return np.column_stack([places, up + above])
+
+
+class Beams(Recorder):
+    """Writes ``vehicle/beams``, in B; nothing for a vehicle without a radar."""
+
+    def motions(self) -> None:
+        """The rays, as long as the range that was read."""
+        beams = [one for one in self.flight.instruments if one.kind == "beam"]
+        rows = thin(self.t, SCALAR_HZ)
+        if not beams or not len(rows):
+            return
+        reach = np.stack([self.flight[range_of(beam.name)][rows] for beam in beams], axis=-1)
+        shown = reach > 0.0
+        echo: np.ndarray = np.logical_or.reduce(shown, axis=1)
+        keep = echo | np.append(False, echo[:-1])  # a row without a ray ends them
+        if not echo.any():
+            return
+        radar = self.flight.scenario.sensors.radar
+        start = np.array(radar.position_m)
+        ends = start + (reach[..., None] * [beam.axis for beam in radar.beams])[shown]
+        strips = np.stack([np.broadcast_to(start, ends.shape), ends], axis=1)
+        tints = np.zeros((*shown.shape, 3), np.uint8)
+        for state, colour in RAYS.items():
+            tints[np.stack([beam.holds(state)[rows] for beam in beams], axis=-1)] = colour
+        rays = self.rr.LineStrips3D.columns(strips=strips, colors=tints[shown])
+        entity = f"{self.root}/vehicle/beams"
+        self.static(entity, self.rr.LineStrips3D.from_fields(radii=self.rr.Radius.ui_points(1.2)))
+        self.columns(entity, self.t[rows[keep]], rays.partition(shown[keep].sum(axis=1)))

@@ -17,7 +17,7 @@ import numpy as np
 
 from edl6dof.config.base import Vec3
 from edl6dof.environment.appearance import Tint
-from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles
+from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles, sphere
 from edl6dof.replay.scene.site import Site
 
 RINGS, SPOKES = 190, 180
@@ -242,12 +242,7 @@ def _waves(
 def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
     """A dome of unit radius seen from inside, from the colour of the horizon to that overhead."""
     rows, columns = 24, 48
-    polar = np.linspace(0.0, pi, rows)[:, None]
-    around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
-    place = np.stack(
-        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0.0 * around],
-        axis=-1,
-    )
+    place = sphere(rows, columns)
     rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55
     colours = np.array(horizon) + (np.array(zenith) - horizon) * rise
     return bright(place.reshape(-1, 3), grid_triangles(rows, columns)[:, ::-1], colours.reshape(-1, 3))

@@ -140,6 +140,14 @@ def open_grid_triangles(rows: int, columns: int) -> np.ndarray:
     return np.stack([a, a + 1, a + columns + 1, a, a + columns + 1, a + columns], axis=-1).reshape(-1, 3)
 
 
+def sphere(rows: int, columns: int, gap: float = 0.0) -> np.ndarray:
+    """Points of a unit sphere about z, shape (rows, columns, 3), but for ``gap`` (rad) around its poles."""
+    polar = np.linspace(gap, pi - gap, rows)[:, None]
+    around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
+    flat = np.sin(polar)
+    return np.stack([flat * np.cos(around), flat * np.sin(around), np.cos(polar) + 0.0 * around], axis=-1)
+
+
 def bright(positions: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> Mesh:
     """A mesh that shows its colours whatever the light: its normals are zero."""
     return Mesh(positions, triangles, np.zeros_like(positions), np.clip(colours, 0, 255).astype(np.uint8))
@@ -155,14 +163,9 @@ def rock(seed: int, colour: Vec3, towards: np.ndarray) -> Mesh:
     """A boulder of unit size: a dented sphere, in light from ``towards``."""
     random = np.random.default_rng(seed)
     rows, columns = 7, 9
-    polar = np.linspace(0.02, pi - 0.02, rows)[:, None]
-    around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
     radius = 0.5 * random.uniform(0.72, 1.0, (rows, columns))
     radius[[0, -1]] = 0.4
-    place = np.stack(
-        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), 0.7 * np.cos(polar) + 0.0 * around],
-        axis=-1,
-    )
+    place = sphere(rows, columns, 0.02) * [1.0, 1.0, 0.7]
     light = np.clip(0.55 + 0.45 * (place @ towards), 0.2, 1.1)
     colours = np.array(colour) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
     return bright(

@@ -12,7 +12,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
-from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles
+from edl6dof.replay.scene.mesh import Mesh, bright, disc, grid_triangles, sphere
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
@@ -54,9 +54,10 @@ class NearGround(Recorder):
         seldom = rows[thin(self.t[rows], SLOW_HZ)]
         tint = np.zeros((len(seldom), 4), np.uint8)
         tint[:, 3] = 255.0 * _OPACITY * np.exp(-motion.height[seldom] / _FADES)
+        plate = disc(np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0, (255, 255, 255))  # its tint is black
         for layer, share in enumerate(_LAYERS):
             above = rr.Transform3D(translation=[0.0, 0.0, 0.03 + 0.004 * layer], scale=[share, share, 1.0])
-            self.at(self.t[rows[0]], f"{entity}/{layer}", self.mesh(_plate()), above)
+            self.at(self.t[rows[0]], f"{entity}/{layer}", self.mesh(plate), above)
             tints = rr.Mesh3D.columns(albedo_factor=tint)
             self.columns(f"{entity}/{layer}", self.t[seldom], tints)
 
@@ -121,23 +122,8 @@ class NearGround(Recorder):
         return np.column_stack([places, up]), half / np.linalg.norm(half, axis=-1, keepdims=True)
 
 
-def _plate() -> Mesh:
-    """A disc of unit radius; its tint is black."""
-    turn = np.linspace(0.0, 2.0 * np.pi, 33)[:-1]
-    rim = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(32)])
-    j = np.arange(32)
-    fan = np.column_stack([np.full(32, 32), j, (j + 1) % 32])
-    return bright(np.append(rim, [[0.0, 0.0, 0.0]], axis=0), fan, np.full((33, 3), 255.0))
-
-
 def _puff(colour: np.ndarray) -> Mesh:
     """A ball of unit radius."""
-    polar, turn = (
-        np.linspace(0.01, np.pi - 0.01, 9)[:, None],
-        np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False),
-    )
-    place = np.stack(
-        [np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar) + 0.0 * turn], axis=-1
-    )
+    place = sphere(9, 16, 0.01)
     tone = colour * (0.94 + 0.06 * place[..., 2:])
     return bright(place.reshape(-1, 3), grid_triangles(9, 16), tone.reshape(-1, 3))

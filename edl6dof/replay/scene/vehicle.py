@@ -12,9 +12,8 @@ from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import aeroshell, lander
 from edl6dof.replay.scene.mesh import Mesh
-from edl6dof.replay.scene.own_mesh import asset, mesh_of, shown
 from edl6dof.spatial import rotations as turns
-from edl6dof.telemetry.spans import spans
+from edl6dof.telemetry.thinning import spans
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)
 #: Tints of a heat shield and of any other surface, cold, and of both as hot as they get.
@@ -30,8 +29,8 @@ class Vehicle(Recorder):
     def statics(self) -> None:
         """Lander and nozzles."""
         body = f"{self.root}/vehicle/lander"
-        if (own := mesh_of(self.vehicle.appearance, None)) is not None:
-            self.static(body, *asset(self, own))
+        if (own := self.own_mesh(None)) is not None:
+            self.static(body, *own)
             return
         if (mesh := lander.lander(self.vehicle, self.motion.shape)) is not None:
             self.static(body, self.mesh(mesh))
@@ -70,11 +69,10 @@ class Vehicle(Recorder):
         """One piece until it is released, which glows where its ``cold`` tint is given; where it is no part,
         the user's own mesh of all such takes its place.
         """
-        look, entity = self.vehicle.appearance, f"{self.root}/vehicle/{name}"
-        own = mesh_of(look, part)
+        entity, own = f"{self.root}/vehicle/{name}", self.own_mesh(part)
         if part is None and own is not None:
             return
-        self.at(self.t[0], entity, *shown(self, part, mesh))
+        self.at(self.t[0], entity, *self.shown(part, mesh))
         released = self.motion.released(place) if part else None
         if cold is not None and own is None:
             self._glow(entity, released, cold)
@@ -96,7 +94,7 @@ class Vehicle(Recorder):
         """
         pads, shape = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3), self.motion.shape
         since, out = self._legs_out(), lander.legs(self.vehicle, shape, np.zeros(len(pads)))
-        if since is None or out is None or mesh_of(self.vehicle.appearance, None) is not None:
+        if since is None or out is None or self.own_mesh(None) is not None:
             return
         entity, touching = f"{self.root}/vehicle/legs", self.flight["truth.footpads"] > 0.0
         self.at(since, entity, self.mesh(out))

@@ -11,14 +11,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene.canopy import canopy as canopy_of
+from edl6dof.replay.history import thin
+from edl6dof.replay.recorder import SLOW_HZ, Recorder
+from edl6dof.replay.scene.aeroshell import canopy as canopy_of
 from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.moving import moving_largest, moving_mean
+from edl6dof.replay.views.spatial import EYE
 from edl6dof.spatial import rotations as turns
 
 #: For how long (s) after a separation both parts stay in the frame; how long (s) a camera takes to change.
 SEPARATION_S, CHANGE_S = 3.0, 2.5
+#: Colour of the scale bar; its height in the camera's frame, the largest length there, and the strokes at its
+#: ends.
+COLOUR, _ABOVE, _LONGEST, _STROKE = (225, 225, 225), 1.12, 0.7, 0.03
 #: Radius of the sphere around a vehicle in its diameters: room for flames and arrows.
 ROOM = 1.0
 
@@ -138,3 +142,60 @@ def _held(places: np.ndarray) -> np.ndarray:
     """Places, the last known one where they are not."""
     known = np.maximum.accumulate(np.where(np.isfinite(places[:, 0]), np.arange(len(places)), 0))
     return places[known]
+
+
+class ScaleBar(Recorder):
+    """Writes ``camera/scale_bar``: a bar of a round length, by which the eye measures what is seen."""
+
+    def motions(self) -> None:
+        """The bar, anew where what the camera takes in has changed."""
+        rows = thin(self.t, SLOW_HZ)
+        radius = steady(self.t, self.motion.centre, together(self.motion)).radius[rows]
+        anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
+        rows, radius = rows[anew], radius[anew]
+        length = round_down(_LONGEST * radius)
+        across = np.cross(-EYE, [0.0, 0.0, 1.0])
+        across /= np.linalg.norm(across)
+        half = (0.5 * length / radius)[:, None] * across
+        ends = np.stack([-half, half], axis=1) + [0.0, 0.0, _ABOVE]
+        stroke = np.array([0.0, 0.0, _STROKE])
+        strips = np.stack(
+            [ends, ends[:, :1] + [-stroke, stroke], ends[:, 1:] + [-stroke, stroke]], axis=1
+        ).reshape(-1, 2, 3)
+        rr, entity = self.rr, f"{self.root}/camera/scale_bar"
+        self.static(entity, rr.LineStrips3D.from_fields(colors=COLOUR, radii=rr.Radius.ui_points(0.9)))
+        drawn = rr.LineStrips3D.columns(strips=strips).partition(np.full(len(rows), 3))
+        self.columns(entity, self.t[rows], drawn)
+        name = f"{entity}/length"
+        self.static(name, rr.Points3D.from_fields(colors=COLOUR, radii=-0.01, show_labels=True))
+        texts = rr.Points3D.columns(
+            positions=ends[:, 1] + 0.12 * across, labels=[f"{one:g} m" for one in length]
+        )
+        self.columns(name, self.t[rows], texts)
+
+
+def round_down(values: np.ndarray) -> np.ndarray:
+    """The largest of 1, 2 and 5 times powers of ten that is not above each value, all positive."""
+    power = 10.0 ** np.floor(np.log10(values))
+    return power * np.select([values >= 5.0 * power, values >= 2.0 * power], [5.0, 2.0], 1.0)
+
+
+def moving_mean(values: np.ndarray, width: int) -> np.ndarray:
+    """Mean over ``width`` rows (odd) around each row, shape as ``values``, whose rows are along axis 0.
+
+    ``scipy.ndimage`` has it, but importing it takes longer than all that the replay computes.
+    """
+    total = np.cumsum(_extended(values, width), axis=0)
+    total[width:] -= total[:-width].copy()
+    return total[width - 1 :] / width
+
+
+def moving_largest(values: np.ndarray, width: int) -> np.ndarray:
+    """Largest of ``width`` rows (odd) around each row, shape (rows,)."""
+    windows = np.lib.stride_tricks.sliding_window_view(_extended(values, width), width)
+    return np.asarray(windows.max(axis=-1))
+
+
+def _extended(values: np.ndarray, width: int) -> np.ndarray:
+    half = width // 2
+    return np.pad(values, [(half, half)] + [(0, 0)] * (values.ndim - 1), mode="edge")

@@ -13,8 +13,16 @@ import numpy as np
 
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.cameras import CHANGE_S, SEPARATION_S, Spheres, away, facing, steady, together
-from edl6dof.replay.views.moving import moving_mean
+from edl6dof.replay.views.cameras import (
+    CHANGE_S,
+    SEPARATION_S,
+    Spheres,
+    away,
+    facing,
+    moving_mean,
+    steady,
+    together,
+)
 from edl6dof.replay.views.spatial import KEPT_DEG
 from edl6dof.spatial import rotations as turns
 

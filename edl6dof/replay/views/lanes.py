@@ -10,15 +10,12 @@ import numpy as np
 
 from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene.beams import RAYS
 from edl6dof.replay.views.layout import lanes_of, spans_of
-from edl6dof.replay.views.panels import SERIES
-from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
+from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
+from edl6dof.report.panels import STATES
 
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
-GREY, FIRE, RED = (48, 48, 54), (250, 150, 60), (235, 50, 50)
-#: Colours of what is made of an inertial instrument.
-HEALTH = {IN_USE: (70, 130, 90), SATURATED: FIRE, EXCLUDED: RED}
+OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)
 #: Keys of events that are warnings.
 TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 #: A thruster counts as firing from this duty on.
@@ -60,13 +57,8 @@ class Lanes(Recorder):
             row = motion.released(place)
             if row is not None:
                 changes.append((float(self.t[row]), name))
-        self._lane(
-            f"{page}/Vehicle",
-            changes,
-            CONFIGURATIONS,
-            fitted(changes, CONFIGURATIONS, span),
-            [SERIES[1], SERIES[0], SERIES[2], SERIES[4]],
-        )
+        labels, colours = fitted(changes, CONFIGURATIONS, span), map(rgb, (VERMILION, BLUE, GREEN, ORANGE))
+        self._lane(f"{page}/Vehicle", changes, CONFIGURATIONS, labels, list(colours))
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
             self._switched(f"{page}/Engine", {"on": on}, {"on": FIRE})
@@ -83,7 +75,7 @@ class Lanes(Recorder):
     def _instruments(self) -> None:
         """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
         for one in self.flight.instruments:
-            colours = RAYS if one.kind == "beam" else HEALTH
+            colours = {state: rgb(STATES[state]) for state in one.states if state in STATES}
             self._switched(
                 f"instruments/{one.kind}/{one.name}", {state: one.holds(state) for state in colours}, colours
             )
@@ -98,14 +90,8 @@ class Lanes(Recorder):
             code[holds] = number
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
         shown = [False] + [True] * len(when)
-        self._lane(
-            name,
-            [(self.t[i], states[code[i]]) for i in first],
-            states,
-            states,
-            [GREY, *colours.values()],
-            shown,
-        )
+        changes = [(self.t[i], states[code[i]]) for i in first]
+        self._lane(name, changes, states, states, [OFF, *colours.values()], shown)
 
     def _lane(
         self,

@@ -5,29 +5,40 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, RGB, Plot
 from edl6dof.replay.views.spatial import SPACE, TIMELINE, Shown, Views, window
+from edl6dof.report import panels as p
+from edl6dof.report.figure import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, SKY, VERMILION, rgb
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-PHASES: tuple[RGB, ...] = (
-    (90, 140, 250), (250, 120, 60), (240, 215, 80), (90, 210, 140),
-    (70, 200, 220), (190, 130, 245), (250, 130, 180), (200, 200, 200),
+#: Colours of phases, in their order, and of several flights in a recording.
+PHASES = tuple(rgb(colour) for colour in (*SERIES, GREY))
+FLIGHTS = tuple(rgb(colour) for colour in (BLACK, VERMILION, SKY, GREEN, ORANGE, PURPLE))
+#: Titles of the thruster plots by group.
+GROUPS = {"horizontal": "Horizontal", "axial": "Axial", "attitude": "Attitude", "fine": "Fine"}
+#: The pages of powered descent, of the choice of a spot, of flights that navigate with instruments, of the
+#: thrusters, and of the scripted camera.
+POWERED, HAZARDS, NAVIGATION, THRUSTERS, TOUR = (
+    "Powered descent", "Hazards", "Navigation", "Thrusters", "Tour",
 )  # fmt: skip
-#: One colour for each of several flights in a recording.
-FLIGHTS: tuple[RGB, ...] = (
-    (255, 255, 255),
-    (255, 92, 92),
-    (92, 190, 255),
-    (140, 230, 120),
-    (240, 200, 70),
-    (210, 140, 255),
-)
-#: The pages of powered descent, of the choice of a spot, of the thrusters, and of the scripted camera.
-POWERED, HAZARDS, THRUSTERS, TOUR = "Powered descent", "Hazards", "Thrusters", "Tour"
 #: All pages, in their order.
 TITLES = ("Flight", "Entry", "Parachute", POWERED, HAZARDS, "Control", NAVIGATION, THRUSTERS, TOUR)
+#: Plots by page.
+PAGES: dict[str, tuple[p.Plot, ...]] = {
+    "Flight": (p.ALTITUDE, p.SPEED, p.LOAD, p.PROPELLANT),
+    "Entry": (p.BANK, p.ALPHA, p.DRAG, p.BETA, p.RANGE, p.CROSSRANGE, p.MACH, p.HEAT, p.PRESSURE),
+    "Parachute": (p.ALTITUDE, p.MACH, p.TENSION, p.PRESSURE, p.TOTAL_ALPHA, p.RATES),
+    POWERED: (p.HEIGHT, p.VELOCITY, p.THRUST, p.TILT, p.OFFSET, p.PROPELLANT, p.TO_GO, p.MASS),
+    "Control": (p.ERROR, p.RATES, *p.TORQUES, p.FORCE, *p.DEMAND),
+    NAVIGATION: (
+        *(p.POSITION_ERROR, p.VELOCITY_ERROR, p.ATTITUDE_ERROR, p.INNOVATION, p.HEIGHT_ERROR),
+        *p.VELOCITY_ERROR.apart("backshell"),
+    ),
+    THRUSTERS: (p.DIAGNOSIS, p.PROPELLANT),
+}
+#: Pages of a vehicle with thrusters.
+OF_JETS = ("Control", THRUSTERS)
 #: Pages that show fast things: their plots end so long (s) before and after the present.
 AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
 #: Titles of the lanes of instruments by kind.
@@ -53,14 +64,8 @@ class Layout:
                 self._tour(), clock, top, auto_views=False, auto_layout=False, collapse_panels=True
             )
         possible = (
-            self._flight(),
-            self._entry(),
-            self._parachute(),
-            self._powered(),
-            self._hazards(),
-            self._control(),
-            self._navigation(),
-            self._thrusters(),
+            *(self._flight(), self._entry(), self._parachute(), self._powered()),
+            *(self._hazards(), self._control(), self._navigation(), self._thrusters()),
         )
         pages = [self._with_lanes(page) for page in possible if page is not None]
         pages.append(self._tour())
@@ -188,9 +193,9 @@ class Layout:
             for g in self.flown.groups
         ]
         plots += [
-            self._plot(plot.entity, plot.title, THRUSTERS)
+            self._plot(plot.key, _title(plot), THRUSTERS)
             for plot in PAGES[THRUSTERS]
-            if plot.entity in self.flown.plots
+            if plot.key in self.flown.plots
         ]
         right = rrb.Vertical(self.views.body(), rrb.Grid(*plots, grid_columns=2), row_shares=[4, 5])
         return rrb.Horizontal(lanes, right, column_shares=[3, 5], name=THRUSTERS)
@@ -234,14 +239,15 @@ class Layout:
         return None if ends is None else self.rrb.ScalarAxis(range=ends)
 
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
-        plots: Sequence[Plot] = [plot for plot in PAGES[page] if plot.entity in self.flown.plots]
         views = [
-            self._plot(plot.entity, plot.title, self._time_of(page, plot), len(plot.columns) > 1)
-            for plot in plots
+            self._plot(plot.key, _title(plot), self._time_of(page, plot), len(plot.channels) > 1)
+            for plot in PAGES[page]
+            if plot.key in self.flown.plots
         ]
+        columns = 3 if len(views) > 8 else columns
         return self.rrb.Grid(*views, grid_columns=columns, name=f"{page} plots")
 
-    def _time_of(self, page: str, plot: Plot) -> str:
+    def _time_of(self, page: str, plot: p.Plot) -> str:
         """The page whose time a plot shows: that of powered descent where it means nothing before, though its
         own page has no time of its own.
         """
@@ -254,6 +260,10 @@ class Layout:
             name="Phases",
             time_view=self._axis(page if page in self.spans else "Flight"),
         )
+
+
+def _title(plot: p.Plot) -> str:
+    return plot.label[0].upper() + plot.label[1:]
 
 
 def lanes_of(page: str, spans: Iterable[str]) -> str:

@@ -8,31 +8,23 @@ reversal and the last tenth of a degree fit into one picture.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
-from edl6dof.replay.views.panels import SERIES
+from edl6dof.report.figure import BLUE, GREEN, ORANGE, VERMILION, rgb
+from edl6dof.report.zones import zones_of
 
 AXES = ("roll", "pitch", "yaw")
 #: Telemetry columns that the planes show.
-COLUMNS = (
-    *(f"control.error_{axis}_deg" for axis in AXES),
-    *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
-)
+COLUMNS = (*(f"control.error_{axis}_deg" for axis in AXES), *(f"truth.rate_{axis}_deg_s" for axis in "pqr"))
 TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
 #: Ends of the picture, deg and deg/s.
 REACH_DEG, REACH_DEG_S = 180.0, 40.0
-GRID, ZERO, DEADBAND, TARGET, FAR, LIMIT = (
-    (40, 40, 46),
-    (86, 86, 94),
-    (120, 220, 140),
-    (240, 228, 90),
-    (160, 140, 240),
-    (235, 80, 80),
-)
+GRID, ZERO = (40, 40, 46), (86, 86, 94)
 Line = tuple[np.ndarray, tuple[int, int, int]]
 
 
@@ -84,7 +76,7 @@ class PhasePlanes(Recorder):
         for k, axis in enumerate(AXES):
             self._zones(k, f"phase_plane/{axis}/zones")
             place = on_picture(error[rows, k], rate[rows, k])
-            self.static(f"phase_plane/{axis}/way", rr.LineStrips2D.from_fields(colors=SERIES[0], radii=-1.2))
+            self.static(f"phase_plane/{axis}/way", rr.LineStrips2D.from_fields(colors=rgb(BLUE), radii=-1.2))
             segments = np.stack([place[:-1], place[1:]], axis=1)
             self.columns(
                 f"phase_plane/{axis}/way", self.t[rows[1:]], rr.LineStrips2D.columns(strips=segments)
@@ -99,7 +91,8 @@ class PhasePlanes(Recorder):
         phases = self.flight.scenario.mission.phases
         for row in np.append(0, np.flatnonzero(np.diff(self.phase)) + 1):
             name = phases[self.phase[row]].control if phases else "off"
-            lines = boundaries(getattr(self.flight.scenario.flight_software.control, name, None), axis)
+            gains = getattr(self.flight.scenario.flight_software.control, name, None)
+            lines = boundaries({} if gains is None else gains.model_dump(), axis)
             if lines:
                 strips, colours = zip(*lines, strict=True)
                 self.at(self.t[row], entity, self.rr.LineStrips2D(strips, colors=colours, radii=-1.0))
@@ -107,53 +100,17 @@ class PhasePlanes(Recorder):
                 self.gone(self.t[row], entity)
 
 
-def boundaries(control: Any, axis: int) -> list[Line]:
-    """Lines of a controller's parameters on the picture for axis 0 roll, 1 pitch, 2 yaw; none where the
-    controller has none.
-    """
-    if hasattr(control, "deadband_deg"):
-        return _switching(control)
-    zone = getattr(control, "roll" if axis == 0 else "pitch_yaw", None) or (
-        getattr(control, "bank", None) if axis == 0 else None
-    )
-    if zone is not None:
-        return _zone(zone)
-    if hasattr(control, "rate_deadband_deg_s"):
-        band, span = control.rate_deadband_deg_s, np.linspace(-REACH_DEG, REACH_DEG, 2)
-        return [(on_picture(span, np.full(2, sign * band)), DEADBAND) for sign in (-1.0, 1.0)]
-    return []
-
-
-def _switching(control: Any) -> list[Line]:
-    """Deadband parabolas (error = rate |rate| / 2a + lead rate +- deadband) and rate limits of phase-plane
-    control.
-    """
-    rate = np.sinh(np.linspace(-1.0, 1.0, 61) * np.arcsinh(REACH_DEG_S))
-    bend = rate * np.abs(rate) / (2.0 * control.acceleration_deg_s2) + control.lead_s * rate
-    lines = []
-    for sign in (-1.0, 1.0):
-        error = bend + sign * control.deadband_deg
-        inside = np.abs(error) < REACH_DEG
-        lines.append((on_picture(error[inside], rate[inside]), DEADBAND))
-    return lines + _level(control.rate_limit_deg_s, LIMIT)
-
-
-def _zone(zone: Any) -> list[Line]:
-    """Near and far bounds, the rate aimed at between them, and the rate beyond which only the rate is brought
-    down.
-    """
-    size = np.sinh(np.linspace(0.0, 1.0, 61) * np.arcsinh(REACH_DEG))
-    inner = zone.proportional / max(zone.derivative, 1e-9) * zone.near_deg
-    wanted = np.sqrt(inner**2 + 2.0 * zone.deceleration_deg_s2 * np.maximum(size - zone.near_deg, 0.0))
-    wanted = np.minimum(np.where(size > zone.far_deg, zone.rate_deg_s, wanted), zone.rate_deg_s)
-    outside = size > zone.near_deg
-    lines = [(on_picture(sign * size[outside], sign * wanted[outside]), TARGET) for sign in (-1.0, 1.0)]
-    reach = np.array([-REACH_DEG_S, REACH_DEG_S])
-    for bound, colour in ((zone.near_deg, DEADBAND), (zone.far_deg, FAR)):
-        lines += [(on_picture(np.full(2, sign * bound), reach), colour) for sign in (-1.0, 1.0)]
-    return lines + _level(1.15 * zone.rate_deg_s, LIMIT)
-
-
-def _level(rate: float, colour: tuple[int, int, int]) -> list[Line]:
-    span = np.array([-REACH_DEG, REACH_DEG])
-    return [(on_picture(span, np.full(2, sign * rate)), colour) for sign in (-1.0, 1.0)]
+def boundaries(gains: Mapping[str, Any], axis: int) -> list[Line]:
+    """Lines of a controller's zones on the picture for axis 0 roll, 1 pitch, 2 yaw."""
+    zones = zones_of(gains, axis)
+    inside = (np.abs(zones.error) <= REACH_DEG) & (np.abs(zones.rate) <= REACH_DEG_S)
+    across, up, both = (np.array([-reach, reach]) for reach in (REACH_DEG, REACH_DEG_S, 1.0))
+    lines = [
+        (on_picture(sign * zones.error[inside], sign * zones.rate[inside]), rgb(GREEN))
+        for sign in both
+        if zones.name
+    ]
+    lines += [(on_picture(sign * np.full(2, at), up), rgb(ORANGE)) for at in zones.errors for sign in both]
+    return lines + [
+        (on_picture(across, sign * np.full(2, at)), rgb(VERMILION)) for at in zones.rates for sign in both
+    ]

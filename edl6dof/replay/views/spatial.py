@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-
-from edl6dof.replay.views.panels import RGB
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
@@ -16,7 +14,7 @@ if TYPE_CHECKING:
 TIMELINE = "time"
 #: How long (s) a trail is.
 TRAIL_S = 60.0
-SPACE: RGB = (10, 9, 12)
+SPACE = (10, 9, 12)
 #: The viewer's field of view from top to bottom, deg.
 FIELD_DEG = 55.0
 #: Half the angle (deg) that the sphere which a camera follows fills: less than half the field, so that the
@@ -101,6 +99,21 @@ class Views:
         """Entities below which each flight's own things lie."""
         return [root_of(k) for k in range(len(self.flown.labels))]
 
+    def _scene(
+        self, name: str, origin: str, contents: Sequence[str], place: Any, target: Any, **more: Any
+    ) -> rrb.Spatial3DView:
+        """A view of some entities from one place to another."""
+        rrb = self.rrb
+        return rrb.Spatial3DView(
+            origin=origin,
+            contents=contents,
+            name=name,
+            background=rrb.Background(color=SPACE),
+            line_grid=False,
+            eye_controls=rrb.EyeControls3D(position=place, look_target=target, eye_up=(0.0, 0.0, 1.0)),
+            **more,
+        )
+
     def _view(
         self,
         name: str,
@@ -111,20 +124,13 @@ class Views:
         labels: Sequence[str] = (),
         not_of_others: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
-        rrb = self.rrb
+        """The site without what is hidden, of every flight or of all others."""
         excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden]
         others = [root for root in self.roots() if f"{root}/{origin.rpartition('/')[2]}" != origin]
         excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
         excluded += [f"/site/labels/{name}" for name in labels]
-        return rrb.Spatial3DView(
-            origin=origin,
-            contents=["/site/**", *excluded],
-            name=name,
-            background=rrb.Background(color=SPACE),
-            line_grid=False,
-            overrides={f"{root}/trail": window(rrb, TRAIL_S) for root in self.roots()},
-            eye_controls=rrb.EyeControls3D(position=place, look_target=target, eye_up=(0.0, 0.0, 1.0)),
-        )
+        trails = {f"{root}/trail": window(self.rrb, TRAIL_S) for root in self.roots()}
+        return self._scene(name, origin, ["/site/**", *excluded], place, target, overrides=trails)
 
     def chase(self) -> rrb.Spatial3DView | rrb.Grid:
         """The vehicle with all that it hangs from, wherever it goes; side by side where there are several."""
@@ -157,44 +163,27 @@ class Views:
 
     def body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
-        rrb = self.rrb
-        parts = ("vehicle", "near")
-        background = rrb.Background(color=SPACE)
-        eye = rrb.EyeControls3D(
-            position=body_eye(self.flown.start, self.flown.end, self.flown.size),
-            look_target=(0.0, 0.0, 0.0),
-            eye_up=(0.0, 0.0, 1.0),
-        )
-        return rrb.Spatial3DView(
-            origin="/site/near",
-            contents=[f"/site/{part}/**" for part in parts],
-            name=f"Body and forces: {self.flown.scales}" if self.flown.scales else "Body and frames",
-            background=background,
-            line_grid=False,
-            eye_controls=eye,
-        )
+        name = f"Body and forces: {self.flown.scales}" if self.flown.scales else "Body and frames"
+        place = body_eye(self.flown.start, self.flown.end, self.flown.size)
+        return self._scene(name, "/site/near", ["/site/vehicle/**", "/site/near/**"], place, np.zeros(3))
 
     def whole(self) -> rrb.Spatial3DView:
         """The whole flight from the side, a little from above."""
-        start, end = self.flown.start, self.flown.end
-        along, length, side = _beside(start, end)
-        middle = start + 0.5 * along
-        place, target = (
-            middle - 0.62 * length * side + [0.0, 0.0, 0.20 * length],
-            middle - [0.0, 0.0, 0.02 * length],
-        )
-        return self._view("Whole flight", "/site", _NOT_AFAR, place, target, ["target"])
+        return self._aside("Whole flight", self.flown.start, 0.62, 0.20, 0.02)
 
     def afar(self, name: str) -> rrb.Spatial3DView | None:
         """From parachute to ground, from the side."""
-        if self.flown.deploy is None:
-            return None
-        along, size, side = _beside(self.flown.deploy, self.flown.end)
-        middle = self.flown.deploy + 0.5 * along
-        place, target = (
-            middle - 1.25 * size * side + [0.0, 0.0, 0.12 * size],
-            middle - [0.0, 0.0, 0.03 * size],
-        )
+        return None if self.flown.deploy is None else self._aside(name, self.flown.deploy, 1.25, 0.12, 0.03)
+
+    def _aside(
+        self, name: str, start: np.ndarray, off: float, above: float, below: float
+    ) -> rrb.Spatial3DView:
+        """The way from ``start`` to the end from its side: how far from its middle and above it the eye
+        stands, and how far below it looks, in lengths of the way.
+        """
+        along, length, side = _beside(start, self.flown.end)
+        middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
+        place, target = middle - off * length * side + above * up, middle - below * up
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
 
     def landing(self) -> rrb.Spatial3DView:
@@ -204,42 +193,18 @@ class Views:
 
     def site(self) -> rrb.Spatial3DView:
         """The vehicle where it stands in the end."""
-        place = self.flown.end + [16.0, -26.0, 9.0]
-        return self._view(
-            "Site",
-            "/site",
-            _NOT_SITE,
-            place,
-            self.flown.end,
-        )
+        end = self.flown.end
+        return self._view("Site", "/site", _NOT_SITE, end + [16.0, -26.0, 9.0], end)
 
     def above(self, scanned: np.ndarray) -> rrb.Spatial3DView:
         """The ground below the hover, north up."""
         place, target = scanned - [0.0, 20.0, 20.0], scanned - [0.0, 0.0, 100.0]
-        hidden = (
-            "near",
-            "vehicle/attitude_frame",
-            "path",
-            "markers",
-            "labels",
-            "drop_line",
-            *_OWN,
-        )
-        return self._view("Hazards from above", "/site", (*hidden, "trail", "sky"), place, target)
+        hidden = (*_NOT_SITE, "drop_line", "trail", "sky")
+        return self._view("Hazards from above", "/site", hidden, place, target)
 
     def globe(self) -> rrb.Spatial3DView:
         """The planet."""
-        rrb = self.rrb
-        eye = rrb.EyeControls3D(
-            position=self.flown.globe_eye, look_target=self.flown.globe_target, eye_up=(0.0, 0.0, 1.0)
-        )
-        return rrb.Spatial3DView(
-            origin="/globe",
-            name="Globe",
-            background=rrb.Background(color=SPACE),
-            line_grid=False,
-            eye_controls=eye,
-        )
+        return self._scene("Globe", "/globe", ["$origin/**"], self.flown.globe_eye, self.flown.globe_target)
 
 
 def root_of(number: int) -> str:

@@ -46,6 +46,8 @@ _SCALE = SEQUENTIAL[1:]
 #: Moments named along an axis that holds more than stand beside each other, and lines of a table.
 _NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
+#: What tells a fault in a list.
+_WHERE = ("component", "kind", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
@@ -96,14 +98,8 @@ def became(row: Row) -> int:
 
 
 def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
-    rows = [
-        (
-            one["meaning"],
-            Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad"),
-            one["limit"],
-        )
-        for one in acceptance
-    ]
+    flown = (Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad") for one in acceptance)
+    rows = [(one["meaning"], cell, one["limit"]) for one, cell in zip(acceptance, flown, strict=True)]
     return Table(("", "flown>", "required>"), rows, "What is required")
 
 
@@ -113,18 +109,12 @@ def _groups(groups: Sequence[dict[str, Any]]) -> Table:
     rows = []
     for group in groups:
         known, times = group["can_be_known"], group["from_use_s"] or {}
+        flights = str(group["flights"]), _share(group["within_limits"], group["flights"])
+        named = (_share(group[part], known) for part in ("name_right", "kind_right"))
+        longest = (f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst"))
+        wrong = str(group["with_wrong_isolations"])
         rows.append(
-            (
-                group["kind"].replace("_", " "),
-                group["regime"],
-                str(group["flights"]),
-                _share(group["within_limits"], group["flights"]),
-                str(known),
-                _share(group["name_right"], known),
-                _share(group["kind_right"], known),
-                str(group["with_wrong_isolations"]),
-                *(f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst")),
-            )
+            (group["kind"].replace("_", " "), group["regime"], *flights, str(known), *named, wrong, *longest)
         )
     return Table(columns, rows, "Each kind of fault")
 
@@ -228,23 +218,17 @@ def _words(rows: Sequence[Row]) -> str:
 
 
 def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
-    columns = ("case>", "component", "kind", "moment", "regime", column.replace("_", " "))
+    columns = ("case>", *_WHERE, column.replace("_", " "))
     words = title if len(rows) <= _LINES else f"{title}: the first {_LINES} of {len(rows)}"
-    return Table(
-        columns,
-        [
-            (
-                str(row["case"]),
-                row["component"],
-                row["kind"],
-                row["moment"],
-                row.get("regime") or "",
-                _text(row[column]),
-            )
-            for row in rows[:_LINES]
-        ],
-        words,
-    )
+    told = [
+        (
+            *(str(row["case"]), row["component"], row["kind"], row["moment"]),
+            row.get("regime") or "",
+            _text(row[column]),
+        )
+        for row in rows[:_LINES]
+    ]
+    return Table(columns, told, words)
 
 
 def _text(value: Any) -> str:

@@ -105,7 +105,7 @@ def deployment(results: Results) -> Figure:
     """Mach number, dynamic pressure, height and angle of attack at mortar fire, with the limits."""
     limit = {figure: limit for figure, _, limit, _ in results.limits}
     mach, pressure = results["parachute_mach"], results["parachute_dynamic_pressure_pa"]
-    across = _axis("Mach number", mach, limit.get("parachute_mach"))
+    across = _axis("Mach number (1)", mach, limit.get("parachute_mach"))
     up = _axis("dynamic pressure (Pa)", pressure, limit.get("parachute_dynamic_pressure_pa"))
     marks = [
         *_limit("x", limit.get("parachute_mach")),

@@ -1,4 +1,4 @@
-"""Actuators: every thruster's activity, torque asked for and not delivered, disturbance, and propellant."""
+"""Every thruster's activity, torque asked for and not delivered, propellant; and what acted besides."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 
 from edl6dof.config.units import G0
 from edl6dof.report.document import Table
-from edl6dof.report.figure import BAD, BLUE, GREEN, GREY, VERMILION, Axis, Band, Figure, Heat, Panel
-from edl6dof.report.flight.flows import branch_use
-from edl6dof.report.flight.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
+from edl6dof.report.figure import BAD, BLUE, ORANGE, Axis, Band, Figure, Heat, Panel, Trace
+from edl6dof.report.flight.diagnosis import branch_use
+from edl6dof.report.flight.parts import TIME, event_marks, figure_of, has_signal, over_flight, stacked
+from edl6dof.report.panels import DISTURBANCE, PROPELLANT_AND_MASS, TORQUE
 from edl6dof.runs.run import Run
 
 #: Columns of the activity map.
@@ -27,9 +28,8 @@ def figures(run: Run) -> Iterator[Figure | Table]:
         yield use(run)
         if (branches := branch_use(run)) is not None:
             yield branches
-        yield torque(run)
-    if has_signal(run, "truth.propellant_kg"):
-        yield propellant(run)
+        yield from over_flight(run, [TORQUE])
+    yield from over_flight(run, [PROPELLANT_AND_MASS])
 
 
 def activity(run: Run, thrusters: list[str]) -> Figure:
@@ -77,59 +77,41 @@ def use(run: Run) -> Table:
         impulse = seconds * float(jet["thrust_n"])
         pulses = int(np.sum(on[1:] & ~on[:-1]))
         used = impulse / (float(jet["specific_impulse_s"]) * G0)
-        rows.append(
-            [
-                jet["name"],
-                jet["group"],
-                f"{jet['thrust_n']:g}",
-                f"{pulses:,}",
-                f"{seconds:.2f}",
-                f"{impulse:,.0f}",
-                f"{used:.2f}",
-            ]
-        )
-    columns = [
-        "thruster",
-        "group",
-        "thrust (N)>",
-        "pulses>",
-        "time at full thrust (s)>",
-        "vacuum impulse (N s)>",
-        "propellant (kg)>",
-    ]
+        numbers = (f"{pulses:,}", f"{seconds:.2f}", f"{impulse:,.0f}", f"{used:.2f}")
+        rows.append([jet["name"], jet["group"], f"{jet['thrust_n']:g}", *numbers])
+    columns = ["thruster", "group", "thrust (N)>", "pulses>", "time at full thrust (s)>"]
+    columns += ["vacuum impulse (N s)>", "propellant (kg)>"]
     caption = f"Thruster use, from the telemetry of one integration step each {step * 1e3:g} ms"
     return Table(columns, rows, caption)
 
 
-def torque(run: Run) -> Figure:
-    """Torque demanded by the controller and the part that the allocation could not deliver."""
+def disturbances(run: Run) -> Iterator[Figure]:
+    """What acted on the vehicle besides its thrusters, and the estimates where the run has them."""
+    if not any(has_signal(run, f"truth.disturbance_{axis}_nm") for axis in "xyz"):
+        return
+    acting = "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
+    yield figure_of(run, DISTURBANCE, acting=acting)
+    if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
+        yield force(run, acting)
+
+
+def force(run: Run, acting: str) -> Figure:
+    """Estimated force beside the aerodynamic force and engine thrust, where no riser pulls in a direction
+    that telemetry lacks.
+    """
     rows = run.between(until="touchdown")
+    free, t = np.where(run["truth.riser_tension_n"] > 0.0, np.nan, 1.0), run.t[rows]
     panels = []
-    for axis, name in zip("xyz", ("roll", "pitch", "yaw"), strict=True):
-        curves = [
-            Curve(f"control.torque_{axis}_nm", "demanded", colour=BLUE),
-            Curve(f"control.unallocated_{axis}_nm", "unallocated", colour=VERMILION),
+    for axis in "xyz":
+        thrust = run["truth.engine_thrust_n"] if axis == "x" else 0.0
+        acted = free * (run[f"truth.aero_force_{axis}_n"] - thrust)
+        traces = [
+            Trace(t, run[f"estimate.force_{axis}_n"][rows], "estimated", colour=ORANGE),
+            Trace(t, acted[rows], "true", colour=BLUE),
         ]
-        panels.append(over_time(run, f"{name} (N m)", curves, rows))
-    return stacked("torque", "Control torque", panels, "In body axes.", 160)
-
-
-def propellant(run: Run) -> Figure:
-    """Propellant left and mass, true and believed."""
-    rows = np.ones(len(run.t), bool)
-    mass = [
-        Curve("nav.mass_kg", "believed", colour=GREY, dash="dash"),
-        Curve("truth.mass_kg", "true", colour=BLUE),
-    ]
-    panels = [
-        over_time(run, "propellant left (kg)", [Curve("truth.propellant_kg", colour=GREEN)], rows),
-        over_time(run, "mass (kg)", mass, rows),
-    ]
-    used = run["truth.propellant_kg"][0] - run["truth.propellant_kg"][-1]
-    return stacked(
-        "propellant",
-        "Propellant and mass",
-        panels,
-        f"{used:.1f} kg of {run['truth.propellant_kg'][0]:.1f} kg used.",
-        180,
-    )
+        panels.append(Panel(Axis(TIME), Axis(f"{axis} (N)"), traces, marks=event_marks(run, t)))
+    vehicle = run.scenario["vehicle"]
+    engine = " and, along x, the engine" if vehicle["engines"] else ""
+    pulled = " True values are left out while the parachute pulls." if vehicle["parachutes"] else ""
+    caption = f"Force of {acting}, in body axes: air{engine}.{pulled}"
+    return stacked("disturbance_force", "Disturbance force", panels, caption, 160)

@@ -5,19 +5,16 @@ from __future__ import annotations
 from edl6dof.report.document import Report, Section
 from edl6dof.report.flight import (
     actuators,
-    attitude,
-    descent,
     diagnosis,
-    disturbance,
-    guidance,
     hazards,
-    instruments,
     navigation,
     phase_planes,
     site,
     trajectory,
     words,
 )
+from edl6dof.report.flight.parts import over_flight
+from edl6dof.report.panels import STACKS
 from edl6dof.runs.run import Run
 
 
@@ -27,15 +24,19 @@ def flight_report(run: Run) -> Report:
         Section("limits", "Limits and published flight", list(words.limits_and_published(run))),
         Section("events", "Timeline", list(words.timeline(run))),
         Section("trajectory", "Trajectory", list(trajectory.figures(run))),
-        Section("guidance", "Entry guidance", list(guidance.figures(run))),
-        Section("navigation", "Navigation", [*navigation.figures(run), *instruments.figures(run)]),
-        Section("attitude", "Attitude", list(attitude.figures(run))),
+        Section("guidance", "Entry guidance", list(over_flight(run, STACKS["guidance"]))),
+        Section("navigation", "Navigation", list(navigation.figures(run))),
+        Section("attitude", "Attitude", list(over_flight(run, STACKS["attitude"]))),
         Section("phase_planes", "Phase planes", list(phase_planes.figures(run))),
         Section("actuators", "Thrusters and propellant", list(actuators.figures(run))),
-        Section("disturbances", "Disturbances", list(disturbance.figures(run))),
+        Section("disturbances", "Disturbances", list(actuators.disturbances(run))),
         Section("diagnosis", "Fault diagnosis", list(diagnosis.figures(run))),
-        Section("chute", "Parachute", list(descent.parachute(run))),
-        Section("landing", "Powered descent", list(descent.powered(run))),
+        Section("chute", "Parachute", list(over_flight(run, STACKS["chute"]))),
+        Section(
+            "landing",
+            "Powered descent",
+            [*trajectory.descent_plane(run), *over_flight(run, STACKS["landing"])],
+        ),
         Section("hazards", "Hazards and the chosen spot", list(hazards.figures(run))),
         Section("site", "Ground track and landing site", list(site.figures(run))),
         Section("configuration", "Configuration", list(words.configuration(run))),

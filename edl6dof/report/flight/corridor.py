@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.report.figure import ORANGE, PURPLE, VERMILION, Dash
+from edl6dof.report.figure import ORANGE, PURPLE, VERMILION, Dash, Trace
 from edl6dof.report.flight.parts import has_signal
 from edl6dof.runs.run import Run
 
@@ -100,34 +100,25 @@ class Border(NamedTuple):
     colour: str
     dash: Dash
 
+    def trace(self, x: np.ndarray, y: np.ndarray) -> Trace:
+        """The border in a plane, km/s and what is drawn over it."""
+        return Trace(x / 1e3, y, self.name, colour=self.colour, dash=self.dash, border=True)
+
 
 def borders(run: Run, entry: Entry) -> list[Border]:
     """Borders for the limits that the scenario sets."""
     limit = run.scenario["limits"]
     found = []
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
-        density = (most / (entry.heat_constant * entry.speed**3)) ** 2
-        found.append(
-            Border(
-                f"heat flux {most:g} W/cm²",
-                0.5 * density * entry.speed**2 * entry.drag_per_pressure,
-                VERMILION,
-                "dash",
-            )
-        )
+        pressure = 0.5 * (most / (entry.heat_constant * entry.speed**3)) ** 2 * entry.speed**2
+        drag = pressure * entry.drag_per_pressure
+        found.append(Border(f"heat flux {most:g} W/cm²", drag, VERMILION, "dash"))
     if (most := limit.get("entry_dynamic_pressure_pa")) is not None:
-        found.append(
-            Border(f"dynamic pressure {most / 1e3:g} kPa", most * entry.drag_per_pressure, ORANGE, "dashdot")
-        )
+        drag = most * entry.drag_per_pressure
+        found.append(Border(f"dynamic pressure {most / 1e3:g} kPa", drag, ORANGE, "dashdot"))
     if (most := limit.get("entry_load_g0")) is not None:
-        found.append(
-            Border(
-                f"load {most:g} g",
-                most * G0 * entry.drag_per_pressure / entry.load_per_pressure,
-                PURPLE,
-                "dot",
-            )
-        )
+        drag = most * G0 * entry.drag_per_pressure / entry.load_per_pressure
+        found.append(Border(f"load {most:g} g", drag, PURPLE, "dot"))
     return found
 
 

@@ -15,11 +15,7 @@ from edl6dof.report.figure import (
     GREY,
     ORANGE,
     PURPLE,
-    ROUGH,
-    SAFE,
     SEQUENTIAL,
-    STEEP,
-    UNSEEN,
     VERMILION,
     Axis,
     Figure,
@@ -27,18 +23,13 @@ from edl6dof.report.figure import (
     Panel,
     Trace,
 )
+from edl6dof.report.flight.parts import flown, legend_entry
+from edl6dof.report.panels import CELLS
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
-#: What stands in a legend for each class of cell, and its colour.
-SHOWN: dict[str, tuple[str, str]] = {
-    "safe": ("safe to stand on", SAFE),
-    "edge": ("not all of it seen", UNSEEN),
-    "slope": ("too steep", STEEP),
-    "rock": ("too rough", ROUGH),
-}
 #: Cells that a page needs side by side; more would weigh it down and nobody sees them.
-CELLS = 128
+MOST_CELLS = 128
 
 
 def figures(run: Run) -> Iterator[Figure]:
@@ -54,34 +45,20 @@ def figures(run: Run) -> Iterator[Figure]:
 def _fine(run: Run, found: LandingMap) -> Figure:
     """The map of the scan, by class of cell and as heights."""
     east, north = middles(found)
-    every = -(-len(east) // CELLS)
+    every = -(-len(east) // MOST_CELLS)
     e, n = east[::every], north[::every]
-    names = [CELL_CLASSES.index(name) for name in SHOWN]
+    names = [CELL_CLASSES.index(name) for name in CELLS]
     cell_class = np.argsort(names)[found.cell_class[::every, ::every]].astype(float)
-    kinds = Heat(e, n, cell_class, "", 0, len(SHOWN) - 1, [colour for _, colour in SHOWN.values()])
+    kinds = Heat(e, n, cell_class, "", 0, len(CELLS) - 1, [colour for _, colour in CELLS.values()])
     height = found.elevation_m[::every, ::every]
     low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
-    entries = [
-        Trace(np.array([np.nan]), np.array([np.nan]), text, "points", colour, symbol="square", width=4.0)
-        for text, colour in SHOWN.values()
-    ]
-    classes = Panel(
-        _axis("east", (e[0], e[-1])),
-        _axis("north", (n[0], n[-1])),
-        [*entries, *_passed_over(found), *_way(run, found)],
-        heat=kinds,
-        equal=True,
-        title="what it made of them",
-    )
-    seen = Panel(
-        _axis("east", (e[0], e[-1])),
-        _axis("north", (n[0], n[-1])),
-        [*_way(run, found)],
-        heat=heights,
-        equal=True,
-        title="what it saw: height above the ground below",
-    )
+    entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
+    axes, way = (_axis("east", (e[0], e[-1])), _axis("north", (n[0], n[-1]))), list(_way(run, found))
+    marked = [*entries, *_passed_over(found), *way]
+    classes = Panel(*axes, marked, heat=kinds, equal=True, title="what it made of them")
+    title = "what it saw: height above the ground below"
+    seen = Panel(*axes, way, heat=heights, equal=True, title=title)
     return Figure(
         "hazard_map", "Map of hazards from hover", [classes, seen], _words(run, found), 2, height=480
     )
@@ -128,34 +105,20 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 def _coarse(run: Run, found: LandingMap) -> Figure:
     """The targets that the parts of the landing image offered, and what else comes down there."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
-    offered = Trace(
-        found.coarse_m[:, 0],
-        found.coarse_m[:, 1],
-        "parts of the image",
-        "points",
-        GREY,
-        labels=labels,
-        width=4.0,
-    )
+    offered = Trace(*_xy(found.coarse_m), "parts of the image", "points", GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[int(found.coarse_part)]
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
-    drift = Trace(
-        found.drift_m[:, 0], found.drift_m[:, 1], "backshell, as predicted", colour=PURPLE, dash="dot"
-    )
+    drift = Trace(*_xy(found.drift_m), "backshell, as predicted", colour=PURPLE, dash="dot")
     # all as navigated: off the ground by the error of navigation
     off_e, off_n = run["nav.error_east_m"], run["nav.error_north_m"]
     east, north = run["truth.backshell_east_m"] + off_e, run["truth.backshell_north_m"] + off_n
     there = np.isfinite(east)
     shell = Trace(east[there], north[there], "backshell", colour=PURPLE, dash="dash")
     last = run.between("backshell")
-    flown = Trace(
-        (run["truth.site_east_m"] + off_e)[last],
-        (run["truth.site_north_m"] + off_n)[last],
-        "lander",
-        colour=BLUE,
-        width=2.2,
+    lander = flown(
+        (run["truth.site_east_m"] + off_e)[last], (run["truth.site_north_m"] + off_n)[last], "lander"
     )
-    panel = Panel(_axis("east"), _axis("north"), [offered, taken, drift, shell, flown], equal=True)
+    panel = Panel(_axis("east"), _axis("north"), [offered, taken, drift, shell, lander], equal=True)
     caption = (
         "From the landing image the part with the fewest obstacles is taken whose middle keeps clear of the "
         "predicted way of backshell and canopy."
@@ -171,28 +134,25 @@ def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
     last = run.between("spot", "touchdown")
     east = run["truth.site_east_m"] + run["nav.error_east_m"]
     north = run["truth.site_north_m"] + run["nav.error_north_m"]
-    yield Trace(east[last], north[last], "way, as navigated", colour=BLUE, width=2.2)
+    yield flown(east[last], north[last], "way, as navigated")
     hover = np.asarray(found.hover_m)
     yield Trace(hover[:1], hover[1:2], "hover", "points", BLACK, symbol="cross", width=3.0)
-    yield Trace(
-        spot_e + radius * np.cos(turn), spot_n + radius * np.sin(turn), "chosen footprint",
-        colour=BLACK, width=2.2,
-    )  # fmt: skip
+    ring = spot_e + radius * np.cos(turn), spot_n + radius * np.sin(turn)
+    yield Trace(*ring, "chosen footprint", colour=BLACK, width=2.2)
     if "touchdown" in run.when:
-        row = int(np.searchsorted(run.t, run.when["touchdown"]).clip(0, len(run.t) - 1))
-        yield Trace(
-            east[row : row + 1], north[row : row + 1], "touchdown", "points", BLUE, symbol="diamond",
-            width=4.0,
-        )  # fmt: skip
+        row = [int(np.searchsorted(run.t, run.when["touchdown"]).clip(0, len(run.t) - 1))]
+        yield Trace(east[row], north[row], "touchdown", "points", BLUE, symbol="diamond", width=4.0)
 
 
 def _passed_over(found: LandingMap) -> Iterator[Trace]:
     """The spots that the search passed over."""
     if len(found.rejected_m):
-        yield Trace(
-            found.rejected_m[:, 0], found.rejected_m[:, 1], "passed over", "points", ORANGE, symbol="x",
-            width=3.0,
-        )  # fmt: skip
+        yield Trace(*_xy(found.rejected_m), "passed over", "points", ORANGE, symbol="x", width=3.0)
+
+
+def _xy(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """East and north of places."""
+    return places[:, 0], places[:, 1]
 
 
 def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:

@@ -6,21 +6,29 @@ its own scale.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from edl6dof.report.document import Row, Table
-from edl6dof.report.figure import BAD, BLUE, GREEN, GREY, ORANGE, Figure, Mark, Panel
-from edl6dof.report.flight.parts import Curve, has_signal, over_time, stacked
+from edl6dof.report.figure import BAD, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.parts import TIME, event_marks, figure_of, has_signal, over_flight, stacked
+from edl6dof.report.panels import (
+    BOUND,
+    NAV_ATTITUDE,
+    NAV_INNOVATION,
+    NAV_LANDING,
+    NAV_POSITION,
+    NAV_TOUCHDOWN,
+    NAV_VELOCITY,
+    STATES,
+)
 from edl6dof.runs.run import Run
+from edl6dof.telemetry.instruments import Instrument, instruments
+from edl6dof.telemetry.thinning import spans
+from edl6dof.vehicle.faults.component import Component, Components
 
-#: Claimed standard deviations that the bounds stand at.
-BOUND = 3.0
-#: Bounds are shown up to this many times the largest error, which would not be seen otherwise.
-FAR = 30.0
-#: Time before touchdown (s) that is shown by itself.
-LAST_S = 40.0
 AXES = ("north", "east", "down")
 #: What is estimated: its name, unit, format, and the ends of its channels of error and sigma after the axis.
 ESTIMATED = (
@@ -30,27 +38,46 @@ ESTIMATED = (
 )
 #: Moments of the table, by event.
 MOMENTS = {"mortar": "mortar fire", "ignition": "ignition", "touchdown": "touchdown"}
+TITLES = {"gyro": "gyros", "accelerometer": "accelerometers", "beam": "radar beams"}
 
 
 def figures(run: Run) -> Iterator[Figure | Table]:
     """Figures of the section; none where navigation takes the word of ideal instruments."""
     if not has_signal(run, "nav.sigma_down_m"):
         return
-    flown, seen = run.between(until="touchdown"), echoes(run)
-    before = flown & ~(np.cumsum(seen) > 0)
+    seen = echoes(run)
     if any(key in run.when for key in MOMENTS):
         yield at_moments(run)
-    yield errors(run, flown, "nav_position", "Error of position", "", "_m", "m")
-    yield errors(
-        run, before, "nav_velocity", "Error of velocity before the radar's first echo", "_v", "_m_s", "m/s"
-    )
-    yield errors(run, flown, "nav_attitude", "Error of attitude", "_attitude", "_deg", "deg")
-    if np.any(flown & seen):
-        yield landing(run, flown & run.between("ignition"), "nav_landing", "Height and velocity under power")
-        yield innovations(run, flown, seen)
-    if "touchdown" in run.when:
-        last = flown & (run.t > run.when["touchdown"] - LAST_S)
-        yield landing(run, last, "nav_touchdown", f"Height and velocity in the last {LAST_S:.0f} s")
+    yield figure_of(run, NAV_POSITION)
+    yield figure_of(run, NAV_VELOCITY, ~(np.cumsum(seen) > 0))
+    yield figure_of(run, NAV_ATTITUDE)
+    if np.any(run.between(until="touchdown") & seen):
+        yield figure_of(run, NAV_LANDING)
+        yield innovations(run, seen)
+    yield from over_flight(run, [NAV_TOUCHDOWN])
+    yield from instrument_lanes(run)
+
+
+def innovations(run: Run, seen: np.ndarray) -> Figure:
+    """How far the beam that was farthest off was from what the filter expected, while there are echoes."""
+    navigation = run.scenario["flight_software"]["navigation"]
+    gate = navigation.get(str(navigation["filter"]), {}).get("gate")
+    limit = [] if gate is None else [Mark("y", float(gate), "gate", BAD)]
+    figure = figure_of(run, NAV_INNOVATION, seen)
+    return replace(figure, panels=[replace(panel, marks=[*panel.marks, *limit]) for panel in figure.panels])
+
+
+def instrument_lanes(run: Run) -> Iterator[Figure]:
+    """A lane for each gyro, accelerometer and radar beam, in the colour of what was made of it."""
+    found = instruments(run, names(run))
+    if found:
+        kinds = dict.fromkeys(one.kind for one in found)
+        panels = [lanes(run, [one for one in found if one.kind == kind]) for kind in kinds]
+        caption = (
+            "What the flight computer made of each instrument; a saturated one is at the end of its range, "
+            "a beam without an echo has no line."
+        )
+        yield stacked("nav_instruments", "Instruments", panels, caption, 150)
 
 
 def echoes(run: Run) -> np.ndarray:
@@ -82,61 +109,33 @@ def _beside(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     return f"{run.at(error, t):{form}} ± {BOUND * run.at(sigma, t):{form}}"
 
 
-def with_bounds(run: Run, rows: np.ndarray, title: str, error: str, sigma: str) -> Panel:
-    """An error and the bounds of ``BOUND`` claimed standard deviations, on a scale symmetrical about zero."""
-    curves = [
-        Curve(sigma, f"{BOUND:.0f} σ claimed", BOUND, GREY, "dash"),
-        Curve(sigma, f"{BOUND:.0f} σ claimed", -BOUND, GREY, "dash"),
-        Curve(error, "error", colour=BLUE),
-    ]
-    largest, bound = float(np.max(np.abs(run[error][rows]))), BOUND * float(np.max(run[sigma][rows]))
-    reach = 1.08 * max(largest, min(bound, FAR * largest))
-    return over_time(run, title, curves, rows, (-reach, reach) if reach > 0.0 else None)
+def names(run: Run) -> Components:
+    """Names of the instruments that are carried, by kind."""
+    sensors = run.scenario["sensors"]
+    found: dict[Component, list[str]] = {}
+    if "inertial_unit" in sensors["carried"]:
+        unit = sensors["inertial_unit"]
+        found["gyro"] = [str(one["name"]) for one in unit["gyros"]["axes"]]
+        found["accelerometer"] = [str(one["name"]) for one in unit["accelerometers"]["axes"]]
+    if "radar" in sensors["carried"]:
+        found["beam"] = [str(one["name"]) for one in sensors["radar"]["beams"]]
+    return found
 
 
-def errors(run: Run, rows: np.ndarray, key: str, title: str, stem: str, suffix: str, unit: str) -> Figure:
-    """Errors along north, east and down."""
-    panels = [
-        with_bounds(
-            run,
-            rows,
-            f"{axis} ({unit})",
-            f"nav.error{stem}_{axis}{suffix}",
-            f"nav.sigma{stem}_{axis}{suffix}",
-        )
-        for axis in AXES
-    ]
-    return stacked(key, title, panels, "Estimated less true, in the axes of the true place.", 150)
-
-
-def landing(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Errors of the height above the ground and of the velocity."""
-    velocity = [
-        with_bounds(run, rows, f"{axis} (m/s)", f"nav.error_v_{axis}_m_s", f"nav.sigma_v_{axis}_m_s")
-        for axis in reversed(AXES)
-    ]
-    height = with_bounds(
-        run, rows, "height above\nthe ground (m)", "nav.error_height_m", "nav.sigma_height_m"
-    )
-    caption = "Estimated less true: height above the ground below, and velocity relative to it."
-    return stacked(key, title, [height, *velocity], caption, 130)
-
-
-def innovations(run: Run, rows: np.ndarray, seen: np.ndarray) -> Figure:
-    """How far the beam that was farthest off was from what the filter expected, while there are echoes."""
-    parts = (
-        ("range (σ)", Curve("nav.range_innovation", colour=GREEN)),
-        ("speed (σ)", Curve("nav.speed_innovation", colour=ORANGE)),
-    )
-    gate = run.scenario["flight_software"]["navigation"].get(_filter(run), {}).get("gate")
-    limit = [] if gate is None else [Mark("y", float(gate), "gate", BAD)]
-    panels = []
-    for title, curve in parts:
-        panel = over_time(run, title, [curve], rows & seen)
-        panels.append(Panel(panel.x, panel.y, panel.traces, marks=[*panel.marks, *limit]))
-    caption = "Largest normalised innovation of a beam; a reading beyond the gate is not used."
-    return stacked("nav_innovation", "Radar: innovations", panels, caption, 130)
-
-
-def _filter(run: Run) -> str:
-    return str(run.scenario["flight_software"]["navigation"]["filter"])
+def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
+    """A lane for each of some instruments of one kind."""
+    traces = []
+    for state, colour in STATES.items():
+        ends = [
+            (run.t[first], run.t[min(last, len(run.t) - 1)], lane)
+            for lane, one in enumerate(those)
+            if state in one.states
+            for first, last in spans(one.holds(state))
+        ]
+        if ends:
+            x = np.array([[begin, end, np.nan] for begin, end, _ in ends]).ravel()
+            places = np.repeat([float(lane) for _, _, lane in ends], 3)
+            traces.append(Trace(x, np.where(np.isnan(x), np.nan, places), state, colour=colour, width=7.0))
+    y = Axis(TITLES[those[0].kind], (len(those) - 0.5, -0.5), names=[one.name for one in those])
+    marks = [replace(mark, label="") for mark in event_marks(run, run.t)]
+    return Panel(Axis(TIME), y, traces, marks=marks, weight=0.3 + 0.13 * len(those))

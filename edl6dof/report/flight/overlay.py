@@ -57,15 +57,11 @@ def labels(first: Run, second: Run) -> tuple[str, str]:
 
 def outcomes(first: Run, second: Run) -> Table:
     """How both ended."""
-    rows: list[Row] = [
-        [
-            name,
-            Cell(str(run.summary["outcome"]), mood(run.summary)),
-            f"{run.summary['time_s']:.2f}",
-            run.summary["edl6dof_version"],
-        ]
-        for name, run in zip(labels(first, second), (first, second), strict=True)
-    ]
+    rows: list[Row] = []
+    for name, run in zip(labels(first, second), (first, second), strict=True):
+        told = run.summary
+        outcome = Cell(str(told["outcome"]), mood(told))
+        rows.append([name, outcome, f"{told['time_s']:.2f}", told["edl6dof_version"]])
     return Table(["flight", "outcome", "end (s)>", "edl6dof"], rows)
 
 
@@ -106,11 +102,14 @@ def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
     """Figures of one key drawn over each other: the second flight dashed, darker and thinner; limits and
     marks are the first's.
     """
-    panels = [
-        _both(panel, second.panels[k] if k < len(second.panels) else None, names)
-        for k, panel in enumerate(first.panels)
-    ]
+    panels = [_both(panel, _partner(panel, k, second.panels), names) for k, panel in enumerate(first.panels)]
     return replace(first, panels=panels)
+
+
+def _partner(panel: Panel, index: int, others: Sequence[Panel]) -> Panel | None:
+    """The panel of another flight that shows the same; what has nothing to show is left out of either."""
+    there = others[index : index + 1]
+    return next((other for other in (*there, *others) if other.y.title == panel.y.title), None)
 
 
 def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
@@ -176,11 +175,7 @@ def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tupl
     found: dict[tuple[str, int], tuple[float, str]] = {}
     for event in events:
         count = sum(key == event["key"] for key, _ in found)
-        name = (
-            event["name"]
-            if event["key"] not in ("bank_reversal", "end")
-            else {"bank_reversal": "bank reversal", "end": "end"}[event["key"]]
-        )
+        name = {"bank_reversal": "bank reversal", "end": "end"}.get(event["key"], event["name"])
         found[event["key"], count] = (float(event["t_s"]), name + (f" {count + 1}" if count else ""))
     return found
 

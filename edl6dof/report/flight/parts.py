@@ -1,18 +1,28 @@
-"""Pieces that many figures share: curves over time, the phases behind them and the events across them."""
+"""Pieces that many figures share: plots of the catalogue, phases behind them and events across them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
+from math import inf
+from textwrap import fill
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, GREY, PHASES, Axis, Band, Dash, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import BLACK, BLUE, GREY, PHASES, SERIES, Axis, Band, Figure, Mark, Panel, Trace
+from edl6dof.report.panels import Plot, Stack
+from edl6dof.report.panels import has_signal as _has_signal
 from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"
+#: Letters of a line of an axis' title.
+LETTERS = 15
+#: Bounds are shown up to this many times the largest error, which would not be seen otherwise.
+FAR = 30.0
+#: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
+BULK, PEAK = 0.999, 3.0
 
 #: Events worth a line across a plot, and the word beside it.
 EVENTS: dict[str, str] = {
@@ -28,36 +38,82 @@ EVENTS: dict[str, str] = {
 }
 
 
-class Curve(NamedTuple):
-    """One channel in a panel: its name in the legend, a factor on the values, and how it is drawn."""
+def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
+    """Figures of some stacks, of those that the flight has something for."""
+    for stack in stacks:
+        if not stack.needs or any(need in run.when or has_signal(run, need) for need in stack.needs):
+            figure = figure_of(run, stack)
+            if figure.panels:
+                yield figure
 
-    channel: str
-    name: str = ""
-    scale: float = 1.0
-    colour: str = ""
-    dash: Dash = "solid"
+
+def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
+    """The figure of a stack at some rows; ``words`` go into the caption."""
+    panels: list[Panel] = []
+    same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
+    for plot in stack.plots:
+        plot = plot._replace(title=plot.title.partition(", ")[2] or plot.title) if same else plot
+        own = run.between(stack.since or plot.since, stack.until or plot.until)
+        if stack.around is not None:
+            first, last = (run.when.get(stack.since, inf) + seconds for seconds in stack.around)
+            own = run.between("", stack.until or plot.until) & (run.t > first) & (run.t < last)
+        if stack.above is not None:
+            own &= run[stack.above[0]] > stack.above[1]
+        shown = np.zeros(len(run.t), bool)
+        shown[rows] = own[rows]
+        panel = over_time(run, plot, shown)
+        if panel is not None and len(panel.traces) == 1:  # its axis says what it is
+            colour = SERIES[len(panels) % len(SERIES)]
+            panel = replace(panel, traces=[replace(panel.traces[0], colour=colour, name="")])
+        panels += [] if panel is None else [panel]
+    caption = stack.caption
+    if "{" in caption:
+        given = {name: value or 0.0 for name, value in run.summary["figures"].items()}
+        caption = caption.format_map(defaultdict(float, given | words))
+    return stacked(stack.key, stack.title, panels, caption, stack.height)
 
 
-def over_time(
-    run: Run, title: str, curves: Sequence[Curve], rows: np.ndarray, span: tuple[float, float] | None = None
-) -> Panel:
-    """Channels over time for some rows (bool), with the events of that time; channels that the run does not
-    have are left out.
-    """
-    t = run.t[rows]
+def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
+    """A plot at some rows (bool), with the events of that time; ``None`` where it would show nothing."""
+    found = plot.shown({channel: run[channel][rows] for channel in plot.channels if channel in run})
+    if found is None:
+        return None
+    t, values = run.t[rows], found.values(run, rows)
     traces = [
-        Trace(t, run[curve.channel][rows] * curve.scale, curve.name, colour=curve.colour, dash=curve.dash)
-        for curve in curves
-        if curve.channel in run
+        Trace(t, y, name, colour=colour, dash=dash)
+        for y, (name, colour, dash) in zip(values, found.lines, strict=True)
     ]
-    return Panel(Axis(TIME), Axis(title, span), traces, marks=event_marks(run, t))
+    span = _clipped(values) if plot.clip else None
+    if found.sigma:
+        traces, span = [*traces[1:], traces[0]], _with_bounds(*values)
+    return Panel(Axis(TIME), Axis(found.label, span), traces, marks=event_marks(run, t))
+
+
+def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:
+    """A scale symmetrical about zero for an error and its bounds."""
+    largest = float(np.max(np.abs(error)))
+    reach = 1.08 * max(largest, min(float(np.max(bound)), FAR * largest))
+    return (-reach, reach) if reach > 0.0 else None
+
+
+def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
+    """First and last value of an axis that a single peak would leave nothing else on; else ``None``."""
+    sizes = [np.abs(one) for one in values]
+    bulk = max(float(np.nanquantile(one, BULK)) for one in sizes)
+    if max(float(np.nanmax(one)) for one in sizes) <= PEAK * bulk:
+        return None
+    return -1.1 * bulk, 1.1 * bulk
 
 
 def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", height: int = 190) -> Figure:
     """Panels over time, one above the other; events are named in the first, and panels without a curve are
     left out.
     """
-    drawn = [panel for panel in panels if panel.traces]
+    drawn = [
+        replace(panel, y=replace(panel.y, title=fill(panel.y.title, LETTERS)))
+        for panel in panels
+        if panel.traces
+    ]
     below = [
         replace(panel, marks=[replace(mark, label="") if mark.axis == "x" else mark for mark in panel.marks])
         for panel in drawn[1:]
@@ -67,67 +123,50 @@ def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", he
 
 def event_marks(run: Run, t: np.ndarray) -> list[Mark]:
     """Lines at the events inside the times ``t``."""
-    if not len(t):
-        return []
-    inside = {
-        name: run.when[key]
-        for key, name in EVENTS.items()
-        if key in run.when and t[0] < run.when[key] < t[-1]
-    }
-    return [Mark("x", when, name, GREY) for name, when in inside.items()]
+    inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
+    return [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
+
+
+def phase_keys(run: Run) -> dict[str, str]:
+    """Event keys of the phases that were flown, in their order, and the colours of these."""
+    flown = [f"phase.{name}" for name in run.phase_names if f"phase.{name}" in run.when]
+    return {key: PHASES[i % len(PHASES)] for i, key in enumerate(flown)}
 
 
 def phase_bands(run: Run) -> list[Band]:
     """The mission phases as bands over time."""
-    keys, colours = phase_keys(run), phase_colours(run)
+    keys = phase_keys(run)
     starts = [*(run.when[key] for key in keys), float(run.t[-1])]
     return [
-        Band(colours[key], x=span, opacity=0.75) for key, span in zip(keys, pairwise(starts), strict=True)
+        Band(colour, x=span, opacity=0.75)
+        for colour, span in zip(keys.values(), pairwise(starts), strict=True)
     ]
 
 
-def phase_legend(run: Run) -> list[Trace]:
-    """Entries of the legend for :func:`phase_bands`."""
-    nowhere, colours = np.array([np.nan]), phase_colours(run)
-    names = {key: key.removeprefix("phase.").replace("_", " ") for key in phase_keys(run)}
-    return [
-        Trace(nowhere, nowhere, name, "points", colours[key], symbol="square", width=3.0, border=True)
-        for key, name in names.items()
-    ]
+def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
+    """The way of the vehicle in a plane."""
+    return Trace(x, y, name, colour=BLUE, width=2.2)
 
 
-def phase_keys(run: Run) -> list[str]:
-    """Event keys of the phases that were flown, in their order."""
-    return [f"phase.{name}" for name in run.phase_names if f"phase.{name}" in run.when]
-
-
-def phase_colours(run: Run) -> Mapping[str, str]:
-    """Colour of each phase that was flown by its event key."""
-    return {key: PHASES[i % len(PHASES)] for i, key in enumerate(phase_keys(run))}
+def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
+    """An entry of the legend for what is no trace."""
+    nowhere = np.array([np.nan])
+    return Trace(nowhere, nowhere, name, "points", colour, symbol="square", width=width, border=border)
 
 
 def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:
     """Whether the run has the channel and it is anything but zero and gaps."""
-    return channel in run and bool(np.any(np.nan_to_num(run[channel][rows]) != 0.0))
+    return channel in run and _has_signal(run[channel][rows])
 
 
 def placed(
     run: Run, x: str, y: str, events: Mapping[str, str] = EVENTS, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Trace:
     """The events as labelled points in the plane of two channels."""
-    found = [
-        (run.at(x, run.when[key]) * scale[0], run.at(y, run.when[key]) * scale[1], name)
-        for key, name in events.items()
-        if key in run.when
-    ]
-    xs, ys, labels = zip(*found, strict=True) if found else ((), (), ())
-    return Trace(
-        np.array(xs),
-        np.array(ys),
-        "events",
-        "points",
-        colour=BLACK,
-        labels=labels,
-        legend=False,
-        border=True,
+    keys = [key for key in events if key in run.when]
+    xs, ys = (
+        np.array([factor * run.at(channel, run.when[key]) for key in keys])
+        for channel, factor in zip((x, y), scale, strict=True)
     )
+    labels = [events[key] for key in keys]
+    return Trace(xs, ys, "events", "points", BLACK, labels=labels, legend=False, border=True)

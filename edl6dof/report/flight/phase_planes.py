@@ -1,12 +1,11 @@
 """Phase planes: attitude error against rate, with the zones of the controller that flew.
 
-Error is goal minus actual and rate is actual minus goal, so that a controller at work runs through the first
-and third quadrants towards the origin.  The borders of the zones follow from the gains of the scenario.
+The borders of the zones follow from the gains of the scenario.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from edl6dof.report.figure import (
     Trace,
 )
 from edl6dof.report.flight.parts import has_signal
+from edl6dof.report.zones import AIMED_FOR, FIRING, zones_of
 from edl6dof.runs.run import Run
 from edl6dof.spatial import rotations
 
@@ -40,11 +40,8 @@ TITLES = {
     "thrust_vector": "powered descent (thrust vector)",
 }
 
-AIMED_FOR, FIRING = "rate aimed for", "firing begins"
 #: What green lines of a name are.
 _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fire"}
-#: Lines and marks of the zones in one panel.
-Border = tuple[list[Trace], list[Mark]]
 
 
 def figures(run: Run) -> Iterator[Figure]:
@@ -79,9 +76,9 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
             for k, (phase, rows) in enumerate(phases)
         ]
         word = "bank" if control == "bank_to_steer" and axis == 0 else name
-        panels.append(_panel(word, traces, *borders(control, gains, axis)))
+        panels.append(_panel(word, traces, *borders(gains, axis)))
     if len(panels) == 1:
-        panels.append(_damped(control, gains, rates, phases))
+        panels.append(_damped(gains, rates, phases))
     caption = (
         f"{_lines(panels)}Axes are cut to the flown part and the nearest borders, which are drawn for the "
         "gains at bandwidth 1."
@@ -101,10 +98,7 @@ def _lines(panels: Sequence[Panel]) -> str:
 
 
 def _damped(
-    control: str,
-    gains: Mapping[str, Any],
-    rates: Sequence[np.ndarray],
-    phases: Sequence[tuple[str, np.ndarray]],
+    gains: Mapping[str, Any], rates: Sequence[np.ndarray], phases: Sequence[tuple[str, np.ndarray]]
 ) -> Panel:
     """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it
     leaves alone.
@@ -113,9 +107,7 @@ def _damped(
         Trace(rates[1][rows], rates[2][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
         for k, (phase, rows) in enumerate(phases)
     ]
-    marks = [
-        Mark(axis, mark.at, colour=GREY) for mark in borders(control, gains, 1)[1] for axis in ("x", "y")
-    ]
+    marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
     x, y = (_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy")
     return Panel(Axis("pitch rate (deg/s)", x), Axis("yaw rate (deg/s)", y), traces, marks=marks)
 
@@ -180,82 +172,10 @@ def path_rate(run: Run) -> np.ndarray:
     return np.degrees(rotations.rotate(to_body, turning)).T
 
 
-def borders(control: str, gains: Mapping[str, Any], axis: int) -> Border:
-    """Zone borders of one axis of a controller; none for a controller that is not known here."""
-    found = BORDERS.get(control)
-    try:
-        return found(gains, axis) if found is not None else ([], [])
-    except KeyError:  # other gains under a known name: no borders rather than wrong ones
-        return [], []
-
-
-def zones(gains: Mapping[str, Any]) -> Border:
-    """The four zones of one axis: PID law, parabola, constant rate, and rate limiter."""
-    error = np.concatenate(
-        [np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]]
-    )
-    wanted = aimed_rate(gains, error)
-    line = Trace(_mirrored(error), _mirrored(wanted), AIMED_FOR, colour=GREEN, width=2.0, border=True)
-    marks = [mark for name in ("near_deg", "far_deg") for mark in _pair("x", gains[name])]
-    return [line], [*marks, *_pair("y", 1.15 * gains["rate_deg_s"])]
-
-
-def aimed_rate(gains: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
-    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et
-    al. 2022, section 4.1.
-
-    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
-    deceleration.
-    """
-    inner = gains["proportional"] / max(gains["derivative"], 1e-9) * gains["near_deg"]
-    parabola = np.sqrt(inner**2 + 2.0 * gains["deceleration_deg_s2"] * (error - gains["near_deg"]))
-    return np.minimum(np.where(error > gains["far_deg"], gains["rate_deg_s"], parabola), gains["rate_deg_s"])
-
-
-def switching(gains: Mapping[str, Any]) -> Border:
-    """Where the phase-plane law begins to fire, on both sides."""
-    rate = np.linspace(-1.1 * gains["rate_limit_deg_s"], gains["rate_limit_deg_s"], 169)
-    error = firing_error(gains, rate)
-    lines = [
-        Trace(sign * error, sign * rate, FIRING, colour=GREEN, width=2.0, border=True) for sign in (1.0, -1.0)
-    ]
-    return lines, [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
-
-
-def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
-    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source:
-    Hu et al. 2022, section 3.
-    """
-    return (
-        gains["deadband_deg"]
-        + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"])
-        + gains["lead_s"] * rate
-    )
-
-
-def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:
-    if axis == 0:
-        return zones(gains["bank"])
-    return [], [*_pair("x", gains["angle_limit_deg"]), *_pair("y", gains["rate_deadband_deg_s"])]
-
-
-def _rate_damping(gains: Mapping[str, Any], axis: int) -> Border:
-    return zones(gains["roll"]) if axis == 0 else ([], _pair("y", gains["rate_deadband_deg_s"]))
-
-
-def _mirrored(values: np.ndarray) -> np.ndarray:
-    """A curve and its image through the origin, with a gap between them."""
-    return np.concatenate([-values[::-1], [np.nan], values])
-
-
-def _pair(axis: str, at: float) -> list[Mark]:
-    return [Mark("x" if axis == "x" else "y", sign * at, colour=GREY) for sign in (-1.0, 1.0)]
-
-
-#: Borders by the name of the controller.
-BORDERS: dict[str, Callable[[Mapping[str, Any], int], Border]] = {
-    "phase_plane": lambda gains, axis: switching(gains),
-    "bank_to_steer": _bank_to_steer,
-    "rate_damping": _rate_damping,
-    "thrust_vector": lambda gains, axis: zones(gains["roll" if axis == 0 else "pitch_yaw"]),
-}
+def borders(gains: Mapping[str, Any], axis: int) -> tuple[list[Trace], list[Mark]]:
+    """Zone borders of one axis of a controller as lines and marks."""
+    zones = zones_of(gains, axis)
+    x, y = (np.concatenate([-half[::-1], [np.nan], half]) for half in (zones.error, zones.rate))
+    lines = [Trace(x, y, zones.name, colour=GREEN, width=2.0, border=True)] if zones.name else []
+    marks = [Mark("x", sign * at, colour=GREY) for at in zones.errors for sign in (-1.0, 1.0)]
+    return lines, marks + [Mark("y", sign * at, colour=GREY) for at in zones.rates for sign in (-1.0, 1.0)]

@@ -6,19 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    Axis,
-    Figure,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
+from edl6dof.report.flight.parts import flown, placed
 from edl6dof.runs.run import Run
 from edl6dof.scenario.relief import planned_ellipse
 
@@ -34,7 +23,7 @@ def figures(run: Run) -> Iterator[Figure]:
 
 def ground_track(run: Run) -> Figure:
     """The whole way over ground, east and north of the landing site; the two axes have different scales."""
-    curve = Trace(run[EAST] / 1e3, run[NORTH] / 1e3, "vehicle", colour=BLUE, width=2.2)
+    curve = flown(run[EAST] / 1e3, run[NORTH] / 1e3, "vehicle")
     panel = Panel(
         _axis("east", "km"),
         _axis("north", "km"),
@@ -56,7 +45,7 @@ def landing_site(run: Run) -> Figure:
         _part(run, "heat_shield", "heat shield", ORANGE, 1e3),
         _part(run, "backshell", "backshell", PURPLE, 1e3),
     ]
-    below = Trace(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle", colour=BLUE, width=2.2)
+    below = flown(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle")
     limit = run.scenario["limits"]["landing_distance_m"]
     allowed = [] if limit is None else [_circle(float(limit) / 1e3, "allowed distance")]
     parachute = _events(run, 1e3, {"mortar": "parachute"})
@@ -77,7 +66,7 @@ def landing_site(run: Run) -> Figure:
     )
     last = run.between("backshell")
     marks = {"touchdown": "touchdown"}
-    track = Trace(run[EAST][last], run[NORTH][last], "vehicle", colour=BLUE, width=2.2)
+    track = flown(run[EAST][last], run[NORTH][last], "vehicle")
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
     near = [_target(run)] if away < 2.0 * reach else []  # else there were nothing else to be seen
@@ -134,12 +123,4 @@ def _part(run: Run, part: str, name: str, colour: str, scale: float) -> Trace:
 
 
 def _events(run: Run, scale: float, names: dict[str, str]) -> Trace:
-    found = [
-        (run.at(EAST, run.when[key]) / scale, run.at(NORTH, run.when[key]) / scale, name)
-        for key, name in names.items()
-        if key in run.when
-    ]
-    east, north, labels = zip(*found, strict=True) if found else ((), (), ())
-    return Trace(
-        np.array(east), np.array(north), "events", "points", BLACK, labels=labels, legend=False, border=True
-    )
+    return placed(run, EAST, NORTH, names, (1.0 / scale, 1.0 / scale))

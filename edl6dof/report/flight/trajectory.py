@@ -7,19 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    Axis,
-    Band,
-    Figure,
-    Panel,
-    Trace,
-)
+from edl6dof.interface.roles import HOVER_IMAGING, begun
+from edl6dof.report.figure import GREEN, GREY, VERMILION, Axis, Band, Figure, Panel, Trace
 from edl6dof.report.flight.corridor import (
     Border,
     Entry,
@@ -30,15 +19,15 @@ from edl6dof.report.flight.corridor import (
 )
 from edl6dof.report.flight.parts import (
     EVENTS,
-    Curve,
+    figure_of,
+    flown,
     has_signal,
-    over_time,
+    legend_entry,
     phase_bands,
     phase_keys,
-    phase_legend,
     placed,
-    stacked,
 )
+from edl6dof.report.panels import OVERVIEW
 from edl6dof.runs.run import Run
 
 
@@ -55,28 +44,15 @@ def figures(run: Run) -> Iterator[Figure]:
 
 def overview(run: Run) -> Figure:
     """What everyone asks first, over the whole flight."""
-    rows = np.ones(len(run.t), bool)
-    height = [
-        Curve("truth.altitude_m", "above the ellipsoid", 1e-3, BLUE),
-        Curve("truth.height_above_areoid_m", "above the areoid", 1e-3, BLUE, "dash"),
-        Curve("truth.height_m", "above the ground", 1e-3, BLUE, "dot"),
+    figure, phases = figure_of(run, OVERVIEW), phase_keys(run)
+    panels = [replace(panel, bands=phase_bands(run)) for panel in figure.panels]
+    entries = [
+        legend_entry(key.removeprefix("phase.").replace("_", " "), colour, border=True)
+        for key, colour in phases.items()
     ]
-    panels = [
-        over_time(run, "height (km)", height, rows),
-        over_time(run, "speed (km/s)", [Curve("truth.speed_m_s", "", 1e-3, VERMILION)], rows),
-        over_time(
-            run, "dynamic\npressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows
-        ),
-        over_time(run, "load (Earth g)", [Curve("truth.load_g0", "", 1.0, PURPLE)], rows),
-        over_time(run, "heat flux\n(W/cm²)", [Curve("truth.heat_flux_w_cm2", "", 1.0, ORANGE)], rows),
-    ]
-    panels = [replace(panel, bands=phase_bands(run)) for panel in panels]
-    panels[0] = replace(panels[0], traces=[*panels[0].traces, *phase_legend(run)])
-    caption = (
-        "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below."
-    )
-    caption += " The ground colour is the mission phase." if phase_keys(run) else ""
-    return stacked("overview", "The whole flight", panels, caption, 150)
+    panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
+    caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
+    return replace(figure, panels=panels, caption=caption)
 
 
 def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
@@ -86,16 +62,8 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
     lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
     rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
     x, y = entry.speed[rows] / 1e3, lowest[rows]
-    return [
-        Trace(
-            np.append(x, x[::-1]),
-            np.append(y, np.full(len(x), edge)),
-            "beyond a limit",
-            "region",
-            VERMILION,
-            border=True,
-        )
-    ]
+    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
+    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]
 
 
 def on_scale(panel: Panel) -> tuple[Panel, str]:
@@ -120,26 +88,16 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
     found = borders(run, entry)
     lowest = min((float(border.drag.min()) for border in found), default=1.0)
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
-    x = entry.speed / 1e3
     traces = forbidden(entry, found, top)
-    traces += [
-        Trace(x, border.drag, border.name, colour=border.colour, dash=border.dash, border=True)
-        for border in found
-    ]
-    traces.append(
-        Trace(
-            x, equilibrium_glide(entry), "equilibrium glide, lift up", colour=GREEN, dash="dash", border=True
-        )
-    )
+    traces += [border.trace(entry.speed, border.drag) for border in (*found, glide(entry))]
     rows = run.between(until="mortar")
     speed, reference = run["truth.airspeed_m_s"][rows] / 1e3, run["guide.reference_drag_m_s2"][rows]
     if np.any(reference > 0.0):
-        traces.append(
-            Trace(speed, np.where(reference > 0.0, reference, np.nan), "reference", colour=GREY, width=2.2)
-        )
-    traces.append(Trace(speed, aerodynamic_accelerations(run, rows)[0], "flown", colour=BLUE, width=2.2))
+        given = np.where(reference > 0.0, reference, np.nan)
+        traces.append(Trace(speed, given, "reference", colour=GREY, width=2.2))
+    traces.append(flown(speed, aerodynamic_accelerations(run, rows)[0]))
     panel = Panel(
-        Axis("speed in the air (km/s)", (float(x.max()) * 1.03, 0.0)),
+        Axis("speed in the air (km/s)", (float(entry.speed.max()) / 1e3 * 1.03, 0.0)),
         Axis("drag acceleration (m/s²)", (0.0, top)),
         traces,
     )
@@ -156,28 +114,10 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     rows = run.between(until="mortar")
     found = borders(run, entry)
     traces = []
-    for border in (*found, Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")):
+    for border in (*found, glide(entry)):
         density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
-        traces.append(
-            Trace(
-                entry.speed / 1e3,
-                entry.height(density) / 1e3,
-                border.name,
-                colour=border.colour,
-                dash=border.dash,
-                border=True,
-            )
-        )
-    flown = run.between()
-    traces.append(
-        Trace(
-            run["truth.airspeed_m_s"][flown] / 1e3,
-            run["truth.height_above_areoid_m"][flown] / 1e3,
-            "flown",
-            colour=BLUE,
-            width=2.2,
-        )
-    )
+        traces.append(border.trace(entry.speed, entry.height(density) / 1e3))
+    traces.append(flown(run["truth.airspeed_m_s"] / 1e3, run["truth.height_above_areoid_m"] / 1e3))
     names: dict[str, str] = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
     traces.append(placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3)))
     widest = float(run["truth.airspeed_m_s"][rows].max()) / 1e3
@@ -188,11 +128,14 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         traces,
     )
     panel, beyond = on_scale(panel)
-    caption = "The flight runs from left to right" + (
-        "; it must stay above the borders of its limits." if found else "."
-    )
-    caption += beyond
+    above = "; it must stay above the borders of its limits" if found else ""
+    caption = f"The flight runs from left to right{above}.{beyond}"
     return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
+
+
+def glide(entry: Entry) -> Border:
+    """The equilibrium glide."""
+    return Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")
 
 
 def _titled(words: str, panel: Panel) -> str:
@@ -207,21 +150,14 @@ def deployment_box(run: Run) -> Figure:
     t0 = run.when["mortar"]
     rows = (run.t > t0 - 60.0) & (run.t < t0 + 60.0) & (run["truth.mach"] < 1.7 * most[0])
     top = 1.25 * max(most[1], float(run["truth.dynamic_pressure_pa"][rows].max()))
+    names = {"mortar": "mortar fire", "line_stretch": "", "trim_wing": "trim wing"}
     traces = [
-        Trace(
-            run["truth.mach"][rows], run["truth.dynamic_pressure_pa"][rows], "flown", colour=BLUE, width=2.2
-        ),
-        placed(
-            run,
-            "truth.mach",
-            "truth.dynamic_pressure_pa",
-            {"mortar": "mortar fire", "line_stretch": "", "trim_wing": "trim wing"},
-        ),
+        flown(run["truth.mach"][rows], run["truth.dynamic_pressure_pa"][rows]),
+        placed(run, "truth.mach", "truth.dynamic_pressure_pa", names),
     ]
-    box = Band(
-        GREEN, (0.0, most[0]), (0.0, most[1]), f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa", 0.14, outline=True
-    )
-    x = Axis("Mach number", (0.0, 1.7 * most[0]))
+    words = f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa"
+    box = Band(GREEN, (0.0, most[0]), (0.0, most[1]), words, 0.14, outline=True)
+    x = Axis("Mach number (1)", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
     alpha = run.at("truth.total_alpha_deg", t0)
     caption = ""
@@ -229,3 +165,18 @@ def deployment_box(run: Run) -> Figure:
         allowed = float(limit["parachute_total_alpha_deg"])
         caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {allowed:g} deg)."
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)
+
+
+def descent_plane(run: Run) -> Iterator[Figure]:
+    """Height over descent speed: the plane in which powered descent is designed."""
+    if "ignition" not in run.when:
+        return
+    rows = run.between("backshell", "touchdown")
+    names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
+    curve = flown(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows])
+    panel = Panel(
+        Axis("descent speed (m/s)"),
+        Axis("height above the ground (m)"),
+        [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)],
+    )
+    yield Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)

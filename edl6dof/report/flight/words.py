@@ -82,21 +82,11 @@ def limits(run: Run) -> Table:
         value = math.nan if limit["value"] is None else float(limit["value"])
         shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
         share = value / float(limit["limit"])
-        used = Cell(
-            "-" if math.isnan(share) else in_percent(share),
-            "good" if limit["ok"] else "bad",
-            share if share == share else None,
-        )
-        rows.append(
-            [
-                limit["name"],
-                printed(limit["unit"]),
-                shown,
-                f"≤ {allowed}",
-                used,
-                Cell(LIMIT_STATUS[limit["ok"]], "good" if limit["ok"] else "bad"),
-            ]
-        )
+        mood: Mood = "good" if limit["ok"] else "bad"
+        known = not math.isnan(share)
+        used = Cell(in_percent(share) if known else "-", mood, share if known else None)
+        result = Cell(LIMIT_STATUS[limit["ok"]], mood)
+        rows.append([limit["name"], printed(limit["unit"]), shown, f"≤ {allowed}", used, result])
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
 
 
@@ -104,19 +94,11 @@ def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     found = comparison(run.summary["figures"], run.summary["published"])
     rows: list[Row] = [
-        [
-            row.figure,
-            printed(row.unit),
-            row.own,
-            _sign(row.published),
-            Cell(row.difference, _KEPT[row.kept]),
-        ]
+        [row.figure, printed(row.unit), row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
         for row in found
     ]
     return Table(
-        ["figure", "unit", "this flight>", "published>", "difference>"],
-        rows,
-        "Beside the published flight",
+        ["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight"
     )
 
 

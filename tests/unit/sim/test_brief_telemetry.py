@@ -10,7 +10,6 @@ import pytest
 from edl6dof.sim.flight import fly, log_rows
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, TICK
 from edl6dof.telemetry.columns import Telemetry
-from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest
 
 
 @pytest.fixture(scope="module")
@@ -41,57 +40,49 @@ def test_channels_that_were_not_recorded_are_refused(brief):
     assert BRIEF.itemsize < TICK.itemsize / 4
 
 
-@pytest.mark.parametrize("rows", [1, 2, 63, 64, 65, 200, 1001])
-def test_largest_magnitude_is_that_of_numpy(rows):
-    values = np.random.default_rng(rows).normal(size=(rows, BRIEF.itemsize // 8))
-    log = values.view(BRIEF)[:, 0]
-    names = [channel.name for channel in BRIEF_CHANNELS[::3]]
-    telemetry = Telemetry(log, ())
-    expected = [np.max(np.abs(telemetry[name])) for name in names]
-    assert telemetry.largest(*names).tolist() == expected
-    values[rows // 2, 4] = np.nan
-    assert np.isnan(largest(log, np.arange(10))).tolist() == [k == 4 for k in range(10)]
-
-
-def test_largest_of_nothing_is_no_number():
-    assert np.isnan(Telemetry(np.zeros(0, TICK), ("D1",)).largest("truth.mach", "guide.phase")).all()
-
-
 @pytest.fixture(params=[1, 2, 65, 1001])
 def rows(request):
     """Numbers in the words of a log, the angles among them within a right angle."""
     return np.random.default_rng(request.param).uniform(-1.5, 1.5, (request.param, TICK.itemsize // 8))
 
 
-def as_log(rows):
-    return rows.view(TICK)[:, 0]
+def of(rows):
+    return Telemetry(rows.view(TICK)[:, 0], ())
 
 
-def test_longest_vector_and_nearest_points_are_those_of_numpy(rows):
-    log, a, b = as_log(rows), np.array([3, 7]), np.array([1, 9])
-    assert longest(log, a) == pytest.approx(np.max(np.linalg.norm(rows[:, a], axis=1)), rel=1e-14)
-    rows[::3, 7] = np.nan  # a place that is not always known
-    apart = np.linalg.norm(rows[:, a] - rows[:, b], axis=1)
-    assert (
-        np.isnan(nearest(log, a, b))
-        if np.isnan(apart).all()
-        else nearest(log, a, b) == pytest.approx(np.nanmin(apart), rel=1e-14)
+def test_longest_vector_and_nearest_places_are_those_of_the_columns(rows):
+    telemetry, angles = of(rows), ("control.error_pitch_deg", "control.error_yaw_deg")
+    length = np.linalg.norm([telemetry[name] for name in angles], axis=0)
+    assert telemetry.largest(*angles) == max(np.abs(telemetry[name]).max() for name in angles)
+    assert telemetry.longest(*angles) == pytest.approx(length.max(), rel=1e-14)
+    place, other = (
+        [f"truth.{body}_{axis}_m" for axis in ("east", "north", "up")] for body in ("site", "backshell")
     )
-    assert np.isnan(longest(log, a))
+    telemetry[other[0]][::3] = np.nan  # a place that is not always known
+    apart = np.linalg.norm(
+        [telemetry[one] - telemetry[two] for one, two in zip(place, other, strict=True)], axis=0
+    )
+    found = telemetry.nearest(place, other)
+    assert np.isnan(found) if np.isnan(apart).all() else found == pytest.approx(np.nanmin(apart), rel=1e-14)
 
 
-def test_fastest_turn_beside_banking_is_that_of_numpy_and_sees_what_is_no_number(rows):
-    log, rates, angles = as_log(rows), np.array([2, 3]), np.array([5, 6])
-    expected = np.max(np.abs(rows[:, rates] - rows[:, [4]] * np.tan(rows[:, angles])), axis=0)
-    assert fastest_turns(log, rates, 4, angles) == pytest.approx(expected, rel=1e-13)
-    rows[0, 3] = np.nan
-    assert np.isnan(fastest_turns(log, rates, 4, angles)).tolist() == [False, True]
+SWING = ("truth.rate_r_deg_s", "truth.rate_p_deg_s", "truth.alpha_deg")
+
+
+def test_fastest_swing_is_what_banking_leaves_and_sees_what_is_no_number(rows):
+    telemetry = of(rows)
+    rate, roll, angle = (telemetry[name] for name in SWING)
+    expected = np.max(np.abs(rate - roll * np.tan(np.radians(angle))))
+    assert telemetry.fastest_swing(*SWING) == pytest.approx(expected, rel=1e-13)
+    telemetry._log["truth"]["rate_r"][0] = np.nan
+    assert np.isnan(telemetry.fastest_swing(*SWING)) and np.isnan(telemetry.largest(*SWING))
 
 
 def test_extremes_of_nothing_are_no_numbers():
-    nothing = np.zeros(0, TICK)
-    assert np.isnan([longest(nothing, np.array([1])), nearest(nothing, np.array([1]), np.array([2]))]).all()
-    assert np.isnan(fastest_turns(nothing, np.array([2, 3]), 4, np.array([5, 6]))).all()
+    nothing = of(np.zeros((0, TICK.itemsize // 8)))
+    assert np.isnan(
+        [nothing.nearest(["truth.mach"], ["guide.bank_deg"]), nothing.fastest_swing(*SWING)]
+    ).all()
 
 
 def test_peaks_are_the_largest_of_the_telemetry(nominal):

@@ -9,7 +9,8 @@ from pyquaternion import Quaternion
 import edl6dof
 from edl6dof.fsw.navigation.update import NAVIGATION
 from edl6dof.interface.sensed import SENSED
-from edl6dof.metrics.navigation import navigation_figures
+from edl6dof.metrics.evaluation import formed
+from edl6dof.metrics.forms import Flown
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.telemetry.channels import TICK
 from edl6dof.telemetry.columns import Telemetry, describe
@@ -104,7 +105,7 @@ def test_figures_are_lengths_of_the_errors_at_the_moments_that_count():
     log["nav"]["error_attitude_north"], log["nav"]["error_attitude_east"] = radians(0.3), radians(0.4)
     log["nav"]["error_attitude_down"] = radians(50.0)
     telemetry = Telemetry(log, [])
-    found = navigation_figures(telemetry, {"mortar": 2.0, "ignition": 4.5, "touchdown": 9.0})
+    found = formed(Flown(telemetry, {"mortar": 2.0, "ignition": 4.5, "touchdown": 9.0}, []), "navigation")
     assert found == pytest.approx(
         {
             "parachute_nav_position_m": 7.0,
@@ -115,4 +116,6 @@ def test_figures_are_lengths_of_the_errors_at_the_moments_that_count():
             "touchdown_nav_vertical_deg": 0.5,
         }
     )
-    assert navigation_figures(telemetry, {"mortar": 2.0}) == pytest.approx({"parachute_nav_position_m": 7.0})
+    assert formed(Flown(telemetry, {"mortar": 2.0}, []), "navigation") == pytest.approx(
+        {"parachute_nav_position_m": 7.0}
+    )

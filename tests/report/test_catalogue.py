@@ -1,0 +1,64 @@
+"""The catalogue of plots: what is declared once must hold for all who draw it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from edl6dof.replay.views.layout import PAGES
+from edl6dof.report import panels
+from edl6dof.report.channels import chosen
+from edl6dof.report.panels import BOUND, CATALOGUE, STACKS, Plot, Stack
+from edl6dof.telemetry.channels import CHANNELS
+
+CHANNEL = {channel.name: channel for channel in CHANNELS}
+ALL_STACKS = [one for one in vars(panels).values() if isinstance(one, Stack)]
+ALL_STACKS += [stack for stacks in STACKS.values() for stack in stacks]
+DRAWN = [
+    *(plot for page in PAGES.values() for plot in page),
+    *(p for stack in ALL_STACKS for p in stack.plots),
+]
+
+
+@pytest.mark.parametrize("plot", DRAWN, ids=lambda plot: plot.key)
+def test_a_plot_is_of_channels_of_one_unit(plot):
+    assert {CHANNEL[name].unit for name in plot.channels} == {CHANNEL[next(iter(plot.curves))].unit}
+    assert len(plot.lines) == len(plot.channels) + bool(plot.sigma)
+
+
+def test_a_key_names_one_plot():
+    by_key = {}
+    for plot in DRAWN:
+        # on a page of powered descent an error begins with it
+        assert by_key.setdefault(plot.key, plot)._replace(since="") == plot._replace(since="")
+
+
+def test_no_figure_of_a_report_comes_twice():
+    keys = [stack.key for stack in ALL_STACKS]
+    assert len(set(keys)) == len(keys)
+
+
+def test_values_are_in_the_unit_that_stands_on_the_axis():
+    plot = Plot("k", "height", {"truth.height_m": "above the ground"}, kilo=True)
+    (value,) = plot.values({"truth.height_m": np.array([1500.0, 2000.0])}, slice(1, None))
+    assert plot.label == "height (km)" and value.tolist() == [2.0]
+    assert panels.LOAD.label == "load (Earth g)" and panels.MACH.label == "Mach number (1)"
+
+
+def test_bounds_stand_on_both_sides_of_an_error_that_is_alone():
+    columns = {f"nav.{name}_height_m": np.array([value]) for name, value in (("error", 2.0), ("sigma", 5.0))}
+    assert [float(one[0]) for one in panels.HEIGHT_ERROR.values(columns, slice(None))] == [
+        2.0, 5.0 * BOUND, -5.0 * BOUND,
+    ]  # fmt: skip
+    assert panels.POSITION_ERROR.sigma == ""
+    assert [one.sigma for one in panels.POSITION_ERROR.apart()] == [
+        f"nav.sigma_{axis}_m" for axis in ("north", "east", "down")
+    ]
+
+
+def test_a_plot_of_the_catalogue_can_be_asked_for_by_its_key():
+    parts = {one.key for plot in CATALOGUE.values() for one in plot.apart()}
+    assert {plot.key for plot in DRAWN} <= CATALOGUE.keys() | parts
+    columns = {name: np.ones(3) for name in CHANNEL}
+    assert chosen(columns, ["bank_deg"], "run") == ["truth.bank_deg", "guide.bank_deg"]
+    assert chosen(columns, ["truth.mach", "engine_thrust_kn"], "run")[0] == "truth.mach"
