@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
 
-from edl6dof.calibration.findings import Findings, find, plain, rounded
+from edl6dof.calibration.findings import Findings, find, overlay_text, plain, rounded
 from edl6dof.calibration.fit import DESIGNS
-from edl6dof.calibration.overlay import overlay_text
 from edl6dof.calibration.problem import Calibration
 from edl6dof.calibration.surface import TooFew
 from edl6dof.campaign.neighbours import FLIGHTS

@@ -24,8 +24,7 @@ from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.quantiles import SHARES, Quantile, quantile
 from edl6dof.campaign.storage.documents import Summary
 from edl6dof.campaign.storage.store import Store
-from edl6dof.config.errors import refusal
-from edl6dof.config.named import UnknownName
+from edl6dof.config.errors import UnknownName, refusal
 
 if TYPE_CHECKING:
     import pandas

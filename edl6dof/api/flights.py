@@ -12,7 +12,7 @@ import numpy as np
 
 from edl6dof.api.overrides import Overrides, texts
 from edl6dof.api.results import FlightResults
-from edl6dof.config.named import Named
+from edl6dof.config.errors import Named
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.runs.run import Run

@@ -62,7 +62,7 @@ def faults(
     """Fly a matrix of faults; see :func:`edl6dof.faults`."""
     from edl6dof.app.faults.choice import matrix_of
     from edl6dof.app.faults.command import Wanted
-    from edl6dof.campaign.faults import matrix_plan
+    from edl6dof.campaign.fault_kinds import matrix_plan
 
     sets, moments = texts(overrides), None if at is None else listed(at)
     wanted = Wanted(sensors, listed(kinds), listed(components), pairs, listed(phases), after_s, moments)

@@ -28,7 +28,7 @@ def write_files(flight: Flight, folder: Path, replay: bool, release: bool = Fals
 @lean_arrow()
 def write_numbers(flight: Flight, folder: Path) -> None:
     """Write all files of a run but its replay."""
-    from edl6dof.runs.results import write_run
+    from edl6dof.runs.run_writer import write_run
 
     write_run(flight, folder)
     if flight.saved is not None:

@@ -17,7 +17,6 @@ from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, LoadedScenario, load_scenario
-from edl6dof.scenario.records import Built
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.
@@ -59,7 +58,7 @@ class Starts:
             self.loaded = load_scenario(scenario, texts(overrides))
 
     @property
-    def base(self) -> Built:
+    def base(self) -> Variant:
         """The scenario itself, and its records."""
         return self._variants.nominal
 
@@ -70,7 +69,7 @@ class Starts:
             ConfigError: a value that was drawn is not allowed.
         """
         if seed is None:
-            return Variant(self.loaded, self.base.records)
+            return self.base
         if self._plan is None:
             return self._variants.build(Case(0, belief={"seed": seed}))
         return self._variants.build(next(self._plan.cases(seed, seed + 1)))
@@ -116,7 +115,7 @@ class Simulation(SteppedFlight):
         with told_in_python():
             self._starts = Starts(scenario, overrides)
         base = self._starts.base
-        super().__init__(base.loaded, base.records, telemetry)
+        super().__init__(base.loaded, base.parts, telemetry)
 
     def __repr__(self) -> str:
         stands = f"in phase {self.phase}" if self.flying else self.outcome

@@ -20,9 +20,9 @@ from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.exit_status import INTERRUPTED, refuse
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
-from edl6dof.campaign.storage.files import StoreError, refused
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.base import stated
+from edl6dof.config.errors import ConfigError, refusal
 
 
 def fly_new(options: CampaignOptions) -> int:
@@ -79,7 +79,7 @@ def _standing(store: Store, plan: Plan, options: CampaignOptions) -> str:
     """What has become of a new campaign that was stopped."""
     if store.is_half_begun:
         return f"{store.folder} was being begun or replaced; begin it anew with --force"
-    with suppress(StoreError):
+    with suppress(ConfigError):
         if store.plan_text == plan.text:
             return _going_on(store, options)
     return "nothing was written"
@@ -97,7 +97,7 @@ def _folder(options: CampaignOptions) -> Path:
         folder = options.out or Path("runs") / given.name
         require_plan(Store(folder), given, options)
     elif options.sets or any(given is not None for given in (options.cases, options.seed, options.sampling)):
-        raise refused(folder, "has its plan; it takes no other values when it goes on")
+        raise refusal(folder, "has its plan; it takes no other values when it goes on")
     return folder
 
 
@@ -108,7 +108,7 @@ def require_plan(store: Store, plan: Plan, options: CampaignOptions) -> None:
         ConfigError: it holds no campaign, or one of another plan.
     """
     if plan.text != store.plan_text:
-        raise refused(
+        raise refusal(
             store.folder,
             "was begun with another plan; go on with it by: "
             f"edl6dof {options.command} {store.folder} --resume",

@@ -11,14 +11,12 @@ import numpy as np
 
 from edl6dof.app.counting import count_runs
 from edl6dof.app.covariance_show import show, show_alone, write_budget
-from edl6dof.campaign.covariance.alone import fly_alone
-from edl6dof.campaign.covariance.events import EventFigures, figures_at
-from edl6dof.campaign.covariance.flights import ending_at_deployment
-from edl6dof.campaign.covariance.fly import fly_covariance
-from edl6dof.campaign.covariance.sampled import flown
+from edl6dof.campaign.covariance.event_figures import EventFigures, ending_at_deployment, figures_at
+from edl6dof.campaign.covariance.mirrored_pairs import fly_covariance
+from edl6dof.campaign.covariance.one_at_a_time import fly_alone
+from edl6dof.campaign.covariance.sample_covariance import flown
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.run import resumed_plan
-from edl6dof.campaign.storage.files import refused
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.runs.files import atomic_file, refuse_existing_file
@@ -83,7 +81,7 @@ def _given(options: CovarianceOptions, event: EventFigures) -> tuple[Plan, np.nd
     if not lexists(folder / "campaign.json"):
         return load_plan(options.campaign, options.sets, seed=options.seed), None
     if options.sets:
-        raise refused(folder, "has its plan; covariance beside it takes no other values")
+        raise refusal(folder, "has its plan; covariance beside it takes no other values")
     store = Store(folder)
     plan = resumed_plan(store)
     if options.seed is not None and plan.campaign is not None:

@@ -12,7 +12,6 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from edl6dof.another_version import resolver, told
 from edl6dof.api.blocked_imports import blocked_imports
 from edl6dof.api.flights import Flight, continued, fly
 from edl6dof.api.run_files import REPLAY, draw_replay, write_files, write_numbers
@@ -122,10 +121,7 @@ def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
             raise _problem(
                 "edl6dof fly", "name a scenario, such as tianwen1, or continue a state with --from STATE"
             )
-        loaded = load_scenario(options.scenario, options.sets)
-        if words := told(resolver(loaded.document.files[0])):
-            print(f"{options.scenario}: {words}; the flight may differ from that one", file=sys.stderr)
-        return loaded, None
+        return load_scenario(options.scenario, options.sets), None
     if options.scenario is not None:
         raise _problem("--from", "a saved state brings its own scenario; give no other")
     return continued(options.start, options.sets)

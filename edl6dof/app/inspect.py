@@ -11,7 +11,7 @@ from edl6dof.app.exit_status import BAD_INPUT
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, refusal
-from edl6dof.config.schema import json_schema
+from edl6dof.config.json_schema import json_schema
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
 
@@ -68,8 +68,8 @@ def scenario_schema() -> dict[str, Any]:
     """Schema of scenario files, of those that extend another one, and of their campaign, sweep and
     calibration sections.
     """
-    from edl6dof.calibration.params import CalibrationFile
-    from edl6dof.campaign.design.params import CampaignFile
+    from edl6dof.calibration.section import CalibrationFile
+    from edl6dof.campaign.design.sections import CampaignFile
     from edl6dof.config.document.extends import EXTENDS
 
     schema = json_schema(Scenario)

@@ -10,7 +10,7 @@ from textwrap import wrap
 from rich.console import Console
 
 from edl6dof.app.exit_status import refuse
-from edl6dof.config.reference import Row, rows
+from edl6dof.config.parameter_table import Row, rows
 from edl6dof.config.wording import nearest
 from edl6dof.scenario.schema import Scenario
 

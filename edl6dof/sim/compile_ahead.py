@@ -24,8 +24,8 @@ from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.lazy_calls import compile_named, names
-from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import TABLES
+from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS, sense
 from edl6dof.sim.loop import fly
 from edl6dof.vehicle.plant import OUTPUTS, STATE

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.named import Named
+from edl6dof.config.errors import Named
 from edl6dof.interface.roles import during
 from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks

@@ -22,7 +22,7 @@ from edl6dof.app.faults.command import Wanted
 from edl6dof.app.faults.moments import moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
-from edl6dof.campaign.faults import matrix_plan
+from edl6dof.campaign.fault_kinds import matrix_plan
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario

@@ -28,7 +28,7 @@ LAYERS = (
         "dispatch",
         "lazy_calls",
     ),
-    ("config", "another_version", "manifest", "registry", "plugins"),
+    ("config", "manifest", "registry", "plugins"),
     ("spatial",),
     ("interface",),
     ("interchange",),

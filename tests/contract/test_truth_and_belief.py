@@ -91,7 +91,7 @@ def test_results_and_command_line_know_no_physics(folder):
         "from edl6dof.vehicle.plant import STATE",
         "import edl6dof.environment.atmosphere as a",
         "from edl6dof import environment",
-        "def f():\n    from edl6dof.scenario.case import CASE",
+        "def f():\n    from edl6dof.scenario.truth import CASE",
         "from ..vehicle import mass",
         "from edl6dof.sensors.imu import READINGS",
         "import importlib\nimportlib.import_module('edl6dof.vehicle.mass')",

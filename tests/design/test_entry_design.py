@@ -10,9 +10,9 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.design.entry_plan import figures, with_points
 from edl6dof.design.entry_profile import CLOSE, design_entry
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.start import start_of
 
 LIMITS = "flight_software.guidance.entry.limits"
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from edl6dof.app.faults.command import Wanted
 from edl6dof.app.faults.moments import moments_at
-from edl6dof.campaign.design.params import FaultGroup, FaultMatrixParams, FaultMoment
-from edl6dof.campaign.faults import (
+from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
+from edl6dof.campaign.fault_kinds import (
     KINDS,
     OF_INSTRUMENTS,
     OF_THRUSTERS,

@@ -12,10 +12,10 @@ from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.faults.choice import matrix_of
 from edl6dof.app.faults.command import Wanted
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.faults import matrix_plan
-from edl6dof.campaign.storage.files import refused
+from edl6dof.campaign.fault_kinds import matrix_plan
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.base import stated
+from edl6dof.config.errors import refusal
 from edl6dof.scenario.loading import load_scenario
 
 
@@ -38,7 +38,7 @@ def go_on(wanted: Wanted, options: CampaignOptions) -> int:
     folder = Path(stated(options.scenario))
     if lexists(folder / "campaign.json"):
         if wanted != Wanted():
-            raise refused(folder, "has its plan; it takes no other values when it goes on")
+            raise refusal(folder, "has its plan; it takes no other values when it goes on")
         return campaign_flight.go_on(options)
     plan, store = _plan(wanted, options)
     campaign_flight.require_plan(store, plan, options)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.campaign.design.params import FaultMoment
+from edl6dof.campaign.design.sections import FaultMoment
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
 from edl6dof.scenario.loading import LoadedScenario

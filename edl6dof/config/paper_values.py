@@ -46,7 +46,7 @@ class PrintedParams(Params):
 
     @classmethod
     def printed(cls) -> dict[str, Any]:
-        """What the paper prints, by field name."""
+        """Return what the paper prints, by field name."""
         found = {}
         for name, info in cls.model_fields.items():
             if isinstance(extra := info.json_schema_extra, dict):

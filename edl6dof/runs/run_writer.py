@@ -12,7 +12,7 @@ import numpy as np
 from edl6dof import __version__
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.metrics.published import published_figures
-from edl6dof.runs.landing_map_file import write_landing_map
+from edl6dof.runs.contents import write_landing_map
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight

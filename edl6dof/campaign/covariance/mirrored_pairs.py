@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from edl6dof.campaign.covariance.estimate import Pairs, Spread, principal
-from edl6dof.campaign.covariance.events import EventFigures
-from edl6dof.campaign.covariance.flights import figures_of
-from edl6dof.campaign.covariance.signs import design
+from edl6dof.campaign.covariance.event_figures import EventFigures, figures_of
 from edl6dof.campaign.covariance.sources import Source, cases, sources
+from edl6dof.campaign.covariance.two_level_design import design
 from edl6dof.campaign.design.plan import Plan
 
 

@@ -9,7 +9,7 @@ import pyarrow as pa
 from scipy.stats import kurtosis
 
 from edl6dof.campaign.covariance.estimate import principal
-from edl6dof.campaign.covariance.events import EventFigures
+from edl6dof.campaign.covariance.event_figures import EventFigures
 from edl6dof.config.errors import refusal
 
 #: Shares of a normal distribution below one standard deviation under and over its mean.

@@ -1,4 +1,4 @@
-"""What a vehicle file takes from DAVE-ML files: mass, inertia and aerodynamic coefficients, by their AIAA
+"""Vehicle data from DAVE-ML files: mass, inertia and aerodynamic coefficients, by their AIAA
 S-119 standard names.
 
     vehicle:

@@ -65,7 +65,7 @@ def _draft7(node: Any) -> Any:
 
 
 def _read_otherwise(words: list[Any]) -> list[bool]:
-    """What editors that read YAML 1.1 take some words for: ``off`` for false."""
+    """Return the values that editors which read YAML 1.1 take some words for: ``off`` for false."""
     return list({BOOLEAN_WORDS[word]: None for word in words if word in BOOLEAN_WORDS})
 
 

@@ -1,4 +1,4 @@
-"""What may fail in a scenario, in which phases unless others are asked for, and the plan of a matrix of such
+"""Kinds of faults that a scenario may have, their usual phases, and the plan of a matrix of such
 faults.
 """
 
@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from edl6dof.campaign.design.params import FaultMatrixParams
 from edl6dof.campaign.design.plan import Plan, plan_of
+from edl6dof.campaign.design.sections import FaultMatrixParams
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.interface.roles import (
@@ -54,7 +54,9 @@ def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[s
 
 
 def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
-    """What a kind of fault is about, such as an engine, and the names of those that fly."""
+    """Return the kinds of component that a fault is about, such as an engine, and the names of those that
+    fly.
+    """
     return {component: list(scenario.components.get(component, ())) for component in components_of(kind)}
 
 

@@ -1,25 +1,136 @@
-"""The convex landing of fixed time as a conic program, solved by the interior-point method of Clarabel.
+"""The fuel-optimal pinpoint landing of a point mass, which tests and tools hold convex guidance and the rigid
+landing against: as a conic program, solved by the interior-point method of Clarabel, and by the kernels of
+the flight computer.
 
-Unknowns are the thrust acceleration u, its bound s >= |u|, and through them z = ln m: lossless
-convexification, with the bounds of thrust over mass as Taylor series of exp(-z) about the mass of the
-solution before.  Source: Acikmese & Ploen 2007, problem 3.
+Axes: east, north, up, from the landing point.  Unknowns of the program are the thrust acceleration u, its
+bound s >= |u|, and through them z = ln m: lossless convexification, with the bounds of thrust over mass as
+Taylor series of exp(-z) about the mass of the solution before.  Sources: Acikmese & Ploen 2007, "Convex
+programming approach to powered descent guidance for Mars landing", J. Guidance 30(5), problem 3; Acikmese,
+Carson, Blackmore 2013, "Lossless convexification of nonconvex control bound and pointing constraints of the
+soft landing optimal control problem", IEEE Trans. Control Systems Technology 21(6).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, inf, pi, sqrt, tan
+from math import cos, inf, pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 from scipy.optimize import minimize_scalar
 
-from edl6dof.design.landing.problem import Grid, Landing
+from edl6dof.config.units import G0
+from edl6dof.fsw.guidance.powered.convex import pipg
+from edl6dof.fsw.guidance.powered.convex.flight_time import search_times
+from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
 
 #: Solutions of one problem, each about the mass of the one before.
 EXPANSIONS = 4
+
+
+@dataclass(frozen=True)
+class Landing:
+    """A powered landing to rest at the origin.
+
+    Attributes:
+        mass: at the start, kg.
+        thrust: least and largest thrust along the path, N.
+        exhaust_speed: thrust over mass flow, m/s.
+        gravity: downwards, m/s2.
+        position, velocity: at the start, (east, north, up), m and m/s.
+        glide_slope: least angle of the line from the landing point to the vehicle over the horizon, rad; 0:
+            never below the landing point; -pi / 2: none.
+        tilt: largest angle of thrust from the vertical, rad, at most pi / 2; pi: none.
+        end_tilt: that of the last control, rad.
+        full_thrust: of the start, N.
+        full_time: how long the thrust is ``full_thrust`` before its bounds hold, s.
+    """
+
+    mass: float
+    thrust: tuple[float, float]
+    exhaust_speed: float
+    gravity: float
+    position: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+    glide_slope: float = -pi / 2.0
+    tilt: float = pi
+    end_tilt: float = pi
+    full_thrust: float = 0.0
+    full_time: float = 0.0
+
+
+def classic_mars(glide_slope_deg: float | None = None) -> Landing:
+    """The example of Acikmese & Ploen 2007: six engines of 3.1 kN, canted by 27 deg, at 30 to 80 %."""
+    full = 6.0 * 3100.0 * cos(radians(27.0))
+    return Landing(
+        mass=1905.0,
+        thrust=(0.3 * full, 0.8 * full),
+        exhaust_speed=225.0 * G0 * cos(radians(27.0)),
+        gravity=3.7114,
+        position=(2000.0, 0.0, 1500.0),
+        velocity=(100.0, 0.0, -75.0),
+        glide_slope=-pi / 2.0 if glide_slope_deg is None else radians(glide_slope_deg),
+    )
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Times, and what each thrust acceleration of a control adds to velocity and position at them.
+
+    Attributes:
+        times: shape (n + 1,), from 0 to the time of flight, s.
+        velocity: shape (n + 1, m): velocity at each time for 1 m/s2 of each control, s.
+        position: shape (n + 1, m): position likewise, s2.
+        spent: shape (m, m): integral of each control up to where the thrust bounds of each control hold, s.
+        at: shape (m,): that time, s.
+    """
+
+    times: np.ndarray
+    velocity: np.ndarray
+    position: np.ndarray
+    spent: np.ndarray
+    at: np.ndarray
+
+
+def held_controls(time: float, count: int, full_time: float = 0.0) -> Grid:
+    """A grid of ``count`` controls, each held constant; the first share of them, if any, fills ``full_time``.
+
+    The bounds of a held control are those of the mass in its middle.
+    """
+    first = full_intervals(time, count, full_time)
+    edges = np.concatenate(
+        [np.linspace(0.0, full_time, first + 1)[:-1], np.linspace(full_time, time, count - first + 1)]
+        if first
+        else [np.linspace(0.0, time, count + 1)]
+    )
+    steps, middles = np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
+    before = np.tri(count + 1, count, -1)
+    velocity = before * steps
+    position = velocity * (edges[:, None] - middles)
+    return Grid(edges, velocity, position, np.tri(count, count, -1) * steps + np.diag(0.5 * steps), middles)
+
+
+def full_intervals(time: float, count: int, full_time: float) -> int:
+    """How many of ``count`` controls fill the start at full thrust."""
+    if full_time <= 0.0:
+        return 0
+    return int(np.clip(round(count * full_time / time), 1, count - 2))
+
+
+def interpolated_controls(time: float, count: int) -> Grid:
+    """A grid of ``count`` controls, thrust acceleration linear between them (first-order hold)."""
+    times = np.linspace(0.0, time, count)
+    step = times[1]
+    velocity, position = np.zeros((count, count)), np.zeros((count, count))
+    for i in range(1, count):
+        velocity[i] = velocity[i - 1]
+        position[i] = position[i - 1] + step * velocity[i - 1]
+        velocity[i, i - 1 : i + 1] += 0.5 * step
+        position[i, i - 1] += step * step / 3.0
+        position[i, i] += step * step / 6.0
+    return Grid(times, velocity, position, velocity, times)
 
 
 @dataclass(frozen=True)
@@ -225,3 +336,42 @@ def _motion(landing: Landing, grid: Grid, x: np.ndarray) -> Solution:
         bound=bound,
         mass=landing.mass * np.exp(-grid.spent @ bound / landing.exhaust_speed),
     )
+
+
+def landing_record(landing: Landing, miss_price: float = 1.0) -> np.ndarray:
+    """The ``LANDING`` record of a landing, shape (1,); ``miss_price`` 1/s: velocity worth a metre of miss."""
+    record = np.zeros(1, LANDING)
+    own = record[0]
+    own["mass"], own["exhaust_speed"], own["gravity"] = landing.mass, landing.exhaust_speed, landing.gravity
+    own["low"], own["high"], own["full"] = *landing.thrust, landing.full_thrust
+    own["position"], own["velocity"] = landing.position, landing.velocity
+    own["slope"] = tan(landing.glide_slope) if landing.glide_slope > -pi / 2.0 else -1.0
+    own["cos_tilt"] = cos(landing.tilt)
+    own["cos_last_tilt"] = cos(min(landing.tilt, landing.end_tilt))
+    own["miss_price"] = miss_price
+    return record
+
+
+def first_guess(landing: Landing, time: float) -> np.ndarray:
+    """A ``PLAN`` record, shape (1,), that holds against gravity for ``time`` s."""
+    record = np.zeros(1, PLAN)
+    plan = record[0]
+    plan["time"], plan["full_time"] = time, landing.full_time
+    plan["u"][:, 2], plan["primer_end"][2] = landing.gravity, -1.0
+    return record
+
+
+def solve_onboard(landing: Landing, time: float, most: int = 3000, miss_price: float = 1.0) -> np.ndarray:
+    """The ``PLAN`` record, shape (1,), of a landing of given time."""
+    plan = first_guess(landing, time)
+    pipg.solve(landing_record(landing, miss_price)[0], most, plan[0])
+    return plan
+
+
+def plan_onboard(landing: Landing, throttled: float, guess: float, most: int = 300) -> np.ndarray:
+    """The ``PLAN`` record, shape (1,), of a landing of free time: at least ``throttled`` s in the throttle
+    band; ``guess`` s: the first time of flight to look at.
+    """
+    plan, other = first_guess(landing, guess), np.zeros(1, PLAN)
+    search_times(landing_record(landing)[0], throttled, most, plan[0], other[0])
+    return plan

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from edl6dof.campaign.covariance.events import EventFigures
-from edl6dof.campaign.covariance.flights import figures_of
+from edl6dof.campaign.covariance.event_figures import EventFigures, figures_of
 from edl6dof.campaign.covariance.sources import Source, cases, sources
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import Progress

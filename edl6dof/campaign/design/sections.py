@@ -174,7 +174,7 @@ class FaultMatrixParams(Params):
 
 
 class CampaignFile(Params):
-    """What a scenario file says about flying it many times."""
+    """Sections of a scenario file about flying it many times."""
 
     campaign: CampaignParams | None = param(None, "dispersed flights")
     sweep: SweepParams | None = param(None, "flights on a grid")

@@ -1,12 +1,14 @@
-"""Where the vehicle is at t = 0 and how it moves, in planet-fixed axes."""
+"""Landing site and initial state of a scenario, in planet-fixed axes."""
 
 from __future__ import annotations
 
 from math import radians
 
+import numpy as np
+
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.elementary import atan2, cos, hypot, sin
-from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
+from edl6dof.spatial.frames import fill_local_frame, from_geodetic, ned_to_fixed
 
 #: Position (m) and velocity relative to the planet (m/s), in F.
 Start = tuple[float, float, float, float, float, float]
@@ -35,3 +37,11 @@ def vertical_axes(scenario: Scenario) -> tuple[float, float, float, float]:
         )
         vertical = atan2(z, hypot(x, y))
     return sin(vertical), cos(vertical), sin(lon), cos(lon)
+
+
+def fill_site(frame: np.void, scenario: Scenario) -> None:
+    """Fill the ``LOCAL_FRAME`` record of the landing site."""
+    terrain, planet = scenario.terrain, scenario.planet
+    latitude, longitude = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+    altitude = scenario.site_areoid_m + terrain.site_elevation_m
+    fill_local_frame(frame, planet.equatorial_radius_m, planet.flattening, latitude, longitude, altitude)

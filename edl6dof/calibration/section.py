@@ -13,8 +13,8 @@ from edl6dof.config.wording import counted
 
 
 class Prior(Params):
-    """What is known of a parameter before the flight is looked at, in the unit of the parameter: normal, cut
-    at its bounds.
+    """Prior knowledge of a parameter, before the flight is looked at, in the unit of the parameter: normal,
+    cut at its bounds.
     """
 
     mean: float = param(REQUIRED, "most likely value")

@@ -1,4 +1,4 @@
-"""What drives a figure: groups of inputs told from chance, and the share of its variance that each explains.
+"""Drivers of a figure: groups of inputs distinguished from chance, and the share of variance each explains.
 
 Made for many inputs and few flights.  Figure and inputs enter by their normal scores, so that a few odd
 flights and the shapes of distributions do not decide.  Groups are taken up one after the other, each time
@@ -63,7 +63,7 @@ class Driver:
 
 @dataclass(frozen=True)
 class Drivers:
-    """What is told of a figure.
+    """Drivers found for a figure.
 
     Attributes:
         flights: that have the figure.
@@ -83,7 +83,7 @@ class Drivers:
 
 @dataclass(frozen=True)
 class _Inputs:
-    """What the flights that have a figure tell of their inputs, formed once for all figures of these flights.
+    """Inputs of the flights that have a figure, formed once for all figures of these flights.
 
     Attributes:
         scores: normal scores of each group, shape (n, inputs of the group).
@@ -225,7 +225,7 @@ def _with_figure(inputs: _Inputs, target: np.ndarray) -> np.ndarray:
 
 
 def _explained(rest: np.ndarray, own: np.ndarray) -> float:
-    """What some regressors explain of the figure, the last row."""
+    """Return the share of the figure, the last row, that some regressors explain."""
     return float(np.sum((rest[-1, own] @ _whitening(rest[np.ix_(own, own)])) ** 2))
 
 
