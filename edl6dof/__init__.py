@@ -13,13 +13,23 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
-from edl6dof.api.many import calibrate, campaign, faults, refly, verify
-from edl6dof.api.one import fly, load, open_run, replay, report
+from edl6dof.api.functions import (
+    calibrate,
+    campaign,
+    faults,
+    fly,
+    load,
+    open_run,
+    refly,
+    replay,
+    report,
+    verify,
+)
 from edl6dof.api.packages import stay_callable
 
 if TYPE_CHECKING:
-    from edl6dof.api.campaigns import CampaignResult
-    from edl6dof.api.flights import Flight, RecordedFlight
+    from edl6dof.api.campaign import CampaignResult
+    from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.simulation import Simulation
     from edl6dof.config.errors import ConfigError
     from edl6dof.scenario.loading import LoadedScenario
@@ -46,11 +56,11 @@ __all__ = [
 
 #: Modules of the classes, which are loaded when they are asked for.
 _CLASSES = {
-    "CampaignResult": "edl6dof.api.campaigns",
+    "CampaignResult": "edl6dof.api.campaign",
     "ConfigError": "edl6dof.config.errors",
-    "Flight": "edl6dof.api.flights",
+    "Flight": "edl6dof.api.flight",
     "LoadedScenario": "edl6dof.scenario.loading",
-    "RecordedFlight": "edl6dof.api.flights",
+    "RecordedFlight": "edl6dof.api.flight",
     "Simulation": "edl6dof.api.simulation",
 }
 

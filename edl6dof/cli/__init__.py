@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import atexit
-import gc
 import os
 import sys
+import traceback
 
 from edl6dof.cli.campaigns import campaign, faults, refly
 from edl6dof.cli.covariance import covariance
-from edl6dof.cli.design import design
+from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
+from edl6dof.cli.exit_status import DEFECT
 from edl6dof.cli.group import Command, app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
 
 
-def version() -> None:
+def version() -> int:
     """Print the version."""
     from edl6dof import __version__
 
     print(__version__)
+    return 0
 
 
 #: In the order of the help.
@@ -38,26 +39,13 @@ def main() -> None:
     """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its
     own.
     """
-    # what a command loads lives to its end; to search it for cycles of garbage all the time takes a seventh
-    # of a short one, and once more as it ends, half a second
-    gc.set_threshold(20_000, 20, 20)
-    atexit.register(gc.freeze)
     # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
     # long as they compute, and the last digits would follow from their number
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         app(prog_name="edl6dof")
     except Exception:
-        import traceback
-
-        from edl6dof.app.exit_status import DEFECT
-
         traceback.print_exc()
-        print(
-            (
-                "edl6dof: this is a defect of the program, not of what you gave it; please report it with "
-                "these lines"
-            ),
-            file=sys.stderr,
-        )
+        words = "this is a defect of the program, not of what you gave it; please report it with these lines"
+        print(f"edl6dof: {words}", file=sys.stderr)
         sys.exit(DEFECT)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from edl6dof.metrics.at_events import event_figures
@@ -17,13 +15,11 @@ from edl6dof.metrics.hazard import hazard_figures
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.relaxation import relaxation_figures
 from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.telemetry.timeline import first_times, moments
 
-if TYPE_CHECKING:
-    from edl6dof.sim.flight import Flight
 
-
-def figures_of(flight: Flight) -> dict[str, float]:
+def figures_of(flight: FlightRecords) -> dict[str, float]:
     """Figures by name with unit suffix."""
     scenario, truth, plant = flight.scenario, flight.loaded.truth, flight.plant[0]
     happened = first_times(moments(plant, flight.fsw[0], scenario.mission, scenario.vehicle))
@@ -46,7 +42,7 @@ def figures_of(flight: Flight) -> dict[str, float]:
         return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
 
 
-def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+def _hazard(flight: FlightRecords, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
     """What hazard detection did and what it kept away from; empty without it."""
     if flight.scenario.flight_software.hazard.detection == "given":
         return {}
@@ -56,7 +52,7 @@ def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -
     )
 
 
-def _deployment(flight: Flight, figures: dict[str, float]) -> dict[str, float]:
+def _deployment(flight: FlightRecords, figures: dict[str, float]) -> dict[str, float]:
     """Miss of the aim point where the parachute opened; empty without a mortar or without entry guidance."""
     phases = flight.scenario.mission.phases
     if "parachute_s" not in figures or all(phase.guidance != "entry" for phase in phases):
