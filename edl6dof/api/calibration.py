@@ -20,7 +20,7 @@ from edl6dof.report.numbers import significant
 def found_by(
     calibration: Calibration, scenario: str, progress: Callable[[int, int], None] | None = None
 ) -> Findings:
-    """What a calibration finds; ``progress`` is called with the flights flown, and with how many there are.
+    """Fit a calibration; ``progress`` is called with the flights flown, and with how many there are.
 
     Raises:
         ConfigError: too few of its flights came to every figure.

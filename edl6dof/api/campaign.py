@@ -44,7 +44,7 @@ Watch = Callable[[int], AbstractContextManager[run.Report | None]]
 
 @dataclass(frozen=True, repr=False)
 class CampaignResult:
-    """What a campaign, a sweep or a matrix of faults came to.
+    """Result of a campaign, a sweep or a matrix of faults.
 
     Attributes:
         summary: successes, causes of failures, what flew them.
@@ -175,7 +175,7 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """What flies, one of :data:`ENGINES`; how many workers, and the address of a scheduler."""
+    """An engine, one of :data:`ENGINES`; how many workers, and the address of a scheduler."""
 
     name: str = "threads"
     workers: int | None = None

@@ -58,7 +58,7 @@ class Flight(sim.Flight, FlightResults):
         return describe(name)[0]
 
     def meaning(self, name: str) -> str:
-        """What a channel means."""
+        """Meaning of a channel."""
         return describe(name)[1]
 
     def save(self, folder: str | Path, *, replay: bool = True, force: bool = False) -> Path:
@@ -116,7 +116,7 @@ class RecordedFlight(FlightResults):
 
     @property
     def success(self) -> bool:
-        """Whether it reached the goal of the mission within all limits."""
+        """True if it reached the goal of the mission within all limits."""
         return self._run.summary["success"]
 
     @property
@@ -170,7 +170,7 @@ class RecordedFlight(FlightResults):
 
     @property
     def landing_map(self) -> LandingMap | None:
-        """What the lander saw of the ground and chose on it; ``None`` without a scan."""
+        """The ground as the lander saw it, and the spot it chose; ``None`` without a scan."""
         return self._run.landing_map
 
     @cached_property
@@ -188,7 +188,7 @@ class RecordedFlight(FlightResults):
         return self._run.unit(name)
 
     def meaning(self, name: str) -> str:
-        """What a channel means."""
+        """Meaning of a channel."""
         return self._run.meaning(name)
 
 

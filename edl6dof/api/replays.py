@@ -185,7 +185,7 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
 def _cut(
     recording: Path, start_s: float | None, end_s: float | None, length_s: float | None, fps: float
 ) -> film.Cut:
-    """What the film shows: the whole flight, in no more than a minute, where nothing else was asked for."""
+    """Cut the film: the whole flight, in no more than a minute, where nothing else was asked for."""
     first = recorded_span(recording)[0] if start_s is None else start_s
     first, last = _time(recording, "--from", first), _time(recording, "--to", end_s)
     if first >= last:

@@ -48,7 +48,7 @@ class FlightResults(ABC):
     @property
     @abstractmethod
     def success(self) -> bool:
-        """Whether it reached the goal of the mission within all limits."""
+        """True if it reached the goal of the mission within all limits."""
 
     @property
     @abstractmethod
@@ -81,7 +81,7 @@ class FlightResults(ABC):
 
     @abstractmethod
     def meaning(self, name: str) -> str:
-        """What a channel means."""
+        """Meaning of a channel."""
 
     def __repr__(self) -> str:
         rows = len(self.telemetry["t_s"])

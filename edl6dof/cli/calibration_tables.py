@@ -1,4 +1,4 @@
-"""What a calibration found: parameters, figures, slopes and correlations."""
+"""Tables of a calibration: parameters, figures, slopes and correlations."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _figures(found: Findings) -> Table:
 
 
 def _slopes(found: Findings, letters: Sequence[str]) -> Table:
-    """What each figure says about each parameter."""
+    """Tabulate the slope of each figure with each parameter."""
     table = open_table(
         "Change of each figure with one prior sigma of",
         "figure",

@@ -97,7 +97,7 @@ def _going_on(store: Store, command: str) -> str:
 
 
 def _standing(store: Store, plan: Plan, command: str) -> str:
-    """What has become of a new campaign that was stopped."""
+    """Say what has become of a new campaign that was stopped."""
     if store.is_half_begun:
         return f"{store.folder} was being begun or replaced; begin it anew with --force"
     with suppress(StoreError):

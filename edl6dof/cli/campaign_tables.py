@@ -1,4 +1,4 @@
-"""What a campaign came to, and two beside each other, on standard output."""
+"""The result of a campaign on standard output."""
 
 from __future__ import annotations
 

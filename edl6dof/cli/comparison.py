@@ -1,4 +1,4 @@
-"""Two flights, or two campaigns, beside each other."""
+"""Comparison of two flights, or of two campaigns."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _show_differences(
 
 
 def _show_campaigns(result: Comparison) -> None:
-    """Print two campaigns beside each other."""
+    """Print a comparison of two campaigns."""
     console = Console(highlight=False, soft_wrap=True)
     a, b = result.names
     both, only_a, only_b, neither = result.counts

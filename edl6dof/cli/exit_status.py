@@ -9,7 +9,6 @@ from pathlib import Path
 from traceback import extract_tb
 
 from edl6dof.config.errors import ConfigError, refusal
-from edl6dof.runs.needing import needing_channels, other_versions
 
 #: The flight, or what was to be shown by flights, is not within its limits.
 NOT_WITHIN_LIMITS = 1
@@ -41,6 +40,8 @@ def refusing_damage(*folders: Path) -> Iterator[None]:
     Raises:
         ConfigError: with the place in this program that could not go on.
     """
+    from edl6dof.runs.needing import needing_channels, other_versions
+
     try:
         with needing_channels(*folders):
             yield

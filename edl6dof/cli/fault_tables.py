@@ -73,7 +73,7 @@ def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) ->
 
 
 def _fits(rows: Sequence[Row]) -> bool:
-    """Whether a matrix, of one flight in each cell, can be read in a terminal."""
+    """Say if a matrix, of one flight in each cell, can be read in a terminal."""
     components, moments = ({row[name] for row in rows} for name in ("component", "moment"))
     one_each = len(rows) <= len(components) * len(moments)
     return one_each and len(moments) <= _COLUMNS and len(components) <= _ROWS

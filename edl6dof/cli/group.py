@@ -19,7 +19,7 @@ class Command(TyperCommand):
     """A command whose help calls an argument as its reader does: ``RUN``, and not ``{RUN} <list[Path]>``."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
-        """What stands behind ``Usage: edl6dof NAME``."""
+        """Return the words behind ``Usage: edl6dof NAME``."""
         pieces = [_called(one) if one.required else f"[{_called(one)}]" for one in self._arguments()]
         return [self.options_metavar or "", *pieces]
 

@@ -1,4 +1,4 @@
-"""What files hold: mistakes, parameters, the shipped scenarios; plugins, and the consent to run them."""
+"""Scenario files: their mistakes, parameters, those that are shipped; plugins, and the consent to run them."""
 
 from __future__ import annotations
 

@@ -121,7 +121,7 @@ def _table(experiment: str, findings: Iterable[Finding]) -> Table:
 
 
 def _figure(finding: Finding) -> Group:
-    """What a figure is, and below it what a reader must know to compare it."""
+    """Name a figure, and say below it what a reader must know to compare it."""
     note = [Padding(Text(finding.note, style="dim"), (0, 0, 0, 2))] if finding.note else []
     return Group(Text(finding.label), *note)
 
@@ -136,7 +136,7 @@ def _causes(report: Report) -> list[str]:
 
 
 def _outcome(report: Report) -> str:
-    """What stands under the table: figures that are not as the study says, else how many hold."""
+    """Say under the table which figures are not as the study says, else how many hold."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
         return f"broken: {', '.join(missed)}"
     explained = sum(bool(finding.why) for finding in report.findings)
@@ -229,7 +229,7 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
-    """Whether a requirement is kept; of a flown value computed less published, and whether that is
+    """Say if a requirement is kept; of a flown value computed less published, and if that is
     reproduced.
     """
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
