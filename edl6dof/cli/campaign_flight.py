@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import TextColumn
 
 from edl6dof.api.campaign import EngineChoice, Watch, fly_new
 from edl6dof.api.campaign import go_on as go_on_with
@@ -19,7 +18,7 @@ from edl6dof.campaign.storage.store import Store
 from edl6dof.cli.campaign_tables import show
 from edl6dof.cli.exit_status import INTERRUPTED, refuse
 from edl6dof.cli.fault_tables import show_matrix
-from edl6dof.cli.progress import announce_compiling
+from edl6dof.cli.progress import count_runs
 
 
 def fly_plan(
@@ -114,54 +113,22 @@ def _show(plan: Plan, store: Store, quiet: bool, as_json: bool) -> int:
 
 
 def _watch(silent: bool) -> Watch:
-    """Says that the simulator has to be compiled, if it has, and shows the progress."""
+    """Show progress and success so far; a line at every tenth where stderr is no terminal."""
 
     @contextmanager
-    def watch(total: int) -> Iterator[Report | None]:
-        announce_compiling(not silent)
-        with _progress(not silent, total) as report:
+    def watch(total: int) -> Iterator[Report]:
+        with count_runs("campaign", silent, TextColumn("{task.fields[words]}")) as count:
+            lines = not silent and not sys.stderr.isatty()
+            tenth = 0
+
+            def report(tally: Tally) -> None:
+                nonlocal tenth
+                words = f"{tally.rate:.1f}/s, success {tally.success}"
+                count(tally.flown, tally.total, words)
+                if lines and 10 * tally.flown // tally.total > tenth:
+                    tenth = 10 * tally.flown // tally.total
+                    print(f"{tally.flown} of {tally.total}, {words}", file=sys.stderr, flush=True)
+
             yield report
 
     return watch
-
-
-@contextmanager
-def _progress(talk: bool, total: int) -> Iterator[Report | None]:
-    """Show progress with rate, time left, and success so far; a line at every tenth where stderr is no
-    terminal.
-    """
-    console = Console(stderr=True)
-    if not talk:
-        yield None
-        return
-    if not console.is_terminal:
-        yield _lines()
-        return
-    columns = (
-        BarColumn(bar_width=24),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]:6.1f}/s"),
-        TimeRemainingColumn(),
-        TextColumn("success {task.fields[success]}"),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("fly", total=total, rate=0.0, success="")
-        yield lambda tally: bar.update(
-            task, completed=tally.flown, rate=tally.rate, success=str(tally.success)
-        )
-
-
-def _lines() -> Report:
-    shown = [0]
-
-    def report(tally: Tally) -> None:
-        tenth = 10 * tally.flown // tally.total
-        if tenth > shown[0]:
-            shown[0] = tenth
-            print(
-                f"{tally.flown} of {tally.total}, {tally.rate:.1f}/s, success {tally.success}",
-                file=sys.stderr,
-                flush=True,
-            )
-
-    return report

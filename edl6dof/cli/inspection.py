@@ -1,4 +1,4 @@
-"""Scenario files: their mistakes, parameters, those that are shipped; plugins, and the consent to run them."""
+"""Scenario files: their mistakes, parameters, the shipped ones; plugins, and the consent to run them."""
 
 from __future__ import annotations
 

@@ -62,22 +62,20 @@ class _Rate(ProgressColumn):
 
 
 @contextmanager
-def count_runs(name: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
+def count_runs(name: str, quiet: bool, rate: ProgressColumn | None = None) -> Iterator[Callable[..., None]]:
     """Count runs, with rate and time left; announce that the first flight has to be compiled.
 
-    Yields what is to be called with the runs done and the runs in all.
+    Yields what is to be called with the runs done, the runs in all, and the words of a column that stands for
+    the rate.
     """
     announce_compiling(not quiet)
     console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=24),
-        MofNCompleteColumn(),
-        _Rate(),
-        TimeRemainingColumn(),
-    )
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), MofNCompleteColumn())
     with Progress(
-        *columns, console=console, transient=True, disable=quiet or not console.is_terminal
+        *(*columns, rate or _Rate(), TimeRemainingColumn()),
+        console=console,
+        transient=True,
+        disable=quiet or not console.is_terminal,
     ) as progress:
-        task = progress.add_task(name, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+        task = progress.add_task(name, total=None, words="")
+        yield lambda done, total, words="": progress.update(task, completed=done, total=total, words=words)

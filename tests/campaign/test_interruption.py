@@ -52,7 +52,7 @@ def file(tmp_path, monkeypatch):
         pytest.param(run, "differences", marks=pytest.mark.long),
         (run, "parse_plan"),
         pytest.param(store.Store, "tidy", marks=pytest.mark.long),
-        pytest.param(campaign_flight, "announce_compiling", marks=pytest.mark.long),
+        pytest.param(campaign_flight, "count_runs", marks=pytest.mark.long),
         (executor.CaseRunner, "prepared"),
         pytest.param(store.Store, "finish", marks=pytest.mark.long),
     ],
@@ -90,9 +90,8 @@ def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, 
     assert not Path("runs").exists()
 
 
-@pytest.mark.parametrize("name", ["announce_compiling", "_progress"])
-def test_new_campaign_is_interrupted_when_it_has_begun(file, monkeypatch, name):
-    monkeypatch.setattr(campaign_flight, name, interrupt)
+def test_new_campaign_is_interrupted_when_it_has_begun(file, monkeypatch):
+    monkeypatch.setattr(campaign_flight, "count_runs", interrupt)
     assert command("campaign", file) == (130, GO_ON)
     assert Store(Path("runs/drops")).plan_text == load_plan(file).text
 
