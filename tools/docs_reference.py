@@ -145,12 +145,14 @@ def telemetry_page() -> str:
 
 def figures_page() -> str:
     """Every figure of merit."""
-    from edl6dof.metrics.figures import FIGURES
+    from edl6dof.metrics.figures import BALANCES, FIGURES
 
     body = [
         (f"`{f.name}`", f.unit.label, f.meaning, f.source, f"`limits.{f.limit}`" if f.limit else "")
         for f in FIGURES
+        if f not in BALANCES
     ]
+    body += [(f"`{f.name}`", f.unit.label, f.meaning, f.source, f"{f.allowed:g}, always") for f in BALANCES]
     return (
         "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's "
         "`cases.parquet`, and the names that `published` takes. A figure of an event that a mission does "

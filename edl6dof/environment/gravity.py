@@ -158,6 +158,32 @@ def _harmonics_F(g, x, y, z):
     return scale(g.mu / (radius * radius), (ax, ay, az))
 
 
+#: Nodes and weights of Gauss and Legendre on 0 .. 1, exact up to degree 13.
+_NODES = (
+    *(0.025446043828620757, 0.12923440720030277, 0.2970774243113014, 0.5),
+    *(0.7029225756886985, 0.8707655927996972, 0.9745539561713792),
+)
+_WEIGHTS = (
+    *(0.06474248308443485, 0.13985269574463832, 0.19091502525255946, 0.20897959183673470),
+    *(0.19091502525255946, 0.13985269574463832, 0.06474248308443485),
+)
+
+
+@kernel
+def potential_F(g, x, y, z):
+    """Potential (J/kg, zero at infinity) of the field at ``x, y, z`` (m, F): its gradient is the gravitation.
+
+    The central term in closed form; of the rest the integral of the radial component inwards from infinity,
+    which in the inverse of the radius is a polynomial of the field's degree, at most 12.
+    """
+    found = 0.0 if g.model == NONE else g.mu / sqrt(x * x + y * y + z * z)
+    for k in range(len(_NODES)):
+        u = _NODES[k]
+        a = noncentral_F(g, x / u, y / u, z / u)
+        found -= _WEIGHTS[k] * (a[0] * x + a[1] * y + a[2] * z) / (u * u)
+    return found
+
+
 def coefficients_path(name: str) -> Path:
     """The harmonics file that a name means: one of edl6dof/data/gravity, or an absolute path."""
     return _DATA / name

@@ -12,7 +12,7 @@ import numpy as np
 from edl6dof.config.units import split_unit
 from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun
 from edl6dof.metrics.extremes import CALM, EXTREMES, SWINGS, role_rows
-from edl6dof.metrics.figures import LIMITS
+from edl6dof.metrics.figures import BALANCES, LIMITS, figure_of_merit
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
@@ -39,14 +39,31 @@ class Check:
         """Whether the limit is kept; a value that could not be formed does not keep it."""
         return bool(self.value <= self.limit)
 
+    @property
+    def of_balance(self) -> bool:
+        """Whether it judges the simulator and not the mission."""
+        return figure_of_merit(self.figure).source == "balance"
+
+    @property
+    def told(self) -> str:
+        """What stands for it in the outcome: a broken balance with its numbers."""
+        unit = f" {self.unit}" if self.unit else ""
+        return (
+            f"{self.label}: {self.value:.1e}, limit {self.limit:g}{unit}" if self.of_balance else self.label
+        )
+
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that is set and whose point this flight reached."""
-    return [
-        Check(figure.name, figure.meaning, figures[figure.name], limit, figure.unit.label)
-        for figure in LIMITS
-        if figure.name in figures and (limit := getattr(limits, figure.limit)) is not None
+    """Every limit that is set and whose point this flight reached, and every balance that it does not
+    keep.
+    """
+    bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
+    found = [
+        Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label)
+        for figure, bound in (*bounds, *((figure, figure.allowed) for figure in BALANCES))
+        if figure.name in figures and bound is not None
     ]
+    return [check for check in found if not (check.of_balance and check.ok)]
 
 
 def metrics(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.metrics.at_events import event_figures
+from edl6dof.metrics.balance import balance_figures
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import diagnosis_figures
 from edl6dof.metrics.drift import drift_figures
@@ -31,6 +32,7 @@ def figures_of(flight: FlightRecords) -> dict[str, float]:
         figures |= event_figures(flight.telemetry, scenario.published, done)
         figures |= peak_figures(plant, flight.peaks[0], happened)
         figures |= relaxation_figures(flight.fsw[0]["guidance"]["relaxed"])
+        figures |= balance_figures(flight.case, flight.plant)
         figures |= touchdown_state(flight.case, flight.plant)
         figures |= footing_figures(flight.case, flight.tables, flight.plant, flight.outputs)
         figures |= diagnosis_figures(

@@ -25,7 +25,7 @@ _EXPONENT, _LOWEST, _SIGN = (
 
 
 #: Fields of the state that follow from the outputs.
-_FROM_OUTPUTS = ("inputs",)
+_FROM_OUTPUTS = ("inputs", "balance")
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.  Images are finite whatever the vehicle does: an eye that meets nothing reads 0.

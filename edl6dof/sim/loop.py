@@ -14,6 +14,7 @@ from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.mass import compose
+from edl6dof.vehicle.motion.balance import open_balance
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.peaks import update_peaks
 from edl6dof.vehicle.motion.rest import note_motion
@@ -25,9 +26,10 @@ run_software = on_its_own(NOTHING)(run)
 
 @kernel
 def prepare(cases, plants):
-    """Make the mass properties of a plant those of the parts it has."""
+    """Make the mass properties of a plant those of the parts it has, and open its balance."""
     case, plant = cases[0], plants[0]
     compose(case, plant)
+    open_balance(case, plant)
 
 
 @kernel
@@ -36,7 +38,9 @@ def take_up(cases, plants, memories):
     have changed since.
     """
     case, plant = cases[0], plants[0]
+    dry = plant.dry.mass
     compose(case, plant)
+    plant.balance.mass += plant.dry.mass - dry
     memories[0].effectiveness.of = 0
 
 

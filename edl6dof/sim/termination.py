@@ -57,11 +57,15 @@ def termination(flight: FlightRecords, figures: Mapping[str, float], checks: Seq
     missed = [check for check in checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
         return Termination(True, True, words + (within if checks else ""), "")
-    told, plain = reasons(flight, figures, missed)
+    of_mission = [check for check in missed if not check.of_balance]
+    # nothing that happened to the vehicle unbalances its flight
+    told, plain = ("", "") if missed and not of_mission else reasons(flight, figures, of_mission)
     if missed:
-        limits = ", ".join(check.label for check in missed)
+        limits, labels = (
+            ", ".join(each) for each in zip(*((one.told, one.label) for one in missed), strict=True)
+        )
         return Termination(
-            False, True, f"{words} outside limits ({limits}){told}", f"outside limits: {limits}{plain}"
+            False, True, f"{words} outside limits ({limits}){told}", f"outside limits: {labels}{plain}"
         )
     head, figure = _what(flight, figures)
     where = f" in phase {_phase(flight)}"

@@ -139,6 +139,23 @@ PEAKS = np.dtype(
     align=True,
 )
 
+#: Start of a flight, and what its state has been given since, summed up along it
+#: (:mod:`edl6dof.vehicle.motion.balance`).
+BALANCE = np.dtype(
+    [
+        # at the start, t = 0
+        ("mass", "f8"),
+        ("r_I", "f8", (3,)),
+        ("v_I", "f8", (3,)),
+        # since
+        ("velocity", "f8", (3,)),  # m/s, I: by forces and separations
+        ("separations", "f8"),  # m/s: momentum that was missing after them, sum of the magnitudes
+        ("work", "f8"),  # J/kg: by all forces but gravitation, likewise
+        ("lost", "f8"),  # kg: propellant used, and parts that have left
+    ],
+    align=True,
+)
+
 #: What the derivative is given beside time and state, laid down for a step
 #: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
 INPUTS = np.dtype(
@@ -212,6 +229,7 @@ STATE = np.dtype(
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
+        ("balance", BALANCE),
         ("eyes", EYES_TOLD),  # what landing camera, lidar and stereo cameras are told
     ],
     align=True,
@@ -230,6 +248,11 @@ WORKSPACE = np.dtype(
         ("velocity_gain0", "f8", (3,)),
         ("branch_used0", "f8", (MAX_BRANCHES,)),
         ("t_failed", "f8"),  # end of a step that failed
+        ("thrust", "f8", (MAX_ENGINES,)),  # N: of each engine, mean of the step
+        # what the step adds to the balance, by the same names
+        ("velocity", "f8", (3,)),
+        ("work", "f8"),
+        ("lost", "f8"),
     ],
     align=True,
 )

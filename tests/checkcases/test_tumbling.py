@@ -20,7 +20,7 @@ PLANTED = [
             "vehicle.aero.model=constant",
             (
                 "vehicle.aero.constant={roll_damping: -1, pitch_damping: -1, yaw_damping: -1, "
-                "reference_area_m2: 9, span_m: 3, chord_m: 3}"
+                "drag_coefficient: 0, reference_area_m2: 9, span_m: 3, chord_m: 3}"
             ),
             "wind.model=constant",
             "wind.constant.east_m_s=100",

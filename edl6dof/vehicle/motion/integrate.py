@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import put3, take3
+from edl6dof.vehicle.motion.balance import bodies, book, settle
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step
 from edl6dof.vehicle.motion.staging import carry_out
 from edl6dof.vehicle.motion.state_events import carry_out_state_events, until_event
@@ -121,6 +122,7 @@ def advance(case, tables, plant, outputs, work, t_end):
             come, succeeded = step_to_event(case, tables, plant, outputs, work, stop)
             if not succeeded:
                 return False
+            book(plant, work)
             if come:
                 carry_out_state_events(case, plant, outputs)
                 evaluate(case, tables, plant, outputs, work)
@@ -131,7 +133,9 @@ def advance(case, tables, plant, outputs, work, t_end):
             if event >= 0:
                 plant.due[event] = 1e99
                 plant.done[event] = due
+                before = bodies(case, plant)
                 carry_out(case, plant, event)
+                settle(case, plant, outputs, before)
             evaluate(case, tables, plant, outputs, work)
         if event < 0:
             return True

@@ -19,6 +19,7 @@ from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
+from edl6dof.vehicle.motion.balance import rates, weigh
 from edl6dof.vehicle.motion.body import derivatives, motion
 from edl6dof.vehicle.motion.footing import lay_footing
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
@@ -134,9 +135,21 @@ def halfway(y, h):
 
 
 @kernel
+def first_stage(case, tables, plant, outputs, work):
+    """Derivative of the present state under the inputs of the step, into ``work.k[0]``, from the loads in
+    ``outputs``.
+    """
+    y, k1 = plant.y, work.k[0]
+    if case.dynamics == POINT_MASS:  # a new bank command turns it, and its loads, at once
+        rotation = planet_rotation(case.planet, plant.t)
+        derivatives(case, tables, plant, plant.t, rotation, y, outputs, k1)
+    else:
+        motion(case, plant, plant.t, y, outputs, k1)
+
+
+@kernel
 def rk4(case, tables, plant, outputs, work, middle, end, t_end):
-    """Advance ``plant.y`` from ``plant.t`` to ``t_end`` (s), from the loads in ``outputs``, which belong to
-    the present state.
+    """Advance ``plant.y`` from ``plant.t`` to ``t_end`` (s), from its derivative ``work.k[0]``.
 
     ``middle`` and ``end`` are the rotation of the planet in the middle of the step and at its end.
     """
@@ -147,10 +160,6 @@ def rk4(case, tables, plant, outputs, work, middle, end, t_end):
     k1, k2, k3, k4 = k[0], k[1], k[2], k[3]
     t = plant.t
     h = t_end - t
-    if case.dynamics == POINT_MASS:  # a new bank command turns it, and its loads, at once
-        derivatives(case, tables, plant, t, planet_rotation(case.planet, t), y, outputs, k1)
-    else:
-        motion(case, plant, t, y, outputs, k1)
     for i in range(n):
         stage[i] = y[i] + 0.5 * h * k1[i]
     derivatives(case, tables, plant, t + 0.5 * h, middle, stage, outputs, k2)
@@ -193,6 +202,8 @@ def step(case, tables, plant, outputs, work, t_end):
     end = planet_rotation(case.planet, t_end)
     lay_down_inputs(case, plant, middle, h)
     v, q, g = take3(plant.y, VELOCITY), take_attitude(plant.y), take3(outputs.gravity_I, 0)
+    first_stage(case, tables, plant, outputs, work)
+    begun = rates(case, plant, outputs)
     rk4(case, tables, plant, outputs, work, middle, end, t_end)
     plant.t = t_end
     if not finite(plant.y):
@@ -207,6 +218,7 @@ def step(case, tables, plant, outputs, work, t_end):
     felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), fell))
     gained = add(to_frame(q, felt), to_frame(take_attitude(plant.y), felt))
     put3(plant.velocity_gain, 0, add(take3(plant.velocity_gain, 0), gained))
+    weigh(case, plant, work, h, begun, rates(case, plant, outputs))
     return True
 
 

@@ -111,14 +111,18 @@ def release(case, plant, index):
 
 @kernel
 def jettison(case, plant, index):
-    """Push a part off; a canopy that hangs from it goes with it and adds its drag."""
+    """Push a part off; a canopy that hangs from it goes with it and adds its drag, or alone while its lines
+    are not yet taut.
+    """
     if plant.attached[index] == 0:
         return
     v, part = case.vehicle.parts[index].separation_velocity, plant.debris[index]
     separate(case, plant, index, (v[0], v[1], v[2]))
     if case.suspension[plant.parachute].carrier != index:
         return
-    if plant.canopy == INFLATING:
+    if plant.canopy == EXTRACTING:
+        release(case, plant, plant.parachute)
+    elif plant.canopy == INFLATING:
         part.drag_area += canopy_area(case, plant)
         # part and canopy go on together: their common momentum
         canopy = case.vehicle.parts[case.suspension[plant.parachute].pack].mass

@@ -14,9 +14,10 @@ from rich.console import Console
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
+from edl6dof.metrics.balance import balance_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, failed_thrusters
 from edl6dof.metrics.evaluation import checks, peak_figures
-from edl6dof.metrics.figures import FIGURES, LIMITS, figure_of_merit
+from edl6dof.metrics.figures import BALANCES, FIGURES, LIMITS, figure_of_merit
 from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.metrics.touchdown import touchdown_state
@@ -69,10 +70,11 @@ def test_every_figure_that_flights_produce_is_declared_and_the_other_way_round(n
 def test_figures_come_from_where_the_table_says(nominal, faulty, rough):
     by_source = {
         source: {figure.name for figure in FIGURES if figure.source == source}
-        for source in ("peaks", "contact", "footing", "diagnosis")
+        for source in ("peaks", "contact", "footing", "diagnosis", "balance")
     }
     assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
+    assert balance_figures(nominal.case, nominal.plant).keys() == by_source["balance"]
     footing = footing_figures(rough.case, rough.tables, rough.plant, rough.outputs)
     assert footing.keys() == by_source["footing"] | {"touchdown_slope_deg"}
     truth = faulty.loaded.truth
@@ -209,6 +211,7 @@ def test_a_mission_is_judged_by_no_limit_that_it_does_not_set():
     """The limits of Tianwen-1 are no one else's: a probe on Titan is not held to its parachute."""
     assert {LimitParams().model_dump()[figure.limit] for figure in LIMITS} == {None}
     landing = edl6dof.load("titan_probe", ["mission.goal=landing"]).scenario
-    assert checks(landing.limits, dict.fromkeys(DECLARED, 1e9)) == []
+    others = DECLARED - {figure.name for figure in BALANCES}
+    assert checks(landing.limits, dict.fromkeys(others, 1e9)) == []
     free = [f"limits.{figure.limit}=null" for figure in LIMITS]
     assert edl6dof.fly("tianwen1", free).outcome == "landed"

@@ -109,7 +109,7 @@ def test_the_peak_tension_is_drag_times_the_opening_load_factor_once_nothing_is_
     """
     stated = edl6dof.load("tianwen1").scenario.vehicle.main_parachute.disk_gap_band.dynamic_load_factor
     once = "disk_gap_band.dynamic_load_factor=1"
-    phases = [f"area_oscillation_frequency_hz={f}" for f in (2.6, 3.0, 3.4)]
+    phases = [f"area_oscillation_frequency_hz={f}" for f in (2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.4)]
     moved = [peak_over_drag("area_oscillates=always", once, phase) for phase in phases]
     assert 1.05 * FACTOR < max(moved) < 1.25 * FACTOR and 0.85 * FACTOR < min(moved) < FACTOR
     one = peak_over_drag("area_oscillates=open", once, phases[0])
