@@ -8,9 +8,16 @@
 What the command line does, each of these functions does and returns as an object; see docs/python.md.
 """
 
+# ruff: noqa: E402  the current folder leaves the path before anything is imported
+
 from __future__ import annotations
 
 import sys
+
+_STARTED_HERE = sys.argv[:1] == ["-m"] and "edl6dof" in sys.orig_argv and not sys.flags.safe_path
+if _STARTED_HERE and __path__[0].removesuffix("edl6dof")[:-1] != sys.path[0]:
+    del sys.path[0]  # the current folder, of ``python -m edl6dof``: it may hold a yaml.py of somebody else's
+
 from typing import TYPE_CHECKING, Any
 
 from edl6dof.api.functions import (

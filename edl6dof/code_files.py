@@ -46,8 +46,12 @@ class CodeFiles:
         """
         path = self._path(key)
         try:
-            content = path.read_bytes()
+            with path.open("rb") as file:
+                owner, content = os.fstat(file.fileno()).st_uid, file.read()
         except OSError:
+            return None
+        if owner not in trusted_users():
+            say_once(f"machine code in {self._folder} is another user's; it is not loaded")
             return None
         code = memoryview(content)[_CHECKSUM_BYTES:]
         try:
@@ -95,6 +99,15 @@ class CodeFiles:
             for name in names
             if name.startswith(start) and name.endswith((".nbc", ".nbi"))
         ]
+
+
+@cache
+def trusted_users() -> frozenset[int]:
+    """Numbers of the users whose machine code is run: this one, the administrator, and whoever installed the
+    package.  Windows has no such numbers, and says 0 for every file.
+    """
+    own = os.getuid() if hasattr(os, "getuid") else 0
+    return frozenset((0, own, os.stat(__file__).st_uid))
 
 
 @cache

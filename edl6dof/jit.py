@@ -31,6 +31,10 @@ from edl6dof.stale_code import PREFIX, note_sources, remove_stale
 
 #: numba's settings: a module whose names it makes when it is imported.
 SETTINGS: Any = numba.config
+# numba also takes settings, among them the folder whose machine code it runs, from a file of the current
+# folder, which may be a received one: only the environment counts here
+SETTINGS._config_fname = ""
+SETTINGS.reload_config()
 PACKAGE = Path(__file__).resolve().parent
 TREE = SourceTree(PACKAGE, Path(SETTINGS.CACHE_DIR or PACKAGE / "__pycache__") / "sources.json")
 #: Lag (s) of the clock that dates files behind that of programs: a tick of the system, 10 ms, with room.
@@ -287,7 +291,11 @@ def tree_stamp(file: str) -> str:
 def _edited_since_start(file: str) -> bool:
     """Whether ``file`` or anything of the package that it imports was written after this process began."""
     path = str(Path(file).resolve())
-    return TREE.changed_at([path, *called_from(path)]) > _STARTED
+    written = TREE.changed_at([path, *called_from(path)])
+    if written > time.time() + _FILE_CLOCK_LAG_S:
+        words = "a source is dated in the future: its machine code is not kept, and compiled each time"
+        say_once(f"{words} (correct the clock, or the date of {PACKAGE})")
+    return written > _STARTED
 
 
 def is_cached(compiled: Any) -> bool:

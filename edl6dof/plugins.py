@@ -11,8 +11,8 @@ commands that fly and ``edl6dof.load`` do that for the scenario they are given; 
 :func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
 
 A plugin runs with all rights of the user.  So it runs only if the user has accepted its very content
-(``edl6dof trust``), or names it in ``EDL6DOF_PLUGINS``, or it was installed with the package; where the file
-lies, and which scenario names it, does not matter.  The bytes that were checked are the bytes that run.
+(``edl6dof trust``), or it was installed with the package; where the file lies, and what names it, does not
+matter.  The bytes that were checked are the bytes that run.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ from typing import Any, NamedTuple
 
 from edl6dof.config.accepted import is_accepted
 from edl6dof.config.document.locate import shipped_folders, shown
+from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, files_naming_plugins
-from edl6dof.jit import PACKAGE, outside_sources
+from edl6dof.config.plugin_scan import LARGEST, VARIABLE, files_from_environment, files_naming_plugins
+from edl6dof.jit import PACKAGE, TREE, outside_sources
 from edl6dof.registry import Member, is_built, join
 
 
@@ -119,6 +120,7 @@ class _Plugin(NamedTuple):
     path: Path
     content: bytes
     document: Document | None  #: the scenario that names it; ``None`` for the environment
+    installed: bool  #: came with the package
 
 
 def activate(scenarios: Iterable[str | Path]) -> None:
@@ -128,20 +130,17 @@ def activate(scenarios: Iterable[str | Path]) -> None:
         ConfigError: plugins cannot be used, come too late, or were not accepted by the user; all of them are
             named, and none has run.
     """
-    from_environment = files_from_environment()
     named: dict[Path, Document | None] = {
         path: document for operand in scenarios for path, document in named_by(operand).items()
     }
-    new = [
-        _read(path, document)
-        for path, document in {**named, **dict.fromkeys(from_environment)}.items()
-        if path not in ACTIVE
-    ]
-    if refused := [plugin for plugin in new if not (plugin.path in from_environment or _may_run(plugin))]:
+    everywhere = {**named, **dict.fromkeys(files_from_environment())}
+    new = [_read(path, document) for path, document in everywhere.items() if path not in ACTIVE]
+    if refused := [plugin for plugin in new if not (plugin.installed or is_accepted(plugin.content))]:
         raise ConfigError([problem for plugin in refused for problem in _not_accepted(plugin).problems])
     for plugin in new:
         if place := FAMILIES.get(said_family(plugin.content)):
             outside_sources[str(plugin.path)] = str(PACKAGE / place.file)
+            TREE.take(str(plugin.path), plugin.content)
     for plugin in new:
         _load(plugin)
 
@@ -161,17 +160,36 @@ def _read(path: Path, document: Document | None) -> _Plugin:
         raise _problem(path, document, "is no such file")
     if path.suffix != ".py":
         raise _problem(path, document, "must be a Python file (.py)")
+    real = path.resolve()
+    installed = any(real.is_relative_to(folder.resolve()) for folder in shipped_folders("scenarios"))
     try:
-        return _Plugin(path, path.read_bytes(), document)
+        content = plugin_content(real)
     except OSError as error:
         raise _problem(path, document, f"cannot be read: {error.strerror or error}") from error
+    try:
+        source_text(content)
+    except UnicodeDecodeError as error:
+        raise _problem(path, document, "is not text in UTF-8") from error
+    return _Plugin(path, content, document, installed)
 
 
-def _may_run(plugin: _Plugin) -> bool:
-    installed = any(
-        plugin.path.resolve().is_relative_to(folder.resolve()) for folder in shipped_folders("scenarios")
-    )
-    return installed or is_accepted(plugin.content)
+def plugin_content(path: Path) -> bytes:
+    """Content of a plugin file.
+
+    Raises:
+        OSError: it cannot be read, is no regular file, or is too large for a source.
+    """
+    return read_regular(path, LARGEST)
+
+
+def source_text(content: bytes) -> str:
+    """Source of a plugin as it is shown and as it runs: UTF-8, whatever coding it declares.  In another one,
+    such as UTF-7, comments that the user reads could be code.
+
+    Raises:
+        UnicodeDecodeError: the content is not UTF-8.
+    """
+    return content.decode("utf-8-sig")
 
 
 def _not_accepted(plugin: _Plugin) -> ConfigError:
@@ -220,7 +238,7 @@ def _problem(path: Path, document: Document | None, message: str) -> ConfigError
 
 def _load(plugin: _Plugin) -> None:
     """Run one plugin file and let its member join its family."""
-    path, _, document = plugin
+    path, document = plugin.path, plugin.document
     module = _run(plugin)
     key, member = said_family(plugin.content), module.get("MEMBER")
     if key not in FAMILIES:
@@ -248,7 +266,7 @@ def _load(plugin: _Plugin) -> None:
 def said_family(content: bytes) -> str:
     """The FAMILY of a plugin as its source says, read before anything of it runs; empty for none."""
     try:
-        statements = ast.parse(content).body
+        statements = ast.parse(source_text(content)).body
     except (SyntaxError, ValueError):
         return ""
     for statement in statements:
@@ -266,7 +284,7 @@ def _run(plugin: _Plugin) -> dict[str, Any]:
     module.__file__ = str(path)
     sys.modules[name] = module  # compiled code finds its globals by this name
     try:
-        exec(compile(plugin.content, str(path), "exec"), module.__dict__)
+        exec(compile(source_text(plugin.content), str(path), "exec"), module.__dict__)
     except Exception as error:  # whatever the user's code raises belongs to the user, in one line
         del sys.modules[name]
         message = f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}"

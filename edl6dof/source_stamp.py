@@ -48,6 +48,12 @@ class SourceTree:
         self._package, self._memory = package, memory
         self._files: dict[str, tuple[str, frozenset[str]]] = {}
         self._places: dict[str, str] = {}
+        self._taken: dict[str, bytes] = {}
+
+    def take(self, path: str, content: bytes) -> None:
+        """Take this for the content of a file from now on, whatever happens to it on the disk."""
+        self._taken[path] = content
+        self._files.pop(path, None)
 
     def stamp(self, paths: Iterable[str]) -> str:
         """Hash of the statements of all files that ``paths`` reach."""
@@ -56,9 +62,11 @@ class SourceTree:
         ).hexdigest()
 
     def changed_at(self, paths: Iterable[str]) -> float:
-        """When the last of all files that ``paths`` reach was written or put in its place, s since 1970."""
-        found = [os.stat(path) for path in self.reached(*paths)]
-        return max(max(one.st_mtime, one.st_ctime) for one in found)
+        """When the last of all files that ``paths`` reach was written or put in its place, s since 1970; one
+        whose content was taken does not count.
+        """
+        found = [os.stat(path) for path in self.reached(*paths) if path not in self._taken]
+        return max((max(one.st_mtime, one.st_ctime) for one in found), default=0.0)
 
     def reached(self, *paths: str) -> set[str]:
         """The paths and all package files that they reach by imports; a ring ends."""
@@ -72,10 +80,10 @@ class SourceTree:
     def _read(self, path: str) -> tuple[str, frozenset[str]]:
         """Hash of a file's statements, and the package files that it imports itself."""
         if path not in self._files:
-            content = Path(path).read_bytes()
+            content = self._taken.get(path) or Path(path).read_bytes()
             key = sha256(_READER + path.encode() + b"\0" + content).hexdigest()
             if key not in self._known:
-                self._known[key] = parsed(content.decode(), self._dotted(path))
+                self._known[key] = parsed(content.decode("utf-8-sig"), self._dotted(path))
                 self._new.append(key)
             source = self._known[key]
             files = frozenset(file for name in source.imported if (file := self._file_of(name)))

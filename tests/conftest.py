@@ -23,7 +23,7 @@ FIRST = (
     *("test_plugins.py", "test_files_of_failed_flights.py", "test_bank_in_wind.py", "test_damaged_runs.py"),
     *("test_error_state_consistency.py", "test_bounds_check.py", "test_rigid_landing.py"),
     *("test_campaign_kills.py", "test_campaign_damage.py", "test_dask.py"),
-    *("test_nothing_is_lost.py", "test_fuzz.py", "test_report_rendered.py", "test_rendered.py"),
+    *("test_nothing_is_lost.py", "test_attack.py", "test_report_rendered.py", "test_rendered.py"),
     *("test_server.py", "test_hu2022.py"),
 )
 

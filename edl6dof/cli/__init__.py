@@ -11,7 +11,7 @@ from edl6dof.cli.covariance import covariance
 from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
-from edl6dof.cli.exit_status import DEFECT
+from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
 from edl6dof.cli.group import Command, app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
@@ -39,6 +39,10 @@ def main() -> None:
     """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its
     own.
     """
+    if os.path.lexists(".numba_config.yaml"):
+        words = "holds settings of numba for this folder, which edl6dof does not take: start it elsewhere"
+        print(f".numba_config.yaml: {words}, or set them as NUMBA_ variables", file=sys.stderr)
+        sys.exit(BAD_INPUT)
     # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
     # long as they compute, and the last digits would follow from their number
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

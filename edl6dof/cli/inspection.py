@@ -21,7 +21,7 @@ from edl6dof.config.document.source import parse_document, read_document
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.reference import Row, rows
 from edl6dof.config.wording import nearest
-from edl6dof.plugins import named_by
+from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, LoadedScenario, load_document
 from edl6dof.scenario.schema import Scenario
@@ -156,13 +156,16 @@ def trust_plugins(files: Sequence[str], yes: bool) -> int:
     """
     for path in [path for file in files for path in _plugins(file)]:
         try:
-            content = path.read_bytes()
+            content = plugin_content(path)
+            source = source_text(content)
         except OSError as error:
             raise refusal(shown(path), f"cannot be read: {error.strerror or error}") from error
+        except UnicodeDecodeError as error:
+            raise refusal(shown(path), "is not text in UTF-8") from error
         if is_accepted(content):
             print(f"{shown(path)}: accepted before")
             continue
-        print(_printable(content))
+        print(_printable(source))
         if not yes and not _consent(path):
             print(f"{shown(path)}: not accepted")
             return NOT_WITHIN_LIMITS
@@ -190,9 +193,11 @@ def _consent(path: Path) -> bool:
     return answer.strip().lower() in ("y", "yes")
 
 
-def _printable(content: bytes) -> str:
-    """Source text for a terminal: control characters, which could hide lines, are shown as escapes."""
-    text = content.decode("utf-8", "backslashreplace").replace("\r\n", "\n")
+def _printable(source: str) -> str:
+    """Source text for a terminal: lines as Python counts them, and control characters, which could hide some,
+    as escapes.
+    """
+    text = source.replace("\r\n", "\n").replace("\r", "\n")
     return "".join(
         one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
     )

@@ -2,6 +2,7 @@
 
 They stand in a text file of the user's own, a line ``SHA-256  path`` for each, which may be edited or deleted
 at will.  The hash alone counts: an accepted plugin may move, and another one in its place is not accepted.
+Paths are escaped, since one with a line break in it could accept another content.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ def accept(path: Path, content: bytes) -> None:
     Raises:
         OSError: the list cannot be written.
     """
-    lines = {*_lines(), f"{sha256(content).hexdigest()}  {path.resolve()}"}
+    place = str(path.resolve()).encode("unicode_escape").decode()
+    lines = {*_lines(), f"{sha256(content).hexdigest()}  {place}"}
     accepted_file().parent.mkdir(parents=True, exist_ok=True)
     write_atomic(accepted_file(), "".join(f"{line}\n" for line in sorted(lines)).encode())
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from errno import EINVAL
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
+from stat import S_ISREG
 from typing import NamedTuple
 
 import numpy as np
@@ -44,9 +46,11 @@ def map_file(path: Path) -> MapFile:
     """The map at a path.
 
     Raises:
-        OSError: there is none.
+        OSError: there is none, or it is no regular file.
     """
     found = path.stat()
+    if not S_ISREG(found.st_mode):
+        raise OSError(EINVAL, "it is not a regular file", str(path))
     return MapFile(path, found.st_mtime_ns, found.st_size)
 
 
@@ -89,7 +93,7 @@ def _numbers(path: Path) -> np.ndarray:
     content = read_regular(path)
     try:
         return np.load(BytesIO(content), allow_pickle=False).astype("f4")
-    except (ValueError, EOFError, TypeError) as error:
+    except Exception as error:  # a broken head makes numpy raise errors of half a dozen kinds
         raise ValueError(f"{path.name} is no .npy file of numbers") from error
 
 

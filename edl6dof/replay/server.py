@@ -16,6 +16,7 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from typing import Any
 
+from edl6dof.child import python
 from edl6dof.replay.program import HOST
 
 _HEADERS = {
@@ -98,7 +99,7 @@ def serve(page: bytes) -> None:
 def _open(url: str) -> None:
     """Open a browser that neither writes into this terminal nor ends with Ctrl-C."""
     silent = subprocess.DEVNULL
-    words = [sys.executable, "-m", "webbrowser", url]
+    words = python("import webbrowser; webbrowser.open(sys.argv[1])", url)
     subprocess.Popen(words, stdin=silent, stdout=silent, stderr=silent, start_new_session=True)
 
 

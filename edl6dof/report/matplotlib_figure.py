@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -88,18 +89,21 @@ _BESIDE: dict[Side, dict[str, Any]] = {
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
     """One figure in the form that the suffix of the path names."""
-    import matplotlib
-
-    with matplotlib.rc_context(STYLE):
+    with own_style():
         matplotlib_figure(figure).savefig(path, dpi=dpi)
 
 
 def styled(figure: Figure) -> Canvas:
     """The figure in the lettering and lines of the report, whatever matplotlib is set to."""
-    import matplotlib
-
-    with matplotlib.rc_context(STYLE):
+    with own_style():
         return matplotlib_figure(figure)
+
+
+def own_style() -> AbstractContextManager[None]:
+    """Own settings alone: a ``matplotlibrc`` of the current folder, perhaps a received one, has no say."""
+    from matplotlib import style
+
+    return style.context(["default", STYLE])
 
 
 def matplotlib_figure(figure: Figure) -> Canvas:

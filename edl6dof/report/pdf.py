@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.report.document import Cell, Report, Table
 from edl6dof.report.figure import BAD, GOOD, GREY, INK, WARN, Figure
-from edl6dof.report.matplotlib_figure import STYLE, draw, height
+from edl6dof.report.matplotlib_figure import draw, height, own_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -33,7 +33,7 @@ def write_pdf(report: Report, path: Path) -> None:
     """Headline and tables on A4 pages, then the figures on A4 pages."""
     import matplotlib
 
-    with matplotlib.rc_context(STYLE):
+    with own_style():
         from matplotlib.backends.backend_pdf import PdfPages
 
         with PdfPages(

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -18,6 +17,7 @@ import numba
 from pydantic import BaseModel
 
 from edl6dof import jit
+from edl6dof.child import python
 from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.cycle import run
@@ -32,7 +32,7 @@ from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 # what it leaves is not worth a search for garbage
 _COMMAND = (
-    "import gc, sys; from edl6dof.plugins import activate; activate([]); "
+    "import gc; from edl6dof.plugins import activate; activate([]); "
     "from edl6dof.sim.compile_ahead import compile_flight_software as work; work(sys.argv[1:]); gc.freeze()"
 )
 
@@ -56,7 +56,7 @@ def flight_software_beside(scenario: BaseModel) -> Iterator[Collection[str] | No
         return
     members = sorted(names().intersection(_words(scenario)))
     other = subprocess.Popen(
-        [sys.executable, "-c", _COMMAND, *members],
+        python(_COMMAND, *members),
         stdin=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         env={**os.environ, VARIABLE: os.pathsep.join(jit.outside_sources)},

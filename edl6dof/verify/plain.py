@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.child import python
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.jit import SETTINGS
 from edl6dof.scenario import records
@@ -119,7 +119,8 @@ def in_plain_python(s: Setting, task: str, *numbers: float) -> dict[str, np.ndar
             name: np.frombuffer(array.tobytes(), np.uint8) for name, array in s.arrays.items()
         }
         np.savez(given, cycle=s.cycle, steps=s.steps, task=task, numbers=np.array(numbers), **raw)
-        command = [sys.executable, "-m", "edl6dof.verify.plain", str(given), str(answer)]
+        work = "from edl6dof.verify.plain import main; main(*sys.argv[1:])"
+        command = python(work, str(given), str(answer))
         subprocess.run(
             command, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True, capture_output=True, text=True
         )
@@ -163,7 +164,3 @@ def main(given: str, answer: str) -> None:
         name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()
     }
     np.savez(answer, **raw)
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

@@ -5,6 +5,7 @@ tables.
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 from pathlib import Path
 
@@ -142,6 +143,26 @@ def test_table_changed_between_kill_and_resume(tmp_path, thin_air):
     with pytest.raises(StoreError, match=f"file {table}: was {first}, is gone"):
         run.resumed_plan(store)
     table.write_text(was)
+    run.fly(run.resumed_plan(store), store, Threads())
+    assert (store.folder / "cases.parquet").read_bytes() == undisturbed
+
+
+def test_scenario_edited_between_kill_and_resume(tmp_path, thin_air):
+    """The folder's own copy counts: an edit of it is refused, one of the user's file changes nothing."""
+    plan, _, _, _, undisturbed = thin_air
+    store = Store(tmp_path / "out")
+    run.begin(plan, store, None)
+    with pytest.raises(KeyboardInterrupt):
+        run.fly(plan, store, Changing(stop))
+    (tmp_path / "drops.yaml").write_text("name: another\n")
+    own = store.folder / "campaign.yaml"
+    was = own.read_text()
+    assert was.count("speed_m_s: 50.0") == 1
+    own.write_text(was.replace("speed_m_s: 50.0", "speed_m_s: 51.0"))
+    with pytest.raises(StoreError, match="campaign.yaml"):
+        run.fly(run.resumed_plan(store), store, Threads())
+    own.write_text(was)
+    os.utime(own, (0, 0))  # a clock that was set back in between has no say
     run.fly(run.resumed_plan(store), store, Threads())
     assert (store.folder / "cases.parquet").read_bytes() == undisturbed
 

@@ -18,6 +18,7 @@ LAYERS = (
         "jit",
         "compile_time",
         "code_files",
+        "child",
         "source_stamp",
         "stale_code",
         "durable",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import py_compile
 import re
 import shutil
@@ -12,7 +13,9 @@ import pytest
 from command import SHORT, VIEWERS, finished, refused, viewing
 from in_process import called
 
-from edl6dof.manifest import seal
+from edl6dof.jit import PACKAGE
+from edl6dof.manifest import hash_of, seal
+from edl6dof.source_stamp import SourceTree
 
 #: A law that leaves a trace when it is merely loaded.
 LAW = """
@@ -177,6 +180,64 @@ def test_what_was_accepted_is_what_runs(sent, tmp_path):
     assert called("trust", law, "--yes", cwd=tmp_path).returncode == 0
     assert finished("check", scenario, cwd=tmp_path).returncode == 0
     assert (tmp_path / "RAN").exists() and not (tmp_path / "OTHER").exists()
+
+
+def test_environment_is_no_consent(sent, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(sent / "law.py", tmp_path / "law.py")
+    monkeypatch.setenv("EDL6DOF_PLUGINS", "law.py")
+    done = called("check", "tianwen1")
+    assert refused(done) and "edl6dof trust law.py" in done.stderr
+    assert not (tmp_path / "RAN").exists()
+
+
+def test_comment_that_would_be_code_in_another_coding_stays_a_comment(sent, tmp_path):
+    """In UTF-7, ``+AAo-`` is the end of a line."""
+    scenario = _without_a_manifest(tmp_path, sent / "law.py")
+    hidden = f"# see +AAo-open({str(tmp_path / 'OTHER')!r}, 'w')\n"
+    (tmp_path / "law.py").write_text("# coding: utf-7\n" + hidden + LAW)
+    assert called("trust", tmp_path / "law.py", "--yes", cwd=tmp_path).returncode == 0
+    assert finished("check", scenario, cwd=tmp_path).returncode == 0
+    assert (tmp_path / "RAN").exists() and not (tmp_path / "OTHER").exists()
+
+
+@pytest.mark.parametrize("end", ["\n", "\x85", "\u2028"])
+def test_name_of_an_accepted_file_accepts_no_other(end, sent, tmp_path):
+    """A line break in a name would begin another line of the list."""
+    scenario = _without_a_manifest(tmp_path, sent / "law.py")
+    named = tmp_path / f"harmless{end}{hash_of(tmp_path / 'law.py')}  .py"
+    named.write_text("x = 1\n")
+    assert called("trust", named, "--yes", cwd=tmp_path).returncode == 0
+    done = called("check", scenario, cwd=tmp_path)
+    assert refused(done) and not (tmp_path / "RAN").exists()
+
+
+@pytest.mark.parametrize("content", ["too large", "no text", "a pipe"])
+def test_file_that_is_no_source_is_refused(content, sent, tmp_path):
+    scenario = _without_a_manifest(tmp_path, sent / "law.py")
+    law = tmp_path / "law.py"
+    if content == "a pipe":
+        law.unlink()
+        os.mkfifo(law)
+    elif content == "no text":
+        law.write_bytes(b"x = '\xff'\n")
+    else:
+        os.truncate(law, 1 << 40)  # of zeros, which take no room
+    for words in (("trust", law, "--yes"), ("check", scenario)):
+        assert refused(called(*words, cwd=tmp_path))
+
+
+def test_plugin_changed_after_it_was_read_has_the_machine_code_of_what_was_read(sent, tmp_path, monkeypatch):
+    """Its code is kept under the content that runs, not under the one that the file has by then."""
+    law = tmp_path / "law.py"
+    law.write_text(LAW)
+    tree = SourceTree(PACKAGE, tmp_path / "sources.json")
+    tree.take(str(law), LAW.encode())
+    law.write_text(LAW.replace("0.5", "0.6"))
+    before = SourceTree(PACKAGE, tmp_path / "other.json")
+    before.take(str(law), LAW.encode())
+    after = SourceTree(PACKAGE, tmp_path / "after.json")
+    assert tree.stamp([str(law)]) == before.stamp([str(law)]) != after.stamp([str(law)])
 
 
 @pytest.mark.parametrize(

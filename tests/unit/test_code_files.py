@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 import small_programs
 
-from edl6dof.code_files import CodeFiles, say_once
+from edl6dof import code_files
+from edl6dof.code_files import CodeFiles, say_once, trusted_users
 
 KERNEL = "from edl6dof.jit import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
 CALL = (
@@ -75,6 +76,22 @@ def test_damaged_code_is_not_loaded_and_said_in_one_line(tmp_path, capsys, harm)
     assert files.load("int") is None and files.load("int") is None
     (line,) = capsys.readouterr().err.splitlines()
     assert line.endswith("is damaged; it is compiled again")
+
+
+def test_code_of_another_user_is_not_loaded(tmp_path, capsys, monkeypatch):
+    """In a folder that many may write to, such as NUMBA_CACHE_DIR in /tmp."""
+    say_once.cache_clear()
+    files = CodeFiles(tmp_path, "f", "a" * 64)
+    files.save("int", "code")
+    assert files.load("int") == "code"
+    owner = next(tmp_path.iterdir()).stat().st_uid
+    monkeypatch.setattr(code_files, "trusted_users", lambda: trusted_users() - {owner})
+    assert files.load("int") is None
+    assert "another user's" in capsys.readouterr().err
+
+
+def test_users_whose_code_is_run():
+    assert trusted_users() == {0, os.getuid(), Path(code_files.__file__).stat().st_uid}
 
 
 def test_damaged_code_is_compiled_again(compiled):

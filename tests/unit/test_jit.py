@@ -6,6 +6,7 @@ was used and whether it was stale.
 """
 
 import gc
+import time
 from pathlib import Path
 
 import numba
@@ -13,6 +14,7 @@ import pytest
 import small_programs
 
 from edl6dof import jit
+from edl6dof.code_files import say_once
 from edl6dof.source_stamp import SourceTree, parsed
 
 HELPER = "from probe.jit import kernel\n@kernel\ndef factor():\n    return {}\n"
@@ -128,6 +130,14 @@ def test_code_of_a_source_that_was_edited_after_it_was_imported_is_not_kept(pack
     write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
     assert run(EDITED.format(root=str(package))) == "6.0\n", "what was imported"
     assert call(package)[:2] == (14.0, 0)
+
+
+def test_a_source_dated_in_the_future_is_said_to_be_compiled_each_time(package, capsys, monkeypatch):
+    """Of a machine whose clock is fast, or was set back since."""
+    say_once.cache_clear()
+    monkeypatch.setattr(jit.TREE, "changed_at", lambda paths: time.time() + 3600.0)
+    assert jit._edited_since_start(str(package / "caller.py"))
+    assert "dated in the future" in capsys.readouterr().err
 
 
 def test_an_import_cycle_ends_and_both_files_count(package):

@@ -83,6 +83,8 @@ def read_dtm(source: DtmFile) -> np.void:
     record = np.zeros(1, DTM)
     middle = heights[NODES // 2 - 1 : NODES // 2 + 1, NODES // 2 - 1 : NODES // 2 + 1].mean()
     record["height"], record["reach"] = heights - middle, square.reach
+    if not np.all(np.isfinite(record["height"])):
+        raise ValueError(f"{path.name} holds heights that no ground has")
     record.flags.writeable = False
     return record[0]
 
@@ -110,6 +112,8 @@ def _read_ascii(path: Path) -> Raster:
         values = np.array(" ".join(lines[len(head) :]).split(), dtype=float)
     except ValueError as error:
         raise ValueError(f"{path.name} must hold numbers after its head: {error}") from None
+    if min(rows, columns) < 2:
+        raise ValueError(f"{path.name} must hold two rows and columns at least")
     if values.size != rows * columns:
         raise ValueError(f"{path.name} must hold {rows} x {columns} heights (got {values.size})")
     values[values == head.get("nodata_value", -9999.0)] = np.nan
@@ -129,7 +133,8 @@ def _from_geotiff(path: Path, latitude: np.ndarray, longitude: np.ndarray) -> np
             "or turn the file into an ESRI ASCII grid"
         ) from None
     try:
-        with rasterio.open(path) as data:
+        # without the driver's name GDAL takes any form, some of which name other files and addresses
+        with rasterio.open(path, driver="GTiff") as data:
             x, y = _in_its_coordinates(path.name, data, latitude, longitude)
             return _sampled(path.name, _window(path.name, data, x, y), x, y)
     except RasterioError as error:

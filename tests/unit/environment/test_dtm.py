@@ -2,6 +2,8 @@
 mistakes are named.
 """
 
+import os
+import re
 import sys
 from math import cos, radians
 
@@ -158,6 +160,11 @@ def refused(file, **given):
         (lambda text: text.replace("xllcorner", "left"), "xllcorner"),
         (lambda text: text.replace("1000", "high"), "must hold numbers"),
         (lambda text: "", "no ESRI ASCII grid"),
+        (lambda text: text.replace("ncols 241", "ncols inf"), "infinity"),
+        (lambda text: text.replace("ncols 241", "ncols nan"), "ncols"),
+        (lambda text: re.sub("nrows 241", "nrows 1", text).replace("ncols 241", "ncols 58081"), "two rows"),
+        (lambda text: text.replace("1000.0", "1e300", 30000), "no ground has"),
+        (lambda text: text.replace("cellsize 5.0", "cellsize 1e-320"), ""),
     ],
 )
 def test_bad_grids_are_refused_at_the_key(tmp_path, change, words):
@@ -178,6 +185,22 @@ def test_holes_a_small_grid_and_a_missing_file_are_refused(tmp_path):
     rasterio = sys.modules["rasterio"]
     plain = write_geotiff(tmp_path / "plain.tif", z, rasterio.transform.from_origin(0, 0, 1, 1), None)
     assert "coordinate reference system" in refused(plain)
+
+
+def test_file_that_names_other_files_is_no_geotiff(tmp_path):
+    """GDAL would read it by its content, and whatever file or address it names."""
+    pytest.importorskip("rasterio")
+    source = "<SimpleSource><SourceFilename>/etc/passwd</SourceFilename></SimpleSource>"
+    band = f"<VRTRasterBand dataType='Float32' band='1'>{source}</VRTRasterBand>"
+    (tmp_path / "hill.tif").write_text(f"<VRTDataset rasterXSize='9' rasterYSize='9'>{band}</VRTDataset>")
+    said = refused(tmp_path / "hill.tif")
+    assert "no GeoTIFF" in said and "not recognized as being in a supported" in said
+
+
+@pytest.mark.parametrize("name", ["hill.asc", "hill.tif"])
+def test_pipe_is_not_waited_for(tmp_path, name):
+    os.mkfifo(tmp_path / name)
+    assert "not a regular file" in refused(tmp_path / name)
 
 
 def test_without_rasterio_a_geotiff_says_what_to_install(tmp_path, monkeypatch):

@@ -1,5 +1,5 @@
-"""Seeded mutations of what a user gives: YAML files, overrides, data tables, DAVE-ML, words of the command
-line.
+"""Seeded mutations of the lines of what a user gives: YAML files, overrides, data tables, DAVE-ML, words of
+the command line.
 """
 
 from __future__ import annotations
@@ -7,8 +7,11 @@ from __future__ import annotations
 import json
 import random
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import chdir
 from pathlib import Path
+
+from attempt import Ended, ended, parameters
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -105,17 +108,31 @@ DAVEML = (
 SHORT = ("--set", "simulation.time_limit_s=2")
 
 
-def mutant(number: int, seed: int, folder: Path, paths: list[str]) -> list[str]:
-    """Write the files of one mutation into ``folder``, and return the words that give it to the program
-    (``check`` or another command).
+def attempt(number: int, seed: int, home: Path) -> Iterator[Ended]:
+    """One mutation, with random numbers of its own."""
+    yield from checked_and_flown(home, lambda folder: _mutant(random.Random(f"{seed}/{number}"), folder))
 
-    Args:
-        number: of the mutation; each has its own random numbers.
-        seed: of the campaign of mutations.
-        folder: empty and writable.
-        paths: dotted paths of all parameters.
+
+def checked_and_flown(home: Path, mutant: Callable[[Path], list[str]]) -> Iterator[Ended]:
+    """A mutation, which writes its files into a folder and returns the words that give it to the program;
+    what the check lets pass is flown for two seconds.
     """
-    draw = random.Random(f"{seed}/{number}")
+    folder = home / "input"
+    folder.mkdir()
+    with chdir(folder):
+        done = ended(mutant(folder), folder)
+        yield done
+        if done.words[0] != "check" or done.status != 0 or "tianwen1_mc" in done.words:
+            return
+        run = home / "run"
+        flown = ended(["fly", *done.words[1:], *SHORT, "--no-replay", "-q", "--out", str(run)], folder)
+        kept = (run / "telemetry.parquet").is_file()
+        lost = "" if kept == (flown.status != 2) else "telemetry is lost, or a refused flight left something"
+        yield flown._replace(wrong=flown.wrong or lost)
+
+
+def _mutant(draw: random.Random, folder: Path) -> list[str]:
+    """Files in an empty folder, and the words that give them to the program."""
     kinds: list[Callable[[random.Random, Path, list[str]], list[str]]] = [
         _yaml,
         _yaml,
@@ -126,7 +143,7 @@ def mutant(number: int, seed: int, folder: Path, paths: list[str]) -> list[str]:
         _dave,
         _words,
     ]
-    return draw.choice(kinds)(draw, folder, paths)
+    return draw.choice(kinds)(draw, folder, parameters())
 
 
 def _yaml(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
