@@ -67,11 +67,6 @@ class FlightResults(ABC):
 
     @property
     @abstractmethod
-    def metrics(self) -> Mapping[str, float | None]:
-        """Figures by name with unit suffix."""
-
-    @property
-    @abstractmethod
     def checks(self) -> Sequence[Check]:
         """Every limit with this flight's value."""
 

@@ -6,8 +6,7 @@ import os
 import sys
 import traceback
 
-from edl6dof.cli.campaigns import campaign, faults, refly
-from edl6dof.cli.covariance import covariance
+from edl6dof.cli.campaigns import campaign, covariance, faults, refly
 from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples

@@ -22,6 +22,7 @@ from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.campaign.faults import matrix_plan
 from edl6dof.campaign.storage.store import Store
+from edl6dof.cli.campaign_flight import require_no_values
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario
 
@@ -180,6 +181,13 @@ def test_what_flies_another_matrix_does_not_join_a_folder(here):
         status, _, err = command("faults", "m", *changed, "--resume")
         assert status == 2 and "has its plan; it takes no other values" in err
     assert (here / "m" / "cases.parquet").read_bytes() == before
+
+
+@pytest.mark.parametrize("given", [0, 0.0, "D7", ("seed=3",), True])
+def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
+    require_no_values(Path("m"), None, (), "", False)
+    with pytest.raises(ConfigError, match="m: has its plan; it takes no other values"):
+        require_no_values(Path("m"), None, given)
 
 
 @pytest.mark.parametrize("owner, name", [(fault_matrix, "matrix_of"), (executor.CaseRunner, "prepared")])
