@@ -22,6 +22,8 @@ from edl6dof.runs.run import Run
 
 #: Differences of the scenarios that the terminal shows.
 MOST = 20
+#: Decimals of a number in a table; smaller ones have an exponent.
+_MOST_PLACES = 8
 
 
 def compare_campaigns(first: Path, second: Path, as_json: bool) -> None:
@@ -91,5 +93,6 @@ def _show_campaigns(result: Comparison) -> None:
 def _numbers(one: Difference) -> list[str]:
     """Means, their difference and half its interval, with the decimals that the difference is known to."""
     places = max(1 - floor(log10(one.half_width)), 0) if one.half_width else 3
-    means = (f"{value:,.{places}f}" for value in (one.mean_a, one.mean_b))
-    return [*means, f"{one.difference:+,.{places}f}", f"+-{one.half_width:,.{places}f}"]
+    form = f",.{places}f" if places <= _MOST_PLACES else ".3e"
+    means = (f"{value:{form}}" for value in (one.mean_a, one.mean_b))
+    return [*means, f"{one.difference:+{form}}", f"+-{one.half_width:{form}}"]
