@@ -45,6 +45,7 @@ def main() -> None:
     # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
     # long as they compute, and the last digits would follow from their number
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own keeps 9 MB that it has freed
     try:
         app(prog_name="edl6dof")
     except Exception:
