@@ -38,21 +38,27 @@ if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.simulation import Simulation
+    from edl6dof.campaign.design.case import Case
+    from edl6dof.campaign.executor import fly_rows
     from edl6dof.config.errors import ConfigError
     from edl6dof.scenario.loading import LoadedScenario
+    from edl6dof.sim.checkpoint import State
 
 __version__ = "0.1.0"
 __all__ = [
     "CampaignResult",
+    "Case",
     "ConfigError",
     "Flight",
     "LoadedScenario",
     "RecordedFlight",
     "Simulation",
+    "State",
     "calibrate",
     "campaign",
     "faults",
     "fly",
+    "fly_rows",
     "load",
     "open_run",
     "refly",
@@ -61,14 +67,17 @@ __all__ = [
     "verify",
 ]
 
-#: Modules of the classes, which are loaded when they are asked for.
+#: Modules of what is loaded when it is asked for.
 _CLASSES = {
     "CampaignResult": "edl6dof.api.campaign",
+    "Case": "edl6dof.campaign.design.case",
     "ConfigError": "edl6dof.config.errors",
     "Flight": "edl6dof.api.flight",
     "LoadedScenario": "edl6dof.scenario.loading",
     "RecordedFlight": "edl6dof.api.flight",
     "Simulation": "edl6dof.api.simulation",
+    "State": "edl6dof.sim.checkpoint",
+    "fly_rows": "edl6dof.campaign.executor",
 }
 
 stay_callable(

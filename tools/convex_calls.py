@@ -21,7 +21,7 @@ from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.jit import kernel
 from edl6dof.sim.outcome import FLYING
 from edl6dof.sim.underway import Underway
-from edl6dof.studies.landing.conditions import dispersed, with_law
+from edl6dof.studies.landing import dispersed, with_law
 
 LAW = "convex"
 #: Base cycles that are flown at once before the engine lights, and times that a call is made.

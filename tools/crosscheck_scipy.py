@@ -17,6 +17,7 @@ import sys
 import time
 
 import numpy as np
+from plain_python import Setting, in_plain_python, integrate, setting
 
 import edl6dof
 from edl6dof.interface.roles import (
@@ -33,7 +34,6 @@ from edl6dof.sim.flight import fly
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
 #: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth
 #: stretch.

@@ -9,9 +9,9 @@ A result stands below a remark that names the command, the golden flights it dep
     <!-- measured by `edl6dof figures tianwen1 | head -36` on tianwen1 0a1b2c3d -->
 
 The hash is that of the telemetry and figures of these flights (``edl6dof/data/golden``): it changes when the
-code flies differently, and not when a function moves to another file.  If the remark is followed by a block
-of the language ``text``, ``--renew`` replaces the block by the output of the command.  Other results are
-renewed by hand or by the tool that the command names.
+code flies differently, and not when a function moves to another file.  ``--renew`` replaces what follows by
+the output of the command: a block of the language ``text``, or Markdown from ``<!-- markdown -->`` to
+``<!-- /measured -->``.  Other results are renewed by hand.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _GOLDEN = ROOT / "edl6dof" / "data" / "golden" / "hashes.json"
 _REMARK = re.compile(
     r"<!-- measured by `(?P<command>[^`]+)` "
     r"on (?P<flights>\w[\w/]*(?:, \w[\w/]*)*) (?P<hash>[0-9a-f]{8}) -->\n"
-    r"(?P<block>```text\n.*?^```\n)?",
+    r"(?:(?P<open>```text\n|<!-- markdown -->\n).*?(?P<close>^```\n|^<!-- /measured -->\n))?",
     flags=re.DOTALL | re.MULTILINE,
 )
 
@@ -74,7 +74,7 @@ def results(page: str, text: str) -> list[Result]:
             match["command"],
             match["flights"],
             match["hash"] == flights_hash(match["flights"]),
-            match["block"] is not None,
+            match["open"] is not None,
         )
         for match in _REMARK.finditer(text)
     ]
@@ -89,12 +89,12 @@ def renewed(text: str, chosen: str, run: Callable[[str], str] | None) -> str:
         new = flights_hash(match["flights"])
         if chosen not in match["command"] or not chosen and match["hash"] == new:
             return match[0]
-        block = match["block"] or ""
-        if run is not None:
-            if not block:
-                return match[0]
-            block = f"```text\n{run(match['command'])}\n```\n"
-        return f"<!-- measured by `{match['command']}` on {match['flights']} {new} -->\n{block}"
+        if run is None:
+            return match[0].replace(f" {match['hash']} -->", f" {new} -->", 1)
+        if match["open"] is None:
+            return match[0]
+        remark = f"<!-- measured by `{match['command']}` on {match['flights']} {new} -->\n"
+        return f"{remark}{match['open']}{run(match['command'])}\n{match['close']}"
 
     return _REMARK.sub(renew, text)
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from plain_python import LAYOUT, Setting, setting
 
 import edl6dof
 from edl6dof.campaign.design.plan import load_plan
@@ -28,7 +29,6 @@ from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.propulsion.rcs import linear_level
-from edl6dof.verify.plain import LAYOUT, Setting, setting
 
 #: Thrusters whose law is shown: one of 250 N, one of 25 N.
 SHOWN = ("D1", "F1")

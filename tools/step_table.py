@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from plain_python import LAYOUT, Setting, setting
 
 import edl6dof
 from edl6dof.interface.roles import HOVER_IMAGING, SLOW_DESCENT, begun
@@ -27,7 +28,6 @@ from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate, survey
 from edl6dof.vehicle.plant import ATTITUDE, POSITION
-from edl6dof.verify.plain import LAYOUT, Setting, setting
 
 #: Steps, in base cycles of 20 ms: 40, 20, 10, 5, 2.5 ms, and what they are compared with.
 STEPS = (2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)

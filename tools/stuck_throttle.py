@@ -19,8 +19,8 @@ from edl6dof.campaign.rows import Row
 from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.studies.hazards.conditions import SCENARIO as AMONG_ROCKS
-from edl6dof.studies.landing.conditions import POWERED, dispersed, with_law
+from edl6dof.studies.hazards import SCENARIO as AMONG_ROCKS
+from edl6dof.studies.landing import POWERED, dispersed, with_law
 
 #: Figures of which the largest is told.
 FIGURES = ("touchdown_vertical_m_s", "touchdown_horizontal_m_s", "touchdown_tilt_deg", "propellant_used_kg")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from edl6dof.scenario.loading import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
-    from edl6dof.verify.runner import Report
+    from edl6dof.verify.check import Report
 
 
 def activate(*operands: str | Path | LoadedScenario | None) -> None:
@@ -432,8 +432,7 @@ def verify(*cases: str) -> list[Report]:
         ValueError: there is no such case.
     """
     from edl6dof.config.wording import nearest
-    from edl6dof.verify.registry import CASES
-    from edl6dof.verify.runner import run_case
+    from edl6dof.verify.check import CASES, run_case
 
     for name in cases:
         if name not in CASES:

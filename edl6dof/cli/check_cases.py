@@ -17,10 +17,9 @@ from edl6dof.cli.exit_status import refuse
 from edl6dof.cli.progress import announce_compiling
 from edl6dof.config.wording import counted, nearest
 from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.verify.check import CASES, Report, draw, run_case
 from edl6dof.verify.golden import difference, golden_names, read_golden, traced
 from edl6dof.verify.outcome import Result
-from edl6dof.verify.registry import CASES
-from edl6dof.verify.runner import Report, run_case
 
 
 def run_cases(names: Sequence[str], as_json: bool, plots: Path | None, force: bool = False) -> int:
@@ -69,14 +68,12 @@ def _run(names: Sequence[str], quiet: bool) -> list[Report]:
 
 
 def _draw(reports: Sequence[Report], folder: Path, force: bool) -> list[Path]:
-    from edl6dof.verify.plots import save_plot
-
     drawn = []
     for report in reports:
         if report.history is not None:
             drawn.append(folder / f"{report.name}.png")
             with atomic_file(drawn[-1], force, folder) as partial:
-                save_plot(report.history, partial)
+                draw(report.history, partial)
     return drawn
 
 

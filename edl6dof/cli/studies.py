@@ -22,9 +22,8 @@ from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.folder import atomic_folder, default_folder
-from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
-from edl6dof.studies.write import to_json, write_study
+from edl6dof.studies.catalogue import STUDIES
+from edl6dof.studies.frame import Finding, Grid, Report, Study, to_json, write_study
 
 #: More flights than any study needs to settle a mean.
 MOST_RUNS = 1_000_000
@@ -67,19 +66,13 @@ def run_study(
     count = runs or (study.quick_runs if quick else study.runs)
     with atomic_folder(target, "study", force) as folder:
         with count_runs(study.name, quiet=as_json) as progress:
-            report = _flown(study, only, count, progress)
+            report = study.fly(count, only, progress)
         write_study(study, report, folder)
     if as_json:
         print(to_json(study, report), end="")
     else:
         _show(study, report, target)
     return 0 if report.ok else 1
-
-
-def _flown(study: Study, only: Sequence[str], runs: int, progress: Progress) -> Report:
-    if only and study.run_parts is not None:
-        return study.run_parts([part for part in study.parts if part in only], runs, progress)
-    return study.run(runs, progress)
 
 
 def list_studies() -> int:

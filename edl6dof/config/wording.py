@@ -21,6 +21,14 @@ def nearest(name: str, allowed: Iterable[str]) -> str | None:
     return by_fold[found[0]] if found else None
 
 
+def unknown(kind: str, name: object, known: Iterable[str]) -> str:
+    """What to say of a name that is none of those there are."""
+    near = nearest(str(name), known)
+    return f"no {kind} {name!r}" + (
+        f"; did you mean {near!r}?" if near else f" (there are: {', '.join(known)})"
+    )
+
+
 def counted(number: int, word: str) -> str:
     """``1 flight``, ``2 flights``."""
     return f"{number:,} {word}{'' if number == 1 else 's'}"

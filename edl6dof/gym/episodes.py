@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from edl6dof.config.wording import unknown
 from edl6dof.gym.starts import StartPool
 from edl6dof.gym.task import Task
-from edl6dof.sim.commanding import unknown
 
 
 class Outcome(NamedTuple):

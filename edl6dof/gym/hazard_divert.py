@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.gym.landing import landed_well
 from edl6dof.gym.task import Feature, StepResult, Task, nav
 from edl6dof.interface.roles import HAZARD_AVOIDANCE
 
@@ -78,5 +77,5 @@ class HazardDivert(Task):
     def result(self) -> StepResult:
         """Over when the flight ends."""
         over = self.ended()
-        success = landed_well(self.fleet, self.loaded.scenario.limits)
+        success = self.fleet.landed_well(self.loaded.scenario.limits)
         return StepResult(np.where(over, np.where(success, 1.0, -1.0), 0.0), over, success)

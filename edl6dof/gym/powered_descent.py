@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.gym.landing import landed_well
+import edl6dof
+from edl6dof.api.fleet import Fleet
 from edl6dof.gym.task import Feature, StepResult, Task, nav
 from edl6dof.interface.roles import POWERED_DECELERATION
-from edl6dof.scenario.loading import LoadedScenario
-from edl6dof.sim.fleet import Fleet
 
 #: Acceleration beyond weight that an action of 1 asks for, m/s2.
 ACCELERATION = 5.0
@@ -52,7 +51,7 @@ class PoweredDescent(Task):
         Feature("thrust", 7500.0, lambda memories: memories["guide"]["thrust"]),
     )
 
-    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+    def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
         self._left = np.zeros(len(fleet))
 
@@ -86,7 +85,7 @@ class PoweredDescent(Task):
         """Over when the flight ends."""
         before, self._left = self._left, _left(self.fleet)
         over = self.ended()
-        success = landed_well(self.fleet, self.loaded.scenario.limits)
+        success = self.fleet.landed_well(self.loaded.scenario.limits)
         reward = before - self._left + np.where(over, np.where(success, 1.0, -1.0), 0.0)
         return StepResult(reward, over, success)
 

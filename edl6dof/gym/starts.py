@@ -6,14 +6,10 @@ from threading import Lock
 
 import numpy as np
 
-from edl6dof.api.simulation import Starts
+from edl6dof.api.fleet import DispersedFlights, Fleet, Start
 from edl6dof.config.errors import refusal
 from edl6dof.gym.task import Task
-from edl6dof.sim.fleet import Fleet, Start
-from edl6dof.sim.simulation import SteppedFlight
 
-#: Base cycles between two looks at the phase.
-_LOOK = 5
 #: Flights in a row that may end before the task begins.
 _PATIENCE = 20
 #: Cases that an episode can ask for.  One that ends before the task begins is replaced by the case this many
@@ -44,7 +40,7 @@ class StartPool:
             )
         self.drawn = range(first, first + size)
         self._task, self._lock = task, Lock()
-        self._flights = Starts(task.scenario, task.overrides, task.faults)
+        self._flights = DispersedFlights(task.scenario, task.overrides, task.faults)
         self.known: dict[int, Start] = {}
         self.loaded = self._flights.loaded
 
@@ -63,7 +59,7 @@ class StartPool:
 
     def fleet(self, count: int, workers: int) -> Fleet:
         """As many flights of the scenario."""
-        return Fleet(count, self._flights.base.records.tables, self.loaded.scenario.steps_per_cycle, workers)
+        return self._flights.fleet(count, workers)
 
     def _flown(self, case: int) -> Start:
         """The flight of a case; of one that does not come so far another that does.
@@ -71,21 +67,8 @@ class StartPool:
         Raises:
             ConfigError: no flight comes so far, or they are of several worlds.
         """
+        task = self._task
         for seed in range(case, _PATIENCE * _CASES, _CASES):
-            variant = self._flights.of(seed)
-            parts = variant.parts
-            if parts.tables is not self._flights.base.records.tables:
-                raise refusal(self._task.scenario, "disperses the tables of the world, which a fleet shares")
-            flight = SteppedFlight(variant.loaded, parts, telemetry=False)
-            if self._comes(flight):
-                return Start.of(parts, flight.underway.moment())
-        raise refusal(self._task.scenario, f"none of {_PATIENCE} flights came to the phase {self._task.role}")
-
-    def _comes(self, flight: SteppedFlight) -> bool:
-        """Fly to the beginning of the task; whether the flight comes so far."""
-        roles = flight.loaded.scenario.phase_roles
-        phase = flight.underway.fsw["mission"]["phase"]
-        while roles[int(phase[0])] != self._task.role:
-            if not flight.step(cycles=_LOOK):
-                return False
-        return flight.step(cycles=max(round(self._task.later_s / flight.cycle_s), 1))
+            if (start := self._flights.at_phase(seed, task.role, task.later_s)) is not None:
+                return start
+        raise refusal(task.scenario, f"none of {_PATIENCE} flights came to the phase {task.role}")

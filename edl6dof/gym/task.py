@@ -14,9 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.scenario.loading import LoadedScenario
-from edl6dof.sim.fleet import Fleet
-from edl6dof.sim.outcome import FLYING
+import edl6dof
+from edl6dof.api.fleet import Fleet
 
 #: Bound of every observation, in its scale.
 BOUND = 10.0
@@ -67,7 +66,7 @@ class Task(ABC):
     longest_s: float
     features: tuple[Feature, ...]
 
-    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+    def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         self.loaded, self.fleet = loaded, fleet
         self.roles = np.array(loaded.scenario.phase_roles)
         self.thrusters = loaded.scenario.thruster_names
@@ -131,7 +130,7 @@ class Task(ABC):
 
     def ended(self) -> np.ndarray:
         """Whether each flight has ended, shape (flights,)."""
-        return self.fleet.outcomes != FLYING
+        return ~self.fleet.flying
 
 
 def nav(field: str) -> Callable[[np.ndarray], np.ndarray]:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
+import edl6dof
+from edl6dof.api.fleet import Fleet
 from edl6dof.gym.task import Feature, StepResult, Task
 from edl6dof.interface.roles import LIFT, POWERED_DECELERATION
-from edl6dof.scenario.loading import LoadedScenario
-from edl6dof.sim.fleet import Fleet
 
 #: When the thruster fails, s after the beginning of the phase.
 _FAILS_S: dict[str, float] = {LIFT: 45.0, POWERED_DECELERATION: 0.0}
@@ -36,7 +36,7 @@ _ATTITUDE = (
 class _ThrusterFault(Task):
     """One of the thrusters is dead, and nobody has said which."""
 
-    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+    def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
         if len(self.thrusters) != _THRUSTERS:
             raise ValueError(f"is made for {_THRUSTERS} thrusters (the vehicle has {len(self.thrusters)})")
@@ -59,7 +59,7 @@ class DeadThruster(_ThrusterFault):
         Feature("disturbance_torque", 200.0, lambda memories: memories["disturbance"]["torque"], 3),
     )
 
-    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+    def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
         self._began = np.zeros(len(fleet))
 
@@ -112,7 +112,7 @@ class FaultDiagnosis(_ThrusterFault):
         Feature("imu_rates", 0.2, lambda memories: memories["nav"]["imu_rate_B"], 3),
     )
 
-    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+    def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
         self._named = np.zeros(len(fleet), np.int64)
         self._failed = np.zeros(len(fleet), np.int64)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import nan
 
@@ -16,7 +16,6 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
 from edl6dof.metrics.published import Beside, PublishedFigure, published_figures
 from edl6dof.scenario.loading import CALIBRATION
-from edl6dof.studies.study import Progress
 
 PUBLISHED, CAMPAIGN = "published", "campaign"
 #: Where the mark of a published figure stands: on a plain number, or on that of the mapping in its place.
@@ -44,7 +43,7 @@ class Mission:
         """Name of the scenario."""
         return self.plan.name
 
-    def fly(self, workers: int | None, progress: Progress) -> list[Row]:
+    def fly(self, workers: int | None, progress: Callable[[int, int], None]) -> list[Row]:
         """A row for each dispersed flight, the same whatever the number of ``workers``."""
         rows = []
         for row in CaseRunner(self.plan.loaded).rows(self.plan.cases(), workers):

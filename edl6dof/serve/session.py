@@ -10,14 +10,13 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import edl6dof
+from edl6dof.api.description import described
 from edl6dof.api.errors import naming_arguments
 from edl6dof.api.overrides import texts
 from edl6dof.api.simulation import Simulation
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.wording import got
-from edl6dof.serve.description import described
-from edl6dof.sim.checkpoint import State
-from edl6dof.sim.commanding import unknown
+from edl6dof.config.wording import got, unknown
 
 #: Version of the protocol: it goes up where a program that was written for the one before would fail.
 PROTOCOL = 2
@@ -116,7 +115,7 @@ class Session:
     def _restore(self, state: Any = None) -> Answer:
         if not isinstance(state, bytes):
             raise ValueError(f"state must be the bytes that the answer to state held (got {got(state)})")
-        self.simulation.restore(State.unpacked(state, "state"))
+        self.simulation.restore(edl6dof.State.unpacked(state, "state"))
         return self._standing()
 
     def _close(self) -> Answer:

@@ -76,23 +76,29 @@ def _decided_at(flight: FlightRecords, figures: Mapping[str, float], missed: Seq
 
 def _broken_at(flight: FlightRecords, figures: Mapping[str, float], check: Check, end: float) -> float:
     """Time (s) at which a limit was broken: that of the peak, or of the event that the figure is taken at;
-    for the distance of a landing that of mortar fire, if the vehicle was farther beyond the limit there than
-    it was high, which no descent makes good.
+    for the distance of a landing the time from which it could not be kept.
     """
     if check.figure in _PEAK_TIMES:
         return float(flight.peaks[_PEAK_TIMES[check.figure]][0])
     if check.figure == "landing_distance_m":
-        mortar, height = figures.get("parachute_s", end), figures.get("parachute_height_m", 0.0)
-        return mortar if _from_site(flight, mortar) > check.limit + height else end
+        return _out_of_reach(flight, figures, check.limit, end)
     if figure_of_merit(check.figure).source in ("contact", "footing"):
         return end
     return figures.get(f"{check.figure.partition('_')[0]}_s", end)
 
 
-def _from_site(flight: FlightRecords, t: float) -> float:
-    """Horizontal distance (m) from the landing site at a time (s)."""
-    latitude, longitude = flight.telemetry.at(t, "truth.latitude_deg", "truth.longitude_deg")
-    return hypot(*place_of(flight.case["terrain"][0], radians(latitude), radians(longitude)))
+def _out_of_reach(flight: FlightRecords, figures: Mapping[str, float], limit: float, end: float) -> float:
+    """Time (s) from which the vehicle was farther beyond a distance of ``limit`` (m) from the landing site
+    than it was high, which no descent makes good; mortar fire at the earliest, contact at the latest.
+    """
+    names = ("t_s", "truth.latitude_deg", "truth.longitude_deg", "truth.height_m")
+    mortar, terrain = figures.get("parachute_s", end), flight.case["terrain"][0]
+    table = np.column_stack([flight.telemetry[name] for name in names])
+    descent = table[(table[:, 0] >= mortar) & (table[:, 0] < end)]
+    for t, latitude, longitude, height in descent[::-1].tolist():
+        if hypot(*place_of(terrain, radians(latitude), radians(longitude))) <= limit + height:
+            return t
+    return mortar
 
 
 # ---- faults ------------------------------------------------------------------------------------------------

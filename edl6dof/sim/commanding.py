@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import unknown
 
 Command = Mapping[str, Any]
 
@@ -166,11 +166,3 @@ def _put(place: np.ndarray, value: Any) -> None:
     if not np.isfinite(numbers).all():
         raise ValueError(f"a command must be finite (got {value!r})")
     place[:] = numbers
-
-
-def unknown(kind: str, name: object, known: Iterable[str]) -> str:
-    """What to say of a name that is none of those there are."""
-    near = nearest(str(name), known)
-    return f"no {kind} {name!r}" + (
-        f"; did you mean {near!r}?" if near else f" (there are: {', '.join(known)})"
-    )

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.wording import unknown
 from edl6dof.interface.external import EXTERNAL
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.commanding import Command, Commander, unknown
+from edl6dof.sim.commanding import Command, Commander
 from edl6dof.sim.flight import Flight, flight_of
 from edl6dof.sim.linear import LinearModel, Margins, control_gain, linear_plant, margins
 from edl6dof.sim.observing import Reader, navigated, true_state, wanted

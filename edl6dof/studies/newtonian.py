@@ -8,11 +8,9 @@ sonic line, no separation.  What that costs is the table.
 from __future__ import annotations
 
 import numpy as np
-import pyarrow as pa
 
-from edl6dof.scenario.loading import load_scenario
-from edl6dof.studies import plots
-from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
+import edl6dof
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 from edl6dof.vehicle.aerodynamics.newtonian import capsule_rings, newtonian_coefficients
 from edl6dof.vehicle.aerodynamics.table import read_static_table
@@ -42,35 +40,35 @@ REMARKS = (
 )
 
 
-def run(runs: int, progress: Progress) -> Report:
+def run(session: Session) -> Report:
     """The coefficients of both shapes; there is nothing to repeat."""
     mach, alpha, published = read_static_table("phoenix_70deg_static_aero.csv")
-    gas = load_scenario("tianwen1").scenario.planet.gas
+    gas = edl6dof.load("tianwen1").scenario.planet.gas
     size = (PHOENIX.diameter_m, PHOENIX.moment_reference_x_over_d * PHOENIX.diameter_m)
     rings, ratio = capsule_rings(PHOENIX), gas.shock_layer_heat_capacity_ratio
     own = newtonian_coefficients(rings, np.radians(alpha), mach, ratio, size)
-    stardust = load_scenario("stardust").scenario
+    stardust = edl6dof.load("stardust").scenario
     others = np.array([m for m, _ in STARDUST_CA])
     shape = stardust.vehicle.aero.capsule.model_copy(update={"diameter_m": 0.813})
     earth = stardust.planet.gas.shock_layer_heat_capacity_ratio
     axial = newtonian_coefficients(capsule_rings(shape), np.zeros(1), others, earth, (0.813, 0.0))[:, 0, 0]
-    progress(runs, runs)
-    table = pa.table(
+    coefficients = (("published", published), ("newtonian", own))
+    rows = [
         {
-            "mach": np.repeat(mach, len(alpha)),
-            "alpha_deg": np.tile(alpha, len(mach)),
-            **{f"published_{name}": published[..., k].ravel() for k, name in enumerate(("ca", "cn", "cm"))},
-            **{f"newtonian_{name}": own[..., k].ravel() for k, name in enumerate(("ca", "cn", "cm"))},
+            "mach": float(mach[m]),
+            "alpha_deg": float(alpha[a]),
+            **{
+                f"{of}_{name}": float(table[m, a, k])
+                for of, table in coefficients
+                for k, name in enumerate(("ca", "cn", "cm"))
+            },
         }
-    )
-    return Report(
-        (*_phoenix(mach, published, own), *_stardust(axial)),
-        _drawings(mach, alpha, published, own),
-        table,
-        runs,
-        REMARKS,
-        (_grid(mach, alpha, published, own),),
-    )
+        for m in range(len(mach))
+        for a in range(len(alpha))
+    ]
+    findings = [*_phoenix(mach, published, own), *_stardust(axial)]
+    grids = [_grid(mach, alpha, published, own)]
+    return Report(findings, rows, 1, grids, REMARKS, _pictures(mach, alpha, published, own))
 
 
 def _phoenix(mach: np.ndarray, published: np.ndarray, own: np.ndarray) -> tuple[Finding, ...]:
@@ -93,7 +91,7 @@ def _stardust(axial: np.ndarray) -> tuple[Finding, ...]:
 def _grid(mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.ndarray) -> Grid:
     """CA at no angle, and slopes per rad up to ``ANGLE_DEG``, of both, by Mach number."""
     end = int(np.flatnonzero(alpha == ANGLE_DEG)[0])
-    rows: list[tuple[str | float, ...]] = []
+    rows: list[Line] = []
     for value in SHOWN:
         k = int(np.argmin(np.abs(mach - value)))
         pair = [(c[k, 0, 0], c[k, end, 1], c[k, end, 2]) for c in (published, own)]
@@ -102,22 +100,25 @@ def _grid(mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.nd
         off = 100.0 * (own_ca / ca - 1.0)
         rows.append((f"{mach[k]:g}", *map(float, (ca, own_ca, off, cn, own_cn, cm, own_cm))))
     heads = ("Mach", "CA publ.", "CA", "off %", "CN_a publ.", "CN_a", "Cm_a publ.", "Cm_a")
-    return Grid(f"Phoenix: CA at no angle; CN and Cm per rad, mean to {ANGLE_DEG:g} deg", heads, tuple(rows))
+    return Grid(f"Phoenix: CA at no angle; CN and Cm per rad, mean to {ANGLE_DEG:g} deg", heads, rows)
 
 
-def _drawings(mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.ndarray) -> tuple:
+def _pictures(
+    mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.ndarray
+) -> dict[str, list[Panel]]:
     """CA and Cm over Mach number, published and computed."""
     end = int(np.flatnonzero(alpha == ANGLE_DEG)[0])
-    axial = (plots.dots(mach, published[:, 0, 0], "published"), plots.curve(mach, own[:, 0, 0], "Newtonian"))
-    turning = (
-        plots.dots(mach, published[:, end, 2], "published"),
-        plots.curve(mach, own[:, end, 2], "Newtonian"),
-    )
-    panels = (
-        plots.panel("Axial force at no angle", "Mach number", "CA", axial),
-        plots.panel(f"Pitching moment at {ANGLE_DEG:g} deg", "Mach number", "Cm", turning),
-    )
-    return (plots.figure("phoenix", panels),)
+    panels = []
+    for title, label, angle, k in (
+        ("Axial force at no angle", "CA", 0, 0),
+        (f"Pitching moment at {ANGLE_DEG:g} deg", "Cm", end, 2),
+    ):
+        pair = (
+            Curve(mach, published[:, angle, k], "published", "dots"),
+            Curve(mach, own[:, angle, k], "Newtonian"),
+        )
+        panels.append(Panel(title, "Mach number", label, pair))
+    return {"phoenix": panels}
 
 
 STUDY = Study(

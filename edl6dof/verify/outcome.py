@@ -8,6 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 
+class NotInstalledError(RuntimeError):
+    """A check case lacks its reference data."""
+
+
 @dataclass(frozen=True)
 class Result:
     """One comparison: the error found against its tolerance, both in ``unit``.

@@ -52,7 +52,7 @@ def test_every_name_that_is_offered_is_there():
 def test_packages_of_the_same_names_are_called_like_their_functions(folder):
     """Python puts an imported package in the place of the function."""
     import edl6dof.report.document
-    import edl6dof.verify.registry
+    import edl6dof.verify.check
 
     assert edl6dof.report.document.Report
     with pytest.raises(ValueError, match="no check case 'keppler'"):

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_python import differing, fly_cycles, in_plain_python, setting
 
 import edl6dof
 from edl6dof.sim.flight import fly
-from edl6dof.verify.plain import differing, fly_cycles, in_plain_python, setting
 
 CYCLES = 25
 

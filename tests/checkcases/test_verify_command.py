@@ -10,10 +10,8 @@ import math
 import pytest
 
 from edl6dof.cli.check_cases import run_cases
-from edl6dof.verify import registry
-from edl6dof.verify.cases import nesc
-from edl6dof.verify.outcome import Outcome, Result
-from edl6dof.verify.runner import run_case
+from edl6dof.verify import check
+from edl6dof.verify.outcome import NotInstalledError, Outcome, Result
 
 FAILING = Outcome((Result("quantity", "model", "source", math.nan, 1.0, "m", "why"),))
 
@@ -23,7 +21,7 @@ def broken():
 
 
 def absent():
-    raise nesc.NotInstalledError("no data")
+    raise NotInstalledError("no data")
 
 
 def test_json_of_two_cases(capsys):
@@ -39,7 +37,7 @@ def test_json_of_two_cases(capsys):
     ("case", "text"), [(lambda: FAILING, "FAIL"), (broken, "boom"), (lambda: Outcome(()), "FAILED")]
 )
 def test_a_case_that_fails_or_breaks_or_proves_nothing_fails_the_command(monkeypatch, capsys, case, text):
-    monkeypatch.setitem(registry.CASES, "kepler", case)
+    monkeypatch.setitem(check.CASES, "kepler", case)
     assert run_cases(["kepler", "us76_table"], False, None) == 1
     assert text in capsys.readouterr().out
     assert run_cases(["kepler"], True, None) == 1
@@ -47,8 +45,8 @@ def test_a_case_that_fails_or_breaks_or_proves_nothing_fails_the_command(monkeyp
 
 
 def test_missing_reference_data_skip_the_case_with_a_line(monkeypatch, capsys):
-    monkeypatch.setitem(registry.CASES, "nesc", absent)
-    assert run_case("nesc").skipped
+    monkeypatch.setitem(check.CASES, "nesc", absent)
+    assert check.run_case("nesc").skipped
     assert run_cases(["nesc", "us76_table"], False, None) == 0
     assert "skipped: nesc: no data" in capsys.readouterr().out
 

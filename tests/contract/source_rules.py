@@ -44,8 +44,8 @@ LAYERS = (
     ("campaign",),
     ("calibration", "design"),
     ("report", "replay"),
-    ("studies", "verify", "missions"),
-    ("api", "gym", "serve", "cli", "__init__", "__main__"),
+    ("verify", "missions"),
+    ("api", "gym", "serve", "studies", "cli", "__init__", "__main__"),
 )
 HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}
 

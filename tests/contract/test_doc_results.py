@@ -60,6 +60,15 @@ def test_renewing_runs_the_command_and_keeps_what_stands_around():
     assert renewed(OLD, "fly msl", None) == OLD.replace("00000000", now)
 
 
+def test_markdown_is_replaced_up_to_its_end():
+    text = OLD + "<!-- markdown -->\n| old |\n\nold\n<!-- /measured -->\nafter\n"
+    (result,) = results("page", text)
+    assert result.generated and not result.current
+    remark = OLD.replace("00000000", flights_hash("msl"))
+    expected = f"{remark}<!-- markdown -->\n| new |\n<!-- /measured -->\nafter\n"
+    assert renewed(text, "", lambda command: "| new |") == expected
+
+
 def test_output_is_what_the_command_prints(capfd):
     assert doc_results.output_of("echo one; echo; echo; echo; echo two; pwd >&2") == "one\n\ntwo"
     with pytest.raises(SystemExit, match="printed nothing"):

@@ -4,7 +4,9 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from source_rules import HEIGHT, LAYERS, breaches, layer_of, modules, rings, upward_imports
+from source_rules import HEIGHT, LAYERS, breaches, imports, layer_of, modules, rings, upward_imports
+
+import edl6dof
 
 EVERYTHING = modules()
 #: Rings that are there, of which each is to go.
@@ -20,6 +22,25 @@ def test_every_module_of_the_package_has_a_layer():
 
 def test_every_module_imports_only_its_own_layer_or_lower_ones():
     assert breaches(upward_imports, EVERYTHING) == {}
+
+
+#: What environments and servers are built on: the public API, the words that cross between plant and flight
+#: software, and those of messages.
+PUBLIC = ("edl6dof.api", "edl6dof.interface", "edl6dof.config.errors", "edl6dof.config.wording")
+
+
+def beyond_the_api(module, source):
+    """Imports of the package in ``gym`` or ``serve`` that are neither public nor of its own folder."""
+    allowed = (*PUBLIC, ".".join(module.split(".")[:2]))
+    ours = {name for _, name in imports(source, module) if name.startswith("edl6dof.")}
+    top = {f"edl6dof.{name}" for name in edl6dof.__all__}
+    return sorted(name for name in ours - top if not name.startswith(allowed))
+
+
+def test_environments_and_servers_are_built_on_the_public_api():
+    assert breaches(beyond_the_api, modules("gym", "serve")) == {}
+    planted = "from edl6dof import Simulation\nfrom edl6dof.sim.fleet import Fleet"
+    assert beyond_the_api("edl6dof.gym.a", planted) == ["edl6dof.sim.fleet", "edl6dof.sim.fleet.Fleet"]
 
 
 def test_planted_upward_imports_are_found():

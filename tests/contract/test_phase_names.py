@@ -32,9 +32,7 @@ OTHER_MEANINGS = {
     "edl6dof.report.flight.site": {"parachute"},
     "edl6dof.sim.termination": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
-    "edl6dof.studies.hu2022.avoidance": {"landed"},  # column of a table, as in the next two
-    "edl6dof.studies.hu2022.findings": {"landed"},
-    "edl6dof.studies.hu2022.rows": {"landed"},
+    "edl6dof.studies.hu2022": {"landed"},  # column of a table
     "edl6dof.vehicle.faults.component": {"parachute"},  # kind of component
     "edl6dof.vehicle.mass": {"parachute"},  # key of an older form, as in vehicle
     "edl6dof.vehicle.plant": {"parachute"},  # field of a record

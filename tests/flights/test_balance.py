@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plain_python import setting
 
 import edl6dof
 from edl6dof.metrics.figures import BALANCES
@@ -19,7 +20,6 @@ from edl6dof.runs.results import summary
 from edl6dof.sim.flight import flight_of
 from edl6dof.sim.underway import Underway, moments_at
 from edl6dof.vehicle.plant import PROPELLANT, VELOCITY
-from edl6dof.verify.plain import setting
 from edl6dof.verify.scene import State
 
 PROGRAM = Path(__file__).with_name("unbalanced.py")
@@ -40,7 +40,7 @@ def with_mistakes(folder, loaded, t_s, seconds, *mistakes):
     cycles = round(seconds * loaded.scenario.flight_software.rates.base_hz)
     done = subprocess.run(
         [sys.executable, str(PROGRAM), str(folder / "given.npz"), str(cycles), "none", *mistakes],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         check=False,

@@ -14,9 +14,12 @@ PLANNING = [name for name in POWERED_LAWS.names if name != "gravity_turn"]
 
 
 @cache
-def released(law, height):
-    """A flight whose backshell leaves at a height (m)."""
-    settings = (f"mission.phases.parachute.until.value={height}", "simulation.log_every=50")
+def released(law, height, late_s=0.0):
+    """A flight whose backshell leaves at a height (m) and whose engine lights late."""
+    settings = [f"mission.phases.parachute.until.value={height}", "simulation.log_every=50"]
+    if late_s:
+        delay = f"ignition_delay: {{delay_s: {late_s}}}"
+        settings.append(f"faults=[{{kind: ignition_delay, {delay}, at: {{phase: powered_deceleration}}}}]")
     return edl6dof.fly("tianwen1", [f"flight_software.guidance.powered.law={law}", *settings])
 
 
@@ -29,6 +32,21 @@ def test_no_law_that_plans_comes_down_faster_than_the_gravity_turn(law, height):
     )
     assert speed < reference + 0.5
     assert height < 350.0 or speed < 3.0
+
+
+@pytest.mark.parametrize(("height", "late_s"), [(700.0, 0.0), (1200.0, 0.0), (700.0, 2.0), (900.0, 4.0)])
+@pytest.mark.parametrize("law", PLANNING)
+def test_all_laws_land_from_higher_and_after_late_ignition(law, height, late_s):
+    assert released(law, height, late_s).metrics["touchdown_vertical_m_s"] < 3.0
+
+
+@pytest.mark.parametrize(("height", "late_s"), [(450.0, 2.0), (650.0, 4.0)])
+@pytest.mark.parametrize("law", PLANNING)
+def test_a_late_ignition_that_no_law_survives_is_no_worse_with_a_plan(law, height, late_s):
+    speed, reference = (
+        released(name, height, late_s).metrics["touchdown_vertical_m_s"] for name in (law, "gravity_turn")
+    )
+    assert 20.0 < speed < reference + 0.5
 
 
 def test_what_convex_gives_up_is_an_event_a_figure_and_a_cause():

@@ -118,7 +118,7 @@ def test_sensed_quantity_is_named(onboard, moment, path):
         (20.0, "mission.phase_start"),
         pytest.param(150.0, "guidance.entry.air.drag", marks=pytest.mark.long),
         (150.0, "guidance.entry.law.drag_tracking.tracking.scale"),
-        pytest.param(440.0, "guidance.target.arrival", marks=pytest.mark.long),
+        pytest.param(465.0, "guidance.target.arrival", marks=pytest.mark.long),
         pytest.param(440.0, "vehicle.mass", marks=pytest.mark.long),
         pytest.param(300.0, "vehicle.mass", marks=pytest.mark.long),
         (510.0, "guidance.terminal.target_L"),

@@ -144,6 +144,14 @@ def test_distance_missed_at_mortar_fire_is_not_blamed_on_the_descent():
     assert flight.cause == "outside limits: distance from the landing site"
 
 
+@pytest.mark.parametrize(("phase", "counts"), [("parachute", True), ("hazard_avoidance", False)])
+def test_distance_that_the_descent_decides_is_not_blamed_on_faults_near_the_ground(phase, counts):
+    """Dense air: the parachute opens 19 km high, so the landing 11 km off is decided under it."""
+    fault = f"faults=[{{thruster: F1, kind: stuck_off, at: {{phase: {phase}, plus_s: 1}}}}]"
+    flight = edl6dof.fly("tianwen1", ["truth={atmosphere.density_factor: 1.6}", fault])
+    assert flight.cause == "outside limits: distance from the landing site" + " after F1 stuck off" * counts
+
+
 @pytest.mark.parametrize(
     "sets",
     [

@@ -10,13 +10,12 @@ from contextlib import ExitStack, nullcontext
 from unittest.mock import patch
 
 import numpy as np
+from plain_python import LAYOUT, Records, Setting, fly_cycles
 
 from edl6dof.metrics.balance import balance_figures
 from edl6dof.spatial.vector import put3, scale, take3
 from edl6dof.vehicle.motion import body, runge_kutta, staging
 from edl6dof.vehicle.plant import VELOCITY
-from edl6dof.verify.attributes import Records
-from edl6dof.verify.plain import LAYOUT, Setting, fly_cycles
 
 gravity, separate, rk4 = body.gravity, staging.separate, runge_kutta.rk4
 

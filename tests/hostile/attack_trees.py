@@ -59,7 +59,7 @@ FORMS: tuple[Callable[[str], bytes], ...] = (
     lambda text: re.sub(r": (-?\d+)\.(\d+)$", r": \1_\2:30", text, flags=re.MULTILINE).encode(),
     lambda text: (text + "<<: {name: merged}\n").encode(),
     lambda text: (text + "<<: [*x, &x {name: merged}]\n").encode(),
-    lambda text: text.encode("cp1252", "replace") + b"# caf\xe9\n",
+    lambda text: text.encode("cp1252", "replace") + b"# \xe9\n",
 )
 
 Node = tuple[Any, Any]  #: a container, and the key or index of a value in it

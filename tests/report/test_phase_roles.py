@@ -23,11 +23,7 @@ from edl6dof.report.flight.build import flight_report
 from edl6dof.report.page import page
 from edl6dof.runs.results import write_run
 from edl6dof.runs.run import Run
-from edl6dof.studies import yan2016
-from edl6dof.studies.hu2022 import STUDY as HU2022
-from edl6dof.studies.hu2022 import avoidance, rigs
-from edl6dof.studies.hu2022.avoidance import SHOWN
-from edl6dof.studies.yan2016 import experiments
+from edl6dof.studies import hu2022, yan2016
 from edl6dof.telemetry.timeline import first_times
 
 #: Of these the new names are made, each of one: no number or hash holds them.
@@ -161,20 +157,19 @@ def test_usual_faults_begin_in_the_same_phases_and_do_the_same(nominal, other, t
 
 
 @pytest.mark.parametrize(
-    "module, study, runs",
-    [pytest.param(rigs, HU2022, 1, marks=pytest.mark.long), (yan2016, yan2016.STUDY, yan2016.STUDY.runs)],
+    "module, flights", [pytest.param(hu2022, 1, marks=pytest.mark.long), (yan2016, yan2016.RUNS)]
 )
-def test_study_finds_the_same(module, study, runs, tmp_path, monkeypatch):
+def test_study_finds_the_same(module, flights, tmp_path, monkeypatch):
     """Of the avoidances of Hu et al., those with the thruster of the paper's figure, of Yan et al. one
     corner: the others differ in nothing that has a name.
     """
-    every = avoidance.pushes
-    monkeypatch.setattr(experiments, "CORNERS", experiments.CORNERS[:1])
-    monkeypatch.setattr(avoidance, "MOMENTS_S", avoidance.MOMENTS_S[:1])
-    monkeypatch.setattr(avoidance, "pushes", lambda scenario: {SHOWN: every(scenario)[SHOWN]})
+    every, shown = hu2022.pushes, hu2022.SHOWN
+    monkeypatch.setattr(yan2016, "CORNERS", yan2016.CORNERS[:1])
+    monkeypatch.setattr(hu2022, "MOMENTS_S", hu2022.MOMENTS_S[:1])
+    monkeypatch.setattr(hu2022, "pushes", lambda scenario: {shown: every(scenario)[shown]})
 
     def found():
-        return repr(study.run(runs, lambda done, total: None).findings)
+        return repr(module.STUDY.fly(flights).findings)
 
     before = found()
     path, old = renamed_file(module.SCENARIO, tmp_path)

@@ -17,9 +17,8 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.jit import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.sim.underway import moments_at
-from edl6dof.studies import call_time, guidance
-from edl6dof.studies.guidance import conditions, figures, reach, tables, vehicles
-from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED
+from edl6dof.studies import guidance
+from edl6dof.studies.guidance import CONDITIONS, DISPERSED
 
 ANGLE, MASS = "initial.flight_path_angle_deg", "vehicle.mass.entry_kg"
 
@@ -40,11 +39,11 @@ def named(chosen, *in_suite):
 
 
 @pytest.mark.parametrize(
-    "vehicle", named([v for v in vehicles.VEHICLES if v.dispersions], "tianwen1_range_trigger")
+    "vehicle", named([v for v in guidance.VEHICLES if v.dispersions], "tianwen1_range_trigger")
 )
 def test_dispersed_entries_are_those_of_the_campaign_about_the_nominal(vehicle):
     """Every case can be built on the vehicle, also where the parachute opens by another trigger."""
-    loaded, truths = vehicle.load(), vehicles.entries(vehicle.dispersions, 200)
+    loaded, truths = vehicle.load(), guidance.entries(vehicle.dispersions, 200)
     angle, mass = ([truth[path] for truth in truths] for path in (ANGLE, MASS))
     assert np.mean(angle) == pytest.approx(loaded.scenario.initial.flight_path_angle_deg, abs=0.01)
     assert np.std(angle) == pytest.approx(0.1, rel=0.06)
@@ -57,8 +56,8 @@ def test_dispersed_entries_are_those_of_the_campaign_about_the_nominal(vehicle):
 
 def test_a_flight_whose_mortar_never_fires_counts_as_a_miss_without_end():
     rows = [{"parachute_miss_m": 1500.0, "law": "a"}, {"outcome": "crashed", "law": "a"}]
-    assert list(tables.misses(rows)) == [1.5, np.inf]
-    assert tables.unflown(rows) == rows[1:]
+    assert list(guidance.misses(rows)) == [1.5, np.inf]
+    assert guidance.unflown(rows) == rows[1:]
 
 
 @pytest.fixture(scope="module")
@@ -74,8 +73,8 @@ def with_lift_up():
     ]
     steep = {"initial.flight_path_angle_deg": -11.581 - 0.45}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reach, "entries", lambda scenario, flights: [{}, steep, {}][:flights])
-        return reach.lift_up(vehicles.VEHICLES[0], rows, 3)
+        patch.setattr(guidance, "entries", lambda scenario, flights: [{}, steep, {}][:flights])
+        return guidance.lift_up(guidance.VEHICLES[0], rows, 3)
 
 
 def test_entries_that_some_law_hits_are_in_reach_without_being_flown_again(with_lift_up):
@@ -85,14 +84,14 @@ def test_entries_that_some_law_hits_are_in_reach_without_being_flown_again(with_
 def test_an_entry_that_ends_short_with_lift_up_all_the_way_is_out_of_reach(with_lift_up):
     nominal, steep = (row["parachute_downrange_m"] for row in with_lift_up)
     assert nominal > 20e3 and steep < -5e3
-    assert reach.out_of_reach(with_lift_up) == {1}
+    assert guidance.out_of_reach(with_lift_up) == {1}
 
 
 def found(misses, beyond):
     """Results by label on dispersed entries of these misses (km)."""
     about = {"vehicle": "msl", "law": "npc", "condition": DISPERSED, "success": True}
     rows = [{**about, "profile": n, "parachute_miss_m": 1e3 * miss} for n, miss in enumerate(misses)]
-    listed = tables.findings(rows, {("msl", "npc"): 1.0}, {"msl": beyond})
+    listed = guidance.findings(rows, {("msl", "npc"): 1.0}, {"msl": beyond})
     return {finding.label: (finding.computed, finding.ok) for finding in listed}
 
 
@@ -113,16 +112,16 @@ def test_too_few_entries_have_no_99_percent_and_no_result_of_it():
 @pytest.mark.parametrize(("law", "speed"), [("fnpeg", 700.0), ("etpc", 1100.0)])
 def test_fnpeg_alone_controls_range_for_longer(law, speed):
     """What MSL flew stays what it flew: the settings of one law are no other's."""
-    loaded = edl6dof.load("msl", [f"{vehicles.ENTRY}.law={law}"])
+    loaded = edl6dof.load("msl", [f"{guidance.ENTRY}.law={law}"])
     assert build_records(loaded).onboard[0]["guidance"]["entry"]["heading"]["speed"] == speed
 
 
 def test_open_loop_profile_is_the_planned_bank():
-    loaded = vehicles.with_law(vehicles.VEHICLES[0], "bank_profile")
+    loaded = guidance.with_law(guidance.VEHICLES[0], "bank_profile")
     points = loaded.scenario.flight_software.guidance.entry.bank_profile.points
     # a constant profile, shifted to the range
     fitted = edl6dof.load(
-        "tianwen1", ["mission.goal=deployment", f"{vehicles.ENTRY}.reference_bank.fit_range=true"]
+        "tianwen1", ["mission.goal=deployment", f"{guidance.ENTRY}.reference_bank.fit_range=true"]
     )
     record = build_records(fitted).onboard[0]
     cosine = np.cos(record["guidance"]["entry"]["reference_bank"]["points"]["bank"][0])
@@ -130,7 +129,7 @@ def test_open_loop_profile_is_the_planned_bank():
     assert [point.bank_deg for point in points] == pytest.approx([planned] * len(points))
 
 
-@pytest.mark.parametrize("vehicle", named(vehicles.VEHICLES, "tianwen1", "zheng2015"))
+@pytest.mark.parametrize("vehicle", named(guidance.VEHICLES, "tianwen1", "zheng2015"))
 def test_every_condition_is_truly_met(vehicle):
     """What the flight of a condition meets, read back from the records that fly."""
     nominal, variants = vehicle.load(), Variants(vehicle.load())
@@ -156,7 +155,7 @@ def test_every_condition_is_truly_met(vehicle):
 
 def test_less_lift_is_a_fifth_less_in_flight():
     """Lift over drag across and along the true air-relative velocity."""
-    for vehicle in (vehicles.VEHICLES[0], vehicles.VEHICLES[-1]):
+    for vehicle in (guidance.VEHICLES[0], guidance.VEHICLES[-1]):
         loaded, found = vehicle.load("simulation.log_every=5"), {}
         for condition in CONDITIONS:
             if condition.name in ("nominal", "L/D -20 %"):
@@ -177,14 +176,14 @@ def lift_over_drag(flight):
 
 
 def test_wind_blows_from_all_sides_in_turn(nominal):
-    towards = [conditions._wind(nominal.scenario, flight) for flight in range(4)]
+    towards = [guidance.wind(nominal.scenario, flight) for flight in range(4)]
     total = np.sum([[w["wind.constant.north_m_s"], w["wind.constant.east_m_s"]] for w in towards], axis=0)
     assert total == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
 def test_figures_of_a_flight_are_its_own_telemetry(nominal):
     flight = edl6dof.fly(edl6dof.load("tianwen1", ["mission.goal=deployment"]))
-    found, rows = figures.of_flight(flight), flight.telemetry
+    found, rows = guidance.of_flight(flight), flight.telemetry
     lift = rows["guide.phase"] == 1
     # at least the reversals, each from one side to the other, and the levelling at the end
     reversals = flight.metrics["bank_reversals"]
@@ -219,25 +218,28 @@ def test_no_entry_law_allocates(nominal):
     navs[0], memories[0] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     for law in range(len(ENTRY_LAWS.members)):
         rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
-        once, often = (allocations(call_time._repeat, law, *rest, n) for n in (1, 20))
+        once, often = (allocations(guidance._repeat, law, *rest, n) for n in (1, 20))
         assert once == often, ENTRY_LAWS.names[law]
 
 
 def test_small_run_comes_out_whole(monkeypatch):
-    monkeypatch.setattr(guidance, "VEHICLES", (vehicles.VEHICLES[0], vehicles.VEHICLES[-1]))
+    monkeypatch.setattr(guidance, "VEHICLES", (guidance.VEHICLES[0], guidance.VEHICLES[-1]))
     monkeypatch.setattr(guidance, "CONDITIONS", CONDITIONS[:2])
-    monkeypatch.setattr(call_time, "REPEATS", 5)
+    monkeypatch.setattr(guidance, "REPEATS", 5)
     seen = []
-    report = guidance.run(("npc", "bank_profile"), 3, lambda done, total: seen.append((done, total)))
+    chosen = ("npc", "bank_profile")
+    report = guidance.STUDY.fly(3, chosen, lambda done, total: seen.append((done, total)))
     # of two laws: 2 conditions and 3 dispersed entries of one vehicle, 2 conditions of the other
-    columns = report.table.to_pydict()
+    density, angle = "truth.atmosphere.density_factor", f"truth.{ANGLE}"
+    names = ("law", "condition", "profile", density, angle)
+    columns = {name: [row.get(name) for row in report.rows] for name in names}
     assert len([law for law in columns["law"] if law in ("npc", "bank_profile")]) == 14
     # and one more for each entry that neither brings to the target
-    assert report.runs == len(report.table) >= 14 and seen[-1] == (14, 14)
+    assert report.runs == len(report.rows) >= 14 and seen[-1] == (14, 14)
     dispersed = [i for i, name in enumerate(columns["condition"]) if name == DISPERSED]
     assert [columns["law"][i] for i in dispersed] == ["npc"] * 3 + ["bank_profile"] * 3
     # both laws meet the same entries
-    for path in ("truth.atmosphere.density_factor", "truth.initial.flight_path_angle_deg", "profile"):
+    for path in (density, angle, "profile"):
         met = [columns[path][i] for i in dispersed]
         assert met[:3] == met[3:] and len(set(met)) == 3
     misses, quantiles, effort, *_ = report.grids
@@ -247,4 +249,4 @@ def test_small_run_comes_out_whole(monkeypatch):
     rows = {row[0]: dict(zip(effort.heads, row, strict=True)) for row in effort.rows}
     assert rows["npc"]["in box %"] == 100.0
     assert 0.0 < rows["bank_profile"]["call us"] < rows["npc"]["call us"] < 2000.0
-    assert [d.key for d in report.drawings] == ["comparison", "tianwen1_miss", "tianwen1_footprint"]
+    assert list(report.pictures) == ["comparison"]

@@ -2,7 +2,6 @@
 run comes out whole.
 """
 
-import importlib
 from math import exp, inf
 
 import numpy as np
@@ -11,7 +10,6 @@ from scipy.special import exp1
 
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.studies import hazards
-from edl6dof.studies.hazards import conditions, tables
 
 
 @pytest.mark.parametrize("abundance, printed", [(0.04, 0.094), (0.1, 0.467)])
@@ -19,13 +17,13 @@ def test_blind_share_is_that_of_golombeks_law(abundance, printed):
     """Printed values, and the integral of exp(-q x) / x^2 by parts with the exponential integral."""
     q, least = 1.79 + 0.152 / abundance, 0.5
     per_m2 = 4.0 * q * abundance / np.pi * (exp(-q * least) / least - q * exp1(q * least))
-    assert conditions.blind_share(abundance) == pytest.approx(1.0 - exp(-12.6 * per_m2), rel=1e-6)
-    assert conditions.blind_share(abundance) == pytest.approx(printed, abs=6e-4)
+    assert hazards.blind_share(abundance) == pytest.approx(1.0 - exp(-12.6 * per_m2), rel=1e-6)
+    assert hazards.blind_share(abundance) == pytest.approx(printed, abs=6e-4)
 
 
 def test_all_ways_of_detection_meet_the_same_ground_and_flights():
     assert hazards.STUDY.parts == HAZARD_DETECTION.names
-    blind, looking = (conditions.cases(0.1, way, 5) for way in ("given", "lidar"))
+    blind, looking = (hazards.cases(0.1, way, 5) for way in ("given", "lidar"))
     for one, other in zip(blind, looking, strict=True):
         assert (one.index, one.truth, one.belief, one.profile) == (
             *(other.index, other.truth, other.belief, other.profile),
@@ -39,15 +37,15 @@ def row(**figures):
 
 def test_a_flight_that_does_not_come_down_counts_as_one_on_a_rock():
     rows = [row(rocks_under_lander=0.0, touchdown_s=1.0)] * 3
-    assert tables.on_a_rock(rows) == 0.0
-    assert tables.on_a_rock([*rows, row(rocks_under_lander=2.0)]) == 25.0
-    assert tables.on_a_rock([*rows, row()]) == 25.0
+    assert hazards.on_a_rock(rows) == 0.0
+    assert hazards.on_a_rock([*rows, row(rocks_under_lander=2.0)]) == 25.0
+    assert hazards.on_a_rock([*rows, row()]) == 25.0
 
 
 def test_targets_are_missed_by_what_breaks_them():
     good = row(rocks_under_lander=0.0, touchdown_s=1.0, spot_miss_m=0.4, spot_false_safe=0.0)
     good["min_drift_distance_m"] = 90.0
-    assert all(finding.ok for finding in tables.findings([good] * 100))
+    assert all(finding.ok for finding in hazards.findings([good] * 100))
     for name, value in (
         ("rocks_under_lander", 1.0),
         ("spot_false_safe", 1.0),
@@ -56,18 +54,15 @@ def test_targets_are_missed_by_what_breaks_them():
         ("touchdown_s", inf),
     ):
         bad = [{**good, name: value}] * 6
-        assert sum(not finding.ok for finding in tables.findings([*[good] * 94, *bad])) == 1, name
+        assert sum(not finding.ok for finding in hazards.findings([*[good] * 94, *bad])) == 1, name
 
 
 def test_small_run_comes_out_whole(monkeypatch):
-    # the package has a function of its name
-    drawn = importlib.import_module("edl6dof.studies.hazards.drawings")
-    for module in (hazards, tables, drawn):
-        monkeypatch.setattr(module, "ABUNDANCES", (0.1,))
+    monkeypatch.setattr(hazards, "ABUNDANCES", (0.1,))
     seen = []
-    report = hazards.run(("given", "lidar"), 1, lambda done, total: seen.append((done, total)))
-    assert report.runs == len(report.table) == 2 and seen[-1] == (2, 2)
-    blind, looking = report.table.to_pylist()
+    report = hazards.STUDY.fly(1, ("given", "lidar"), lambda done, total: seen.append((done, total)))
+    assert report.runs == len(report.rows) == 2 and seen[-1] == (2, 2)
+    blind, looking = report.rows
     assert blind.get("spot_found") is None and looking["spot_found"] in (0.0, 1.0)
     assert looking["spot_miss_m"] < 5.0
     grid, spot = report.grids
@@ -75,11 +70,11 @@ def test_small_run_comes_out_whole(monkeypatch):
     assert [line[0] for line in grid.rows] == ["given", "lidar"]
     labels = [finding.label for finding in report.findings]
     assert "10 %: blind landings on a rock" in labels and "10 %, lidar: landings on a rock" in labels
-    assert [drawing.key for drawing in report.drawings] == ["comparison"]
+    assert list(report.pictures) == ["comparison"]
 
 
 def test_ways_differ_in_what_detects_hazards_alone():
-    blind, looking = (conditions.over(0.2, way).scenario for way in ("given", "lidar"))
+    blind, looking = (hazards.over(0.2, way).scenario for way in ("given", "lidar"))
     assert blind.terrain.landing_area.rock_abundance == 0.2
     assert blind.flight_software.hazard.detection == "given"
     hazard = looking.flight_software.hazard.model_copy(update={"detection": "given"})

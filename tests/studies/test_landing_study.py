@@ -17,8 +17,7 @@ from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.scenario.records import build_records
 from edl6dof.sim.underway import moments_at
 from edl6dof.studies import landing
-from edl6dof.studies.landing import conditions, figures, tables, timing
-from edl6dof.studies.landing.conditions import DISPERSED, POWERED, divert
+from edl6dof.studies.landing import DISPERSED, POWERED, divert
 
 
 def row(law, flight=0, condition=DISPERSED, **figures_):
@@ -39,11 +38,11 @@ def test_every_powered_law_is_compared():
 def test_difference_is_of_the_same_flights_and_its_interval_that_of_their_mean():
     fuel = {"polynomial": [60.0, 70.0, 80.0, 90.0], "apollo": [61.0, 73.0, 82.0, nan]}
     rows = [row(law, i, hover_fuel_kg=kg) for law, every in fuel.items() for i, kg in enumerate(every)]
-    mean, half = tables.difference(rows, "apollo", "hover_fuel_kg")
+    mean, half = landing.difference(rows, "apollo", "hover_fuel_kg")
     assert mean == pytest.approx(2.0)
     assert half == pytest.approx(1.96 * 1.0 / sqrt(3))
-    assert tables.difference(rows, "polynomial", "hover_fuel_kg") == (0.0, 0.0)
-    assert np.all(np.isnan(tables.difference(rows[4:], "apollo", "hover_fuel_kg")))  # no reference flown
+    assert landing.difference(rows, "polynomial", "hover_fuel_kg") == (0.0, 0.0)
+    assert np.all(np.isnan(landing.difference(rows[4:], "apollo", "hover_fuel_kg")))  # no reference flown
 
 
 @pytest.mark.parametrize(
@@ -52,15 +51,15 @@ def test_difference_is_of_the_same_flights_and_its_interval_that_of_their_mean()
 )
 def test_target_is_reached_only_within_every_tolerance(figure, value):
     good = {"target_miss_m": 4.9, "hover_speed_m_s": 4.9, "hover_off_m": -9.9}
-    assert tables.reached(row("apollo", **good))
-    assert not tables.reached(row("apollo", **{**good, figure: value}))
-    assert not tables.reached(row("apollo"))  # never came to hover
+    assert landing.reached(row("apollo", **good))
+    assert not landing.reached(row("apollo", **{**good, figure: value}))
+    assert not landing.reached(row("apollo"))  # never came to hover
 
 
 def test_laws_meet_the_same_cases_and_only_they_differ():
-    truths = conditions.dispersed(20)
-    scenario = edl6dof.load(conditions.SCENARIO).scenario
-    ours, theirs = (conditions.cases(scenario, truths, law) for law in ("apollo", "polynomial"))
+    truths = landing.dispersed(20)
+    scenario = edl6dof.load(landing.SCENARIO).scenario
+    ours, theirs = (landing.cases(scenario, truths, law) for law in ("apollo", "polynomial"))
     for one, other in zip(ours, theirs, strict=True):
         assert (one.index, one.truth, one.belief, one.profile) == (
             *(other.index, other.truth, other.belief, other.profile),
@@ -69,14 +68,14 @@ def test_laws_meet_the_same_cases_and_only_they_differ():
     counts = {c: sum(one.label["condition"] == c for one in ours) for c in (DISPERSED, divert(600.0))}
     assert counts == {DISPERSED: 20, divert(600.0): 2}
     # a shorter run flies the first of a longer one
-    assert truths[3].truth == conditions.dispersed(4)[3].truth
+    assert truths[3].truth == landing.dispersed(4)[3].truth
 
 
 def test_miss_is_small_and_saturation_grows_with_the_divert():
     found = {}
     for metres in (0.0, 600.0):
         flight = edl6dof.fly("tianwen1", [f"{POWERED}.target.divert_m={metres}", "simulation.log_every=5"])
-        found[metres] = figures.of_flight(flight)
+        found[metres] = landing.of_flight(flight)
     for one in found.values():
         assert one["navigated_miss_m"] < 5.0
         assert 0.0 < one["hover_fuel_kg"] < one["ground_fuel_kg"]
@@ -99,22 +98,20 @@ def test_no_powered_law_allocates():
         counts = []
         for repeats in (1, 1, 20):
             before = rtsys.get_allocation_stats().alloc
-            timing._repeat(law, onboard, *records, *memories, np.zeros(1, GUIDE), repeats)
+            landing._repeat(law, onboard, *records, *memories, np.zeros(1, GUIDE), repeats)
             counts.append(rtsys.get_allocation_stats().alloc - before)
         assert counts[1] == counts[2], name
 
 
 def test_small_run_comes_out_whole(monkeypatch):
-    monkeypatch.setattr(conditions, "DIVERTS", (0.0, 600.0))
-    monkeypatch.setattr(tables, "DIVERTS", (0.0, 600.0))
-    for module in (conditions, tables):
-        monkeypatch.setattr(module, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
-        monkeypatch.setattr(module, "LATE_RELEASES", (300.0,))
-    monkeypatch.setattr(timing, "SAVED_AFTER_S", (9.0,))
-    seen = []
-    report = landing.run(("polynomial", "gravity_turn"), 2, lambda done, total: seen.append((done, total)))
-    assert report.runs == len(report.table) == 12 and seen[-1] == (12, 12)
-    rows = report.table.to_pylist()
+    monkeypatch.setattr(landing, "DIVERTS", (0.0, 600.0))
+    monkeypatch.setattr(landing, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
+    monkeypatch.setattr(landing, "LATE_RELEASES", (300.0,))
+    monkeypatch.setattr(landing, "SAVED_AFTER_S", (9.0,))
+    seen, laws = [], ("polynomial", "gravity_turn")
+    report = landing.STUDY.fly(2, laws, lambda done, total: seen.append((done, total)))
+    assert report.runs == len(report.rows) == 12 and seen[-1] == (12, 12)
+    rows = report.rows
     for one, other in zip(rows[:6], rows[6:], strict=True):  # the same until the engine lights
         assert (one["law"], other["law"]) == ("polynomial", "gravity_turn")
         for name in ("ignition_height_m", "ignition_descent_m_s", "ignition_drift_m_s"):
@@ -131,4 +128,4 @@ def test_small_run_comes_out_whole(monkeypatch):
     assert faults.rows[0][1] > 30.0  # without its engine it crashes
     dead = next(finding for finding in report.findings if finding.label.startswith("dead"))
     assert dead.computed == 0.0 and "after main engine dead" in dead.note
-    assert [drawing.key for drawing in report.drawings] == ["comparison"]
+    assert list(report.pictures) == ["comparison"]

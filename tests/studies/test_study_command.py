@@ -8,37 +8,36 @@ from dataclasses import replace
 
 import in_process
 import numpy as np
-import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from edl6dof.cli.evidence import study as run_study
 from edl6dof.config.errors import ConfigError
-from edl6dof.studies import plots
-from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Finding, Grid, Report, Study
+from edl6dof.studies.catalogue import STUDIES
+from edl6dof.studies.frame import SQUARE, Curve, Finding, Grid, Panel, Report, Study
 
 
-def small(runs, progress):
+def small(session):
     x = np.linspace(0.0, 1.0, 5)
-    traces = [plots.curve(x, x), plots.reference(x, x, "goal"), plots.dots(x, x, "runs"), plots.histogram(x)]
-    panels = [plots.panel(f"panel {k}", "x", "y", [trace]) for k, trace in enumerate(traces)]
-    progress(runs, runs)
+    curves = [Curve(x, x), Curve(x, x, "goal", "reference"), Curve(x, x, "runs", "dots")]
+    panels = [Panel(f"panel {k}", "x", "y", [curve], SQUARE) for k, curve in enumerate(curves)]
+    session.expect(session.flights)
+    session.step(session.flights)
     findings = (
         Finding("kept", "m", 1.0, 2.0, "<="),
         Finding("side by side", "m", 3.0, 2.0),
-        Finding("bound", "", float(runs), 5.0, ">="),
+        Finding("bound", "", float(session.flights), 5.0, ">="),
     )
-    return Report(
-        findings,
-        (plots.figure("figure", panels),),
-        pa.table({"truth.mass_kg": [1.0] * runs}),
-        runs,
-        ("A remark.",),
-    )
+    rows = [{"truth.mass_kg": 1.0}] * session.flights
+    return Report(findings, rows, session.flights, (), ("A remark.",), {"figure": panels})
 
 
 SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6, counted=True)
+
+
+def of(*findings, grids=()):
+    """A study of these findings."""
+    return Study("small", "t", "s", lambda session: Report(findings, [{"x_m": 1.0}], 1, grids))
 
 
 @pytest.fixture(autouse=True)
@@ -97,16 +96,6 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert "A remark." in shown and "every requirement is kept" in shown
 
 
-def test_histogram_leaves_out_runs_that_did_not_arrive_and_shows_its_bars_whole():
-    sample = np.array([1.0, 2.0, np.nan, 2.5])
-    bars = plots.histogram(sample)
-    assert bars.y.sum() == 3.0
-    edges = np.histogram_bin_edges(sample[np.isfinite(sample)], bins="auto")
-    assert bars.edges() == pytest.approx(edges)
-    figure = plots.figure("lone", [plots.panel("", "x", "runs", [bars])])
-    assert figure.spans(0)[0] == pytest.approx((1.0, 2.5))
-
-
 def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
     assert run_study("small", runs=2, out=tmp_path / "s") == 1
     assert "broken: bound" in capsys.readouterr().out
@@ -132,14 +121,9 @@ def test_a_value_is_compared_on_both_sides_and_what_is_explained_must_not_hold(f
 
 
 def test_outcome_counts_what_is_reproduced_and_shows_why_the_rest_is_not(monkeypatch, tmp_path, capsys):
-    def told(runs, progress):
-        findings = (
-            Finding("near", "km", 2.5, 2.4, within=0.1),
-            Finding("far", "km", 9.0, 2.4, within=0.1, why="thinner air"),
-        )
-        return Report(findings, (), pa.table({"x_m": [1.0]}), 1)
-
-    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", told))
+    near = Finding("near", "km", 2.5, 2.4, within=0.1)
+    far = Finding("far", "km", 9.0, 2.4, within=0.1, why="thinner air")
+    monkeypatch.setitem(STUDIES, "small", of(near, far))
     monkeypatch.setenv("COLUMNS", "120")
     assert run_study("small", out=tmp_path / "s") == 0
     shown = capsys.readouterr().out
@@ -148,31 +132,23 @@ def test_outcome_counts_what_is_reproduced_and_shows_why_the_rest_is_not(monkeyp
 
 
 def test_experiments_stand_apart(monkeypatch, tmp_path, capsys):
-    def flown(runs, progress):
-        findings = (
-            Finding("miss", "km", 9.5, 10.0, within=0.1, experiment="as printed"),
-            Finding("miss", "km", 3.0, experiment="with gains on [rate, error]"),
-        )
-        return Report(findings, (), pa.table({"a": [1.0]}), 1)
-
-    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", flown))
+    printed = Finding("miss", "km", 9.5, 10.0, within=0.1, experiment="as printed")
+    other = Finding("miss", "km", 3.0, experiment="with gains on [rate, error]")
+    monkeypatch.setitem(STUDIES, "small", of(printed, other))
     assert run_study("small", out=tmp_path / "s") == 0
     shown = capsys.readouterr().out
     assert shown.index("as printed") < shown.index("within") < shown.index("with gains on [rate, error]")
 
 
 def test_json_is_json_also_where_a_figure_could_not_be_formed(monkeypatch, tmp_path, capsys):
-    def lost(runs, progress):
-        return Report((Finding("lost", "m", float("nan"), 2.0, "<="),), (), pa.table({"x_m": [1.0]}), 1)
-
-    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", lost))
+    monkeypatch.setitem(STUDIES, "small", of(Finding("lost", "m", float("nan"), 2.0, "<=")))
     assert run_study("small", out=tmp_path / "s", as_json=True) == 1
     answer = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert answer["findings"][0]["computed"] is None and not answer["ok"]
 
 
 def test_interrupted_study_leaves_nothing(monkeypatch, tmp_path, capsys):
-    def interrupted(runs, progress):
+    def interrupted(session):
         raise KeyboardInterrupt
 
     monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", interrupted))
@@ -196,7 +172,7 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
     monkeypatch.setitem(
         STUDIES,
         "small",
-        Study("small", "t", "s", lambda runs, progress: replace(small(runs, progress), grids=(grid,))),
+        Study("small", "t", "s", lambda session: replace(small(session), grids=(grid,))),
     )
     monkeypatch.setenv("COLUMNS", "80")
     assert run_study("small", out=tmp_path / "s") == 1
@@ -210,12 +186,11 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
 def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path, capsys):
     flown = []
 
-    def of_parts(parts, runs, progress):
-        flown.append(list(parts))
-        return small(runs, progress)
+    def of_parts(session):
+        flown.append(session.parts)
+        return small(session)
 
-    study = Study("small", "t", "s", small, parts=("a", "b", "c"), run_parts=of_parts)
-    monkeypatch.setitem(STUDIES, "small", study)
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", of_parts, parts=("a", "b", "c")))
     run_study("small", out=tmp_path / "s", only=("c", "a"))
     assert flown == [["a", "c"]]
     assert run_study("small", out=tmp_path / "t", only=("a", "d")) == 2
@@ -226,8 +201,8 @@ def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path,
     assert not (tmp_path / "t").exists()
 
 
-def shown_by(report, monkeypatch, tmp_path, capsys):
-    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", lambda runs, progress: report))
+def shown_by(study, monkeypatch, tmp_path, capsys):
+    monkeypatch.setitem(STUDIES, "small", study)
     monkeypatch.setenv("COLUMNS", "80")
     run_study("small", out=tmp_path / "s")
     return capsys.readouterr().out.splitlines()
@@ -236,10 +211,8 @@ def shown_by(report, monkeypatch, tmp_path, capsys):
 def test_headings_keep_numbers_with_their_units_and_whole_numbers_are_whole(monkeypatch, tmp_path, capsys):
     heads = ("law", "n", "L/D -20 %", "density +40 %", "stuck 5 s", "load g")
     rows = (("npc", 20.0, 0.5, 3.25, 7.5, 6.0), ("fnpeg", 4.0, 0.25, 3.5, 2.5, 6.25))
-    lines = shown_by(
-        Report((), (), pa.table({"x_m": [1.0]}), 1, grids=(Grid("of all at 95 %", heads, rows),)),
-        monkeypatch, tmp_path, capsys,
-    )  # fmt: skip
+    grid = Grid("of all at 95 %", heads, rows)
+    lines = shown_by(of(grids=(grid,)), monkeypatch, tmp_path, capsys)
     assert [line.split() for line in lines[1:5]] == [
         ["L/D", "density", "stuck", "load"],
         ["law", "n", "-20", "%", "+40", "%", "5", "s", "g"],
@@ -251,9 +224,7 @@ def test_headings_keep_numbers_with_their_units_and_whole_numbers_are_whole(monk
 def test_a_wide_table_parts_numbers_from_units_and_not_from_percent_signs(monkeypatch, tmp_path, capsys):
     heads = ("law", *(f"bank {k} m/s" for k in range(1, 12)), "L/D -20 %")
     grid = Grid("wide", heads, (("constant_thrust", *([0.5] * 12)),))
-    lines = shown_by(
-        Report((), (), pa.table({"x_m": [1.0]}), 1, grids=(grid,)), monkeypatch, tmp_path, capsys
-    )
+    lines = shown_by(of(grids=(grid,)), monkeypatch, tmp_path, capsys)
     assert lines[3].split() == ["law", *["m/s"] * 11, "-20", "%"] and max(map(len, lines[:5])) <= 80
 
 
@@ -262,7 +233,7 @@ def test_no_word_of_a_finding_is_broken_at_eighty_columns(monkeypatch, tmp_path,
         Finding("tianwen1_range_trigger: 99 % of misses, best law", "km", float("nan"), note="n = 20"),
         Finding("polynomial: dispersed landings", "%", 100.0, 99.0, ">="),
     )
-    lines = shown_by(Report(findings, (), pa.table({"x_m": [1.0]}), 1), monkeypatch, tmp_path, capsys)
+    lines = shown_by(of(*findings), monkeypatch, tmp_path, capsys)
     table = lines[: next(k for k, line in enumerate(lines) if "/s: " in line)]
     assert max(map(len, table)) <= 80
     words = " ".join(table).split()

@@ -9,10 +9,16 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.studies import yan2016
-from edl6dof.studies.yan2016 import experiments
-from edl6dof.studies.yan2016.experiments import CORNERS, EXPERIMENTS, OTHERS, PRINTED, UNDISTURBED, WITHIN
-from edl6dof.studies.yan2016.flights import last_outside
-from edl6dof.studies.yan2016.settling import settled_s
+from edl6dof.studies.yan2016 import (
+    CORNERS,
+    EXPERIMENTS,
+    OTHERS,
+    PRINTED,
+    UNDISTURBED,
+    WITHIN,
+    last_outside,
+    settled_s,
+)
 
 
 @pytest.fixture(scope="module", params=["two", pytest.param("all", marks=pytest.mark.long)])
@@ -20,13 +26,13 @@ def corners(request):
     """Of the corners of the initial state two that are opposite, or all."""
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "two":
-            patch.setattr(experiments, "CORNERS", (CORNERS[0], CORNERS[-1]))
-        yield len(experiments.CORNERS)
+            patch.setattr(yan2016, "CORNERS", (CORNERS[0], CORNERS[-1]))
+        yield len(yan2016.CORNERS)
 
 
 @pytest.fixture(scope="module")
 def yan(corners):
-    return yan2016.run(yan2016.RUNS, lambda done, total: None)
+    return yan2016.STUDY.fly()
 
 
 def of(report, experiment, label):
@@ -36,7 +42,7 @@ def of(report, experiment, label):
 def test_what_is_said_of_yan2016_holds(yan, corners):
     assert [found.label for found in yan.findings if not found.ok] == []
     assert of(yan, PRINTED, "disturbance estimate, largest error") < 4.0
-    assert yan.runs == yan.table.num_rows == len(EXPERIMENTS) * len(yan2016.LAWS) * corners
+    assert yan.runs == len(yan.rows) == len(EXPERIMENTS) * len(yan2016.LAWS) * corners
     assert yan2016.RUNS == 96
 
 
@@ -72,13 +78,3 @@ def test_yan2016_settles_drag_sooner_in_finite_time_whatever_the_gains(yan):
     for experiment in (PRINTED, WITHIN, *OTHERS):
         assert of(yan, experiment, "drag settled, PD less FTC") > 0.1
         assert of(yan, experiment, "RMS altitude error, FTC over PD") < 1.0
-
-
-def test_figures_of_the_paper_are_drawn(yan):
-    assert [drawing.key[:4] for drawing in yan.drawings] == [f"fig{n}" for n in range(2, 10)]
-    for drawing in yan.drawings:
-        for panel in drawing.panels:
-            assert all(
-                len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
-                for curve in panel.traces
-            )

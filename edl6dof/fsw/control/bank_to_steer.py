@@ -11,7 +11,7 @@ of error.  In a phase that says ``hold_alpha``, as after a trim wing that did no
 angle of attack is closed around its goal at once: the thrusters then hold it against the trim moment of the
 centre-of-mass offset, so that the parachute can open.
 
-Margins of the bank loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`):
+Margins of the bank loop with the gains of the Tianwen-1 scenario (``tools/attitude_margins.py``):
 crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 """
 

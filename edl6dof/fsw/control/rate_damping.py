@@ -3,7 +3,7 @@ local geographic frame.
 
 Source: Hu et al. 2022, section 5.
 
-Margins of the roll loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`):
+Margins of the roll loop with the gains of the Tianwen-1 scenario (``tools/attitude_margins.py``):
 crossover 2.0 rad/s, phase margin 67 deg, gain margin 32 dB up and any gain down.
 """
 

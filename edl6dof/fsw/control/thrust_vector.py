@@ -18,7 +18,7 @@ estimator the torque per inertia on an error e becomes
 
 a PID law: proportional P + lambda D, integral lambda P, derivative D + lambda.  Margins with the gains of the
 Tianwen-1 scenario and the
-sampled, delayed estimator (:mod:`edl6dof.studies.attitude_loops`): crossover 7.4 rad/s, phase margin 62 deg,
+sampled, delayed estimator (``tools/attitude_margins.py``): crossover 7.4 rad/s, phase margin 62 deg,
 gain margin 16 dB up and 20 dB down.
 """
 

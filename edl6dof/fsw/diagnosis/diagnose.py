@@ -27,7 +27,7 @@ from edl6dof.fsw.diagnosis.flow import (
     forget_branch,
     is_read,
     read_meters,
-    reads_backwards,
+    reads_amiss,
     weigh_flow,
 )
 from edl6dof.fsw.diagnosis.hypotheses import (
@@ -147,7 +147,7 @@ def note(vehicle, i, kind, loss, confidence, t, memory):
         one.thruster, one.kind, one.loss = i, kind, loss
         one.confidence, one.t = confidence, t
         memory.n_isolated += 1
-    forget_branch(vehicle, vehicle.branches.of[i], memory.flow)
+    forget_branch(vehicle, i, memory.flow)
     restart(memory)
 
 
@@ -268,9 +268,9 @@ def diagnose(
             params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
         )
         return
-    backwards = reads_backwards(metered, vehicle.branches, flow)
-    if backwards != NONE:
-        distrust_meter(backwards, t, memory)
+    amiss = reads_amiss(metered, vehicle.branches, flow)
+    if amiss != NONE:
+        distrust_meter(amiss, t, memory)
     leaking, told = leaking_branch(params, vehicle, healthy, flow), True
     if leaking == NONE:
         if known > 0:

@@ -26,6 +26,10 @@ from edl6dof.jit import kernel
 AXIAL_SHARE = 0.2
 #: Control cycles after a pulse by whose end its flow has been measured.
 ANSWER = 3
+#: Cycles of use alone that show a loss after which a thruster that is still in doubt is tried less often.
+MOST_TRIALS = 24
+#: Time from one such trial to the next, s.
+TRIED_AGAIN = 3.0
 
 
 class ExerciseParams(Params):
@@ -85,19 +89,24 @@ def is_quiet(branches, b, count, busy_until, t, dt, memory):
 
 @kernel
 def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory):
-    """The thruster to try alone, the suspect of force and torque with its opposite number, or twice
-    ``NONE``.
+    """The thruster to try alone, of several the one that has rested longest; or the suspect of force and
+    torque with its opposite number; or twice ``NONE``.
     """
     branches, count = vehicle.branches, vehicle.n_thrusters
+    rested, oldest = NONE, t
     for i in range(count):
-        if not is_free(i, t, healthy, busy_until, opens, closes):
+        if not is_free(i, t, healthy, busy_until, opens, closes) or memory.used[i] >= oldest:
             continue
-        if needs_trial(i, diagnosis.flow) and is_quiet(
-            branches, branches.of[i], count, busy_until, t, dt, memory
-        ):
-            return i, NONE
-        if diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
-            return i, NONE
+        long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
+        doubted = (
+            needs_trial(i, diagnosis.flow)
+            and is_quiet(branches, branches.of[i], count, busy_until, t, dt, memory)
+            and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
+        )
+        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
+            rested, oldest = i, memory.used[i]
+    if rested != NONE:
+        return rested, NONE
     best = diagnosis.hypotheses
     i = best.thruster
     if (

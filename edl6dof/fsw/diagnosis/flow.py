@@ -17,9 +17,10 @@ before a thruster is called degraded, other branches have to be seen in use sinc
 that lets nothing through is dead, whatever the others do.
 
 A meter that has failed shows a loss in every thruster of its branch, so the others are fired too: a meter
-that reads their flow works, one that reads nothing of them has most likely failed.  No valve makes a meter
-read less than nothing: one that does has failed.  A latch valve that has failed shut looks the same to the
-meter; the thrusters of the branch are then tried alone until force and torque tell the two apart.
+that reads their flow works; if it reads nothing of them, the meter or the latch valve has failed.  The
+thrusters of the branch are then tried alone until force and torque tell the two apart, and stay in use until
+then.  No valve makes a meter read less than nothing, or at rest less than an open valve lets through: a meter
+that does has failed, and while it is suspected of it, it tells no loss.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -48,6 +49,8 @@ LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun withi
 TOLD = 900.0  # inverse variance of the loss of a branch from which it tells: good for 3 %
 LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
 METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
+LEAST_OPEN = 0.5  # of the flow of the smallest thruster of a branch, which an open valve lets through
+MOST_ASTRAY = 3  # cycles of rest on end with less than that, after which the meter has failed
 NONE = -1
 #: What a meter reads of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
 #: none of it.
@@ -84,6 +87,7 @@ FLOW = np.dtype(
         ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
         ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
         ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
+        ("astray", COUNT, (MAX_BRANCHES,)),  # cycles of rest on end with a flow that no valve explains
         # loss of each branch, since the first sign of a loss if there is one
         ("pool", LOSS, (MAX_BRANCHES,)),
         ("seen", COUNT),  # branches in use since then
@@ -151,17 +155,39 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
         expected, full = memory.expected[b], branches.full_flow[b]
         memory.weight[b] = 1.0 / (idle * full * full + running * expected * expected)
         memory.residual[b] -= expected
+    follow_rest(vehicle, memory)
     started = memory.started != 0
     memory.started = 1
     return started
 
 
 @kernel
-def reads_backwards(metered, branches, memory):
-    """The first branch whose believed meter reads less than no flow, or ``NONE``."""
+def follow_rest(vehicle, memory):
+    """Count for each meter the cycles of rest on end, in which no thruster of its branch was to fire, that it
+    read a flow in, and less of it than an open valve lets through.
+    """
+    of = vehicle.branches.of
+    for b in range(vehicle.branches.count):
+        if memory.expected[b] > 0.0:
+            continue
+        least = vehicle.branches.full_flow[b]
+        for i in range(vehicle.n_thrusters):
+            if of[i] == b:
+                least = min(least, full_flow(vehicle.thrusters[i]))
+        flow = memory.residual[b]
+        astray = flow < LEAST_OPEN * least and cannot_be(b, flow, memory)
+        memory.astray[b] = memory.astray[b] + 1 if astray else 0
+
+
+@kernel
+def reads_amiss(metered, branches, memory):
+    """The first branch whose believed meter reads less than no flow, or for some cycles one that no valve
+    explains; ``NONE`` if there is none.
+    """
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
-        if is_read(metered, b, memory) and flow < 0.0 and cannot_be(b, flow, memory):
+        backwards = flow < 0.0 and cannot_be(b, flow, memory)
+        if is_read(metered, b, memory) and (backwards or memory.astray[b] >= MOST_ASTRAY):
             return b
     return NONE
 
@@ -301,14 +327,17 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
 
 
 @kernel
-def forget_branch(vehicle, b, memory):
-    """Forget what the flow of branch ``b`` said of its thrusters: it was about the one now named."""
+def forget_branch(vehicle, named, memory):
+    """Forget what the flow of a branch said of its thrusters: it was about the one now ``named``.  A loss
+    that another showed when it fired alone is its own.
+    """
+    b = vehicle.branches.of[named]
     memory.word[b] = UNHEARD
+    forget_loss(memory.off[named])
     for i in range(vehicle.n_thrusters):
         if vehicle.branches.of[i] == b:
             memory.on[i] = 0.0
             memory.doubtful[i] = 0
-            forget_loss(memory.off[i])
 
 
 @kernel

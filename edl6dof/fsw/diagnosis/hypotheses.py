@@ -69,6 +69,8 @@ HYPOTHESES = np.dtype(
         ("evidence", "f8"),
         ("confidence", "f8"),
         ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
+        # most evidence for a thruster without flow in each branch whose meter reads none of the others
+        ("lost", "f8", (MAX_BRANCHES,)),
         ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
     ],
     align=True,
@@ -206,9 +208,9 @@ def kind_of(params, loss):
 
 
 @kernel
-def by_both(params, waiting, i, flow, memory, least):
+def by_both(params, vehicle, waiting, i, flow, memory, least):
     """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
-    torque; a valve that stays open is the meter's to tell.
+    torque; a valve that stays open is the meter's to tell.  A meter that reads a flow at rest tells nothing.
     """
     # while the flow tells a loss, force and torque are to say what they think of it
     loss, lost = for_loss(params, memory.off[i], least, flow.off[i].cycles == 0)
@@ -216,7 +218,7 @@ def by_both(params, waiting, i, flow, memory, least):
     if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
         lost = 0.0
     less, told = loss_told(params.flow, flow.common, flow.off[i])
-    if less < params.loss_dead and waiting:
+    if less < params.loss_dead and waiting or flow.astray[vehicle.branches.of[i]] > 0:
         told = 0.0
     felt = evidence(memory.off[i], less) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
     if told + felt > lost:
@@ -226,17 +228,15 @@ def by_both(params, waiting, i, flow, memory, least):
 
 @kernel
 def accuse_meter(params, vehicle, healthy, i, told, flow, memory):
-    """Count the loss ``told`` of thruster ``i`` against the meter of its branch, with what the meter read of
-    the others: their flow, which takes a second fault to explain; or none of it, which may be that of the
-    latch valve.
+    """Count the loss ``told`` of thruster ``i`` against the meter of its branch, which takes a second fault
+    to explain if the meter read the flow of the others.  If it read none of it, the meter and the latch valve
+    are as likely as each other: force and torque decide.
     """
     b, others = vehicle.branches.of[i], 0
     for j in range(vehicle.n_thrusters):
         others += 1 if j != i and healthy[j] != 0 and vehicle.branches.of[j] == b else 0
     if flow.word[b] == VOUCHED or others == 0:
         told -= params.prior
-    elif flow.word[b] == IMPEACHED:
-        told += 0.5 * params.prior
     memory.against[b] = max(memory.against[b], told)
 
 
@@ -246,12 +246,13 @@ def compare(params, vehicle, metered, healthy, flow, memory):
     "no fault" share in.
 
     The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
+    Nor do dead thrusters of a branch that lets nothing through: all may be dead.
     Evidence below half the prior is noise: beside "no fault" all thrusters together would hold less than a
     per cent with it.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
     for b in range(vehicle.branches.count):
-        memory.against[b] = 0.0
+        memory.against[b] = memory.lost[b] = 0.0
     waiting = metered and is_waiting(vehicle.branches, flow)
     memory.kind = NOTHING
     for i in range(vehicle.n_thrusters):
@@ -259,20 +260,25 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             continue
         b = vehicle.branches.of[i]
         if is_read(metered, b, flow):
-            kind, loss, most, told = by_both(params, waiting, i, flow, memory, least)
+            kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory, least)
             if told > 0.0:
                 accuse_meter(params, vehicle, healthy, i, told, flow, memory)
         else:
             kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
+            told = 0.0
         if most < least:
             continue
-        total += exp(most)
+        if told > 0.0 and flow.word[b] == IMPEACHED:
+            memory.lost[b] = max(memory.lost[b], most)
+        else:
+            total += exp(most)
         if most > best:
             best = most
             memory.thruster, memory.kind, memory.loss = i, kind, loss
     memory.meter = NONE
     for b in range(vehicle.branches.count):
         total += exp(memory.against[b]) if memory.against[b] > 0.0 else 0.0
+        total += exp(memory.lost[b]) if memory.lost[b] > 0.0 else 0.0
     for b in range(vehicle.branches.count):
         if flow.word[b] != UNHEARD and exp(memory.against[b]) > params.confidence * total:
             memory.meter = b

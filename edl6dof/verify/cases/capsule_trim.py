@@ -15,8 +15,7 @@ import numpy as np
 
 from edl6dof.verify.capsule import TRIM_DEG, scene, stiffness
 from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import flown
-from edl6dof.verify.swing import fit
+from edl6dof.verify.scene import fit, flown
 
 SOURCE = "published table by PCHIP, linearised"
 

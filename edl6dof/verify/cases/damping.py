@@ -13,8 +13,7 @@ import numpy as np
 
 from edl6dof.verify.capsule import TRIM_DEG, scene, stiffness
 from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import flown
-from edl6dof.verify.swing import fit
+from edl6dof.verify.scene import fit, flown
 
 MACH = 15.0
 ABOUT, SOURCE, WHY = "pitch damping", "linearised pitch equation", "curvature of the moment"

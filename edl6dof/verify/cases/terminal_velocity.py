@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.verify.hanging import SCENE, Planar, descend
+from edl6dof.verify.cases.pendulum import SCENE, Planar, descend
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import SCENARIO
 

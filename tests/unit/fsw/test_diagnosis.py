@@ -75,9 +75,10 @@ class Watch:
     def cycle(
         self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None, against=(), flows=True, common=0.0
     ):
-        """One control cycle with ``fault`` = (thruster number, kind, loss); ``who`` may fire, each for the
-        share ``use`` of cycles, and those ``against`` it throughout.  Of a fault with ``flows`` false the
-        propellant flows as if there were none; ``common`` is a loss of all thrusters.
+        """One control cycle with ``fault`` = (thruster number, kind, loss), or several of them in a list;
+        ``who`` may fire, each for the share ``use`` of cycles, and those ``against`` it throughout.  Of a
+        fault with ``flows`` false the propellant flows as if there were none; ``common`` is a loss of all
+        thrusters.
         """
         firing = self.rng.random(32) < use
         if who is not None:
@@ -87,7 +88,7 @@ class Watch:
         share[list(against)] = self.healthy[list(against)]
         self.asked += share
         given = (1.0 - common) * share
-        for i, kind, loss in [fault] if fault is not None else []:
+        for i, kind, loss in fault if isinstance(fault, list) else [fault] if fault is not None else []:
             given[i] = 1.0 if kind == "stuck on" else (1.0 - loss) * share[i]
         open_to = np.append(self.shut[self.branch] == 0, np.ones(32 - len(NAMES), bool))
         given[~open_to] = 0.0
@@ -200,14 +201,47 @@ def test_a_dead_meter_costs_no_thruster_where_force_and_torque_speak(watch_of, b
 
 @pytest.mark.parametrize("branch", [long_unless(branch % 4 == 0, branch) for branch in range(11)])
 def test_a_dead_meter_costs_no_thruster_where_force_and_torque_say_nothing(watch_of, branch):
-    """In air that shakes the vehicle harder than its thrusters do: that it lacks the flow of both thrusters
-    of its branch decides.
+    """In air that shakes the vehicle harder than its thrusters do, meter or latch valve stays open; when the
+    air is gone, force and torque decide.
     """
     watch = watch_of(branch)
     for k in range(400):
         watch.dead_meters = [branch] if k > 100 else []
         air = 0.05 * 35e3 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
         watch.cycle(disturbance=air, load=35e3)
+    assert watch.found == [] and np.all(watch.healthy == 1)
+    for _ in range(800):
+        watch.cycle()
+    if watch.flow[watch.branch == branch].max() > 0.05:
+        assert watch.found == [] and np.all(watch.healthy == 1)
+        assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
+
+
+@pytest.mark.parametrize("branch", [long_unless(branch % 3 == 0, branch) for branch in range(8)])
+def test_a_dead_branch_is_not_taken_for_a_failed_meter(watch_of, branch):
+    """Its meter reads nothing, as one that has failed; its thrusters, 250 N each, are missing while
+    the riser swings.
+    """
+    watch = watch_of(branch)
+    dead = [(int(i), "stuck off", 1.0) for i in np.flatnonzero(watch.branch == branch)]
+    for k in range(1500):
+        swing = 0.01 * 5e3 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
+        watch.cycle(dead if k > 100 else None, disturbance=swing, load=5e3)
+    assert sorted(watch.found) == sorted((NAMES[i], "stuck off") for i, _, _ in dead)
+    assert not watch.memory["flow"]["meter_failed"].any()
+
+
+@pytest.mark.parametrize("share", [0.2, 0.45])
+@pytest.mark.parametrize("branch", [long_unless(branch % 5 == 0, branch) for branch in range(11)])
+def test_a_meter_that_stands_still_at_part_of_a_flow_costs_no_thruster(watch_of, branch, share):
+    """It reads each thruster of its branch as degraded, and a flow at rest that no open valve explains."""
+    watch, mates = watch_of(branch), np.flatnonzero(watch_of().branch == branch)
+    for k in range(300):
+        watch.dead_meters = [branch] if k > 50 else []
+        watch.used[branch] += share * watch.flow[mates[0]] * DT * (k > 50)
+        who = np.zeros(len(NAMES), bool)
+        who[mates[k // 8 % len(mates)]] = k % 8 < 4  # tried in turn
+        watch.cycle(who=who, use=1.0)
     assert watch.found == [] and np.all(watch.healthy == 1)
     assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
 

@@ -4,9 +4,9 @@ evaluation.
 
 import numpy as np
 import pytest
+from plain_python import integrate, setting
 
 from edl6dof.sim.flight import fly
-from edl6dof.verify.plain import integrate, setting
 from edl6dof.verify.scene import VACUUM, scenes, state_of
 
 SECONDS = 60.0

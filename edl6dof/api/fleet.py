@@ -1,0 +1,87 @@
+"""Dispersed flights of one scenario side by side, each begun where a phase of its mission begins: what
+learning environments are made of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from edl6dof.api.simulation import Starts
+from edl6dof.config.errors import refusal
+from edl6dof.metrics.evaluation import checks
+from edl6dof.metrics.footing import footing_figures
+from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.scenario.schema import LimitParams
+from edl6dof.sim import fleet as sim
+from edl6dof.sim.fleet import Start
+from edl6dof.sim.outcome import FLYING, LANDED
+from edl6dof.sim.simulation import SteppedFlight
+
+#: Base cycles between two looks at the phase.
+_LOOK = 5
+
+
+class Fleet(sim.Fleet):
+    """Flights of one scenario; see :class:`edl6dof.sim.fleet.Fleet` for the records of each."""
+
+    @property
+    def flying(self) -> np.ndarray:
+        """Whether each flight goes on, shape (flights,)."""
+        return self.outcomes == FLYING
+
+    def landed_well(self, limits: LimitParams) -> np.ndarray:
+        """Whether each flight has come to rest upright, within the limits of touchdown and of the ground
+        below, shape (flights,).
+        """
+        landed = self.outcomes == LANDED
+        for index in np.flatnonzero(landed):
+            one = slice(index, index + 1)
+            case, plant, outputs = self.cases[one], self.plants[one], self.outputs[one]
+            figures = touchdown_state(case, plant)
+            figures |= footing_figures(case, self.tables, plant, outputs)
+            landed[index] = all(check.ok for check in checks(limits, figures))
+        return landed
+
+
+class DispersedFlights:
+    """The flights of a campaign by their seeds, flown by the flight software up to a phase.
+
+    Args:
+        scenario: name or file of a campaign.
+        overrides: as of :func:`edl6dof.load`.
+        faults: one of these, each as likely, in every flight, instead of the campaign's own.
+
+    Attributes:
+        loaded: the scenario.
+    """
+
+    def __init__(
+        self, scenario: str, overrides: Mapping[str, Any] | None = None, faults: Sequence[Mapping] = ()
+    ):
+        self._name, self._starts = scenario, Starts(scenario, overrides or {}, faults)
+        self.loaded = self._starts.loaded
+
+    def fleet(self, count: int, workers: int = 1) -> Fleet:
+        """Places for as many flights, which :meth:`Fleet.put` lets begin."""
+        return Fleet(count, self._starts.base.records.tables, self.loaded.scenario.steps_per_cycle, workers)
+
+    def at_phase(self, seed: int, role: str, later_s: float = 0.0) -> Start | None:
+        """The flight of a seed where its phase of a role begins, or ``later_s`` (s) after; ``None`` where it
+        ends before.
+
+        Raises:
+            ConfigError: the flight is in another world, which a fleet cannot hold.
+        """
+        variant = self._starts.of(seed)
+        if variant.parts.tables is not self._starts.base.records.tables:
+            raise refusal(self._name, "disperses the tables of the world, which a fleet shares")
+        flight = SteppedFlight(variant.loaded, variant.parts, telemetry=False)
+        roles, phase = variant.loaded.scenario.phase_roles, flight.underway.fsw["mission"]["phase"]
+        while roles[int(phase[0])] != role:
+            if not flight.step(cycles=_LOOK):
+                return None
+        flies = flight.step(cycles=max(round(later_s / flight.cycle_s), 1))
+        return Start.of(variant.parts, flight.underway.moment()) if flies else None

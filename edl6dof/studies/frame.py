@@ -1,0 +1,283 @@
+"""The frame of a study: findings beside published figures, tables, pictures, and the files that hold them.
+
+A study is one module that reads from top to bottom: the paper, the conditions, the figures of one flight, the
+findings, the pictures, and at its end ``STUDY``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import ceil, isfinite
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+import edl6dof
+from edl6dof.campaign.rows import Collect, Row, table_of
+from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.units import split_unit
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One figure of a study.
+
+    Attributes:
+        label: what it is.
+        unit: printed unit; empty for a pure number.
+        computed: found by this run of the study; a mean where ``spread`` says so.
+        published: printed by the source; ``None`` where it prints none.
+        bound: how the computed figure must lie to the published one, which is a requirement; empty for a
+            value, which is compared on both sides.
+        note: what a reader must know to compare them.
+        spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
+            number.
+        within: largest difference, as a share of the published value, at which it counts as reproduced;
+            ``None`` for a value that is set beside the computed one without a bound or a tolerance.
+        why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
+            reproduced; it is an error as well if such a figure holds after all.
+        experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
+            together.
+    """
+
+    label: str
+    unit: str
+    computed: float
+    published: float | None = None
+    bound: Literal["", "<=", ">="] = ""
+    note: str = ""
+    spread: float | None = None
+    within: float | None = None
+    why: str = ""
+    experiment: str = ""
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
+        if self.published is None or not (self.bound or self.within is not None):
+            return None
+        if self.bound:
+            return bool(
+                self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
+            )
+        return bool(abs(self.computed - self.published) <= (self.within or 0.0) * abs(self.published))
+
+    @property
+    def ok(self) -> bool:
+        """Whether the figure is as the study says; one that could not be formed is not."""
+        return self.holds is None or (isfinite(self.computed) and self.holds != bool(self.why))
+
+    @property
+    def result(self) -> str:
+        """In words: kept or not, reproduced within how much or not; empty without a bound or a tolerance."""
+        if self.holds is None or self.published is None:
+            return ""
+        if self.bound:
+            return "kept" if self.holds else "not kept" if self.why else "broken"
+        if not self.holds:
+            return "not reproduced"
+        return f"within {max(ceil(100.0 * abs(self.computed / self.published - 1.0)), 1)} %"
+
+
+def under(experiment: str, findings: Iterable[Finding]) -> list[Finding]:
+    """Findings of one experiment."""
+    return [replace(finding, experiment=experiment) for finding in findings]
+
+
+#: A row of a table: the name of a law or case, and its figures.
+Line = tuple[Any, ...]
+
+
+class Grid(NamedTuple):
+    """A table of figures: a line for each law or case, the first entry of a line its name."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: Sequence[Line]
+
+
+class Curve(NamedTuple):
+    """Points of a picture.
+
+    ``line``, ``dots`` or, thin and dashed, the ``reference`` that the others are compared with.
+    """
+
+    x: np.ndarray | Sequence[Any]
+    y: np.ndarray | Sequence[Any]
+    label: str = ""
+    kind: Literal["line", "reference", "dots"] = "line"
+
+
+class Panel(NamedTuple):
+    """A pair of axes with its curves; ``options`` are properties of matplotlib's axes, such as ``xlim``."""
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: Sequence[Curve]
+    options: Mapping[str, Any] = {}
+
+
+#: Options of a panel whose axes have one scale.
+SQUARE = {"aspect": "equal"}
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a study found.
+
+    Attributes:
+        findings: computed beside published.
+        rows: one for each run; names of columns end in their units.
+        runs: how many flights were flown.
+        grids: tables that compare, printed before the findings.
+        remarks: sentences under the tables.
+        pictures: panels side by side, by the name of their file.
+    """
+
+    findings: Sequence[Finding]
+    rows: Sequence[Row]
+    runs: int
+    grids: Sequence[Grid] = ()
+    remarks: Sequence[str] = ()
+    pictures: Mapping[str, Sequence[Panel]] | None = None
+
+    @property
+    def ok(self) -> bool:
+        """Whether every figure is as the study says."""
+        return all(finding.ok for finding in self.findings)
+
+
+class Session:
+    """One run of a study: what is asked of it, and how far it has come.
+
+    Attributes:
+        flights: how many flights are asked for; what that counts is the study's own.
+        parts: the laws or ways that are asked for, of those that the study compares.
+    """
+
+    def __init__(self, flights: int, parts: Sequence[str], progress: Callable[[int, int], None]):
+        self.flights, self.parts = flights, parts
+        self._progress, self._done, self.total = progress, 0, 0
+
+    def expect(self, total: int) -> None:
+        """Set the number of flights in all."""
+        self.total = total
+
+    def step(self, flights: int = 1) -> None:
+        """Count flights as done."""
+        self._done += flights
+        self._progress(self._done, self.total)
+
+    def fly(
+        self, loaded: edl6dof.LoadedScenario, cases: Iterable[edl6dof.Case], collect: Collect | None = None
+    ) -> list[Row]:
+        """Fly cases of a scenario in threads; returns a row for each, with the columns of ``collect``."""
+        return list(edl6dof.fly_rows(loaded, cases, collect=collect, progress=lambda done, row: self.step()))
+
+
+@dataclass(frozen=True)
+class Study:
+    """One published experiment.
+
+    Attributes:
+        name: as typed on the command line.
+        title: one line.
+        source: the paper.
+        run: flies it.
+        runs: how many runs the source publishes.
+        quick_runs: how many ``--quick`` flies.
+        counted: whether the number of runs can be chosen at all.
+        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+    """
+
+    name: str
+    title: str
+    source: str
+    run: Callable[[Session], Report]
+    runs: int = 1
+    quick_runs: int = 1
+    counted: bool = False
+    parts: tuple[str, ...] = ()
+
+    def fly(
+        self,
+        flights: int | None = None,
+        only: Sequence[str] = (),
+        progress: Callable[[int, int], None] = lambda done, total: None,
+    ) -> Report:
+        """Run the study.
+
+        Args:
+            flights: as many as the source's if not given.
+            only: some of ``parts``; all if empty.
+            progress: called with the flights done and the flights in all.
+        """
+        parts = [part for part in self.parts if not only or part in only]
+        return self.run(Session(flights or self.runs, parts, progress))
+
+
+def to_json(study: Study, report: Report) -> str:
+    """Findings as JSON text; what could not be formed is null."""
+    return json_text({
+        "study": study.name,
+        "title": study.title,
+        "source": study.source,
+        "runs": report.runs,
+        "ok": report.ok,
+        "findings": [{**vars(one), "ok": one.ok, "result": one.result} for one in report.findings],
+        "grids": [
+            {"title": g.title, "rows": [dict(zip(g.heads, row, strict=True)) for row in g.rows]}
+            for g in report.grids
+        ],
+        "remarks": list(report.remarks),
+        "edl6dof_version": edl6dof.__version__,
+    })  # fmt: skip
+
+
+def write_study(study: Study, report: Report, folder: Path) -> None:
+    """Write findings as JSON, rows as Parquet and pictures as PNG into a folder, which exists."""
+    import pyarrow.parquet as pq
+
+    (folder / "summary.json").write_text(to_json(study, report), encoding="utf-8")
+    table = table_of(report.rows)
+    schema = table.schema
+    for index, one in enumerate(schema):
+        unit = split_unit(one.name.rpartition(".")[2])[1].label
+        schema = schema.set(index, one.with_metadata({"unit": unit}))
+    schema = schema.with_metadata(
+        {"study": study.name, "source": study.source, "edl6dof_version": edl6dof.__version__}
+    )
+    pq.write_table(table.cast(schema), folder / "runs.parquet", compression="zstd")
+    for name, panels in (report.pictures or {}).items():
+        _write_picture(panels, folder / f"{name}.png")
+
+
+def _write_picture(panels: Sequence[Panel], path: Path) -> None:
+    import matplotlib.style
+    from matplotlib.figure import Figure
+
+    with matplotlib.style.context("petroff10"):
+        across = 2 if len(panels) == 4 else min(len(panels), 3)
+        down = -(-len(panels) // across)
+        figure = Figure(figsize=(6.0 * across, 4.0 * down), dpi=100, layout="constrained")
+        for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
+            for curve in panel.curves:
+                _draw(axes, curve)
+            axes.set(title=panel.title, xlabel=panel.x_label, ylabel=panel.y_label, **panel.options)
+            axes.grid(alpha=0.4)
+            if any(curve.label for curve in panel.curves):
+                axes.legend(fontsize="small")
+        figure.savefig(path)
+
+
+def _draw(axes: Any, curve: Curve) -> None:
+    x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)
+    if curve.kind == "dots":
+        axes.plot(x, y, ".", label=curve.label)
+    elif curve.kind == "reference":
+        axes.plot(x, y, "k--", linewidth=1.0, label=curve.label)
+    else:
+        axes.plot(x, y, linewidth=1.2, label=curve.label)

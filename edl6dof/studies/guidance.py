@@ -1,0 +1,503 @@
+"""Every entry law on the same entries: seven of them, what may be other than planned one thing at a time, and
+four of them with everything dispersed.
+
+No paper's experiment but this simulator's own: on each vehicle one plant, one attitude controller, one
+reversal logic and the same errors for all laws, from entry interface to the mortar.  The miss is that of the
+point entry guidance steers to, at mortar fire.  Two missions fly in six degrees of freedom on instruments,
+with either trigger of their parachute, and the point masses of three papers with what a vehicle has: a bank
+angle that turns at a rate, and a drag reference that is updated by the range to go.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from math import cos, degrees, inf, isfinite, nan, radians, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import edl6dof
+from edl6dof import Case, LoadedScenario, fly_rows
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.quantiles import percent
+from edl6dof.campaign.rows import Row
+from edl6dof.config.model_paths import value_at
+from edl6dof.config.wording import counted
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.interface.roles import LIFT
+from edl6dof.jit import kernel
+from edl6dof.scenario.records import build_records
+from edl6dof.scenario.schema import Scenario
+from edl6dof.sensors.ground_tracking import GroundTrackingParams
+from edl6dof.sim.flight import Flight
+from edl6dof.sim.underway import moments_at
+from edl6dof.studies.frame import Finding, Grid, Line, Panel, Report, Session, Study
+from edl6dof.studies.samples import (
+    column,
+    distribution,
+    kinds,
+    mean,
+    percentage,
+    pick,
+    quantile_grid,
+    quickest_us,
+    with_quantile,
+)
+
+ENTRY, SEED = "flight_software.guidance.entry", 2021
+#: A law of constant magnitude is no guidance.
+LAWS = tuple(name for name in ENTRY_LAWS.names if name != "constant_bank")
+#: Dispersed flights for each flight of a condition.
+_PER_CONDITION = 20
+#: Targets of this study: which share of the misses of the best law keeps within how much (km), time of a call
+#: (us) of a law that predicts by flying ahead, and of any other.
+TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
+PREDICTORS = ("npc", "fnpeg")
+REMARKS = (
+    "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure "
+    "and total angle of attack.",
+    "Laws without a reference drag have no drag error; 'lim.' is the time with the bank magnitude at its "
+    "least or largest value.",
+    "bank_profile flies the planned bank open loop: what the conditions do without guidance.",
+)
+Values = dict[str, Any]
+Calls = dict[tuple[str, str], float]
+
+
+def run(session: Session) -> Report:
+    """Fly the laws: dispersed entries, and a twentieth of that in each condition; then with lift up the
+    entries that all laws missed.
+    """
+    flights, rows = session.flights, []
+    calls: Calls = {}
+    each = [len(cases(vehicle, vehicle.load().scenario, "", flights)) for vehicle in VEHICLES]
+    session.expect(sum(each) * len(session.parts))
+    for vehicle in VEHICLES:
+        for law in session.parts:
+            loaded = with_law(vehicle, law)
+            rows += session.fly(loaded, cases(vehicle, loaded.scenario, law, flights), of_flight)
+            calls[vehicle.name, law] = call_time(loaded)
+    far = [row for vehicle in VEHICLES if vehicle.dispersions for row in lift_up(vehicle, rows, flights)]
+    beyond = {vehicle.name: out_of_reach(pick(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
+    return Report(
+        list(findings(rows, calls, beyond)),
+        [*rows, *far],
+        session.total + len(far),
+        list(_grids(rows, calls)),
+        REMARKS,
+        _pictures(pick(rows, condition=DISPERSED)),
+    )
+
+
+# ---- vehicles and laws ---------------------------------------------------------------------------------
+
+
+class Vehicle(NamedTuple):
+    """An entry by the name of its scenario, with ``--set`` texts that this comparison adds, and the campaign
+    whose dispersions it is flown with, too, if any.
+    """
+
+    name: str
+    changes: tuple[str, ...] = ()
+    dispersions: str = ""
+
+    def load(self, *more: str) -> LoadedScenario:
+        """The scenario down to the mortar."""
+        return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
+
+
+#: What the point mass of a paper is given to be flown like a vehicle.
+_AS_A_VEHICLE = (
+    "point_mass.bank_response=rate_limited",
+    "point_mass.bank_rate_deg_s=20",
+    f"{ENTRY}.bank_rate_deg_s=20",
+    f"{ENTRY}.tracking.update=true",
+)
+VEHICLES = (
+    *(Vehicle(name, dispersions="tianwen1_mc") for name in ("tianwen1", "tianwen1_range_trigger")),
+    *(Vehicle(name, dispersions="msl_mc") for name in ("msl", "msl_range_trigger")),
+    *(Vehicle(name, _AS_A_VEHICLE) for name in ("zheng2015", "wu2013", "yan2016")),
+)
+#: What a law is flown with besides: FNPEG plans its reversals itself.
+_WITH_LAW = {"fnpeg": (f"{ENTRY}.reversal.logic=own_sign",)}
+
+
+def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
+    """The entry flown by a law; the open-loop law flies the bank angle that was planned."""
+    planned = vehicle.load(f"{ENTRY}.reference_bank.fit_range=true")
+    return vehicle.load(
+        "simulation.log_every=5",
+        f"{ENTRY}.law={law}",
+        *_WITH_LAW.get(law, ()),
+        f"{ENTRY}.bank_profile={json.dumps({'points': planned_bank(planned)})}",
+    )
+
+
+def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
+    """The planned bank angle as points of an open-loop profile over speed."""
+    onboard = build_records(loaded).onboard[0]
+    shift = float(onboard["reference"]["shift"])
+    slowest = loaded.scenario.flight_software.guidance.entry.align_speed_m_s + 1.0
+    return [
+        {"at": round(float(v), 3), "bank_deg": degrees(reference_bank(onboard, shift, v))}
+        for v in np.linspace(slowest, loaded.scenario.initial.speed, 16)
+    ]
+
+
+# ---- conditions ----------------------------------------------------------------------------------------
+
+#: What every flight has besides; each has its own waves of density, gusts and copies of the instruments.
+WAVES_AND_GUSTS: Values = {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}
+_ANGLE = "initial.flight_path_angle_deg"
+_TRACKING, _NAVIGATION = "sensors.ground_tracking", "sensors.navigation_error"
+_SLOW_DEG_S, _WIND_M_S = 5.0, 60.0
+#: How much worse than believed the state is that the ground sends up.
+_WORSE_TRACKING = 3.0
+
+
+def _nothing(scenario: Scenario, flight: int) -> Values:
+    return {}
+
+
+def _density(factor: float, scenario: Scenario, flight: int) -> Values:
+    return {"atmosphere.density_factor": factor}
+
+
+def _entry_angle(more_deg: float, scenario: Scenario, flight: int) -> Values:
+    return {_ANGLE: value_at(scenario, _ANGLE) + more_deg}
+
+
+def _less_lift(scenario: Scenario, flight: int) -> Values:
+    """A fifth of the lift-to-drag ratio gone: of a capsule by its centre of mass, a third of whose offset
+    makes that of the trim angle.
+    """
+    rigid = scenario.dynamics == "six_dof"
+    path = "vehicle.mass.entry_centre_m.2" if rigid else "vehicle.aero.lift_drag.lift_to_drag"
+    return {path: (2.0 / 3.0 if rigid else 0.8) * value_at(scenario, path)}
+
+
+def wind(scenario: Scenario, flight: int) -> Values:
+    """The same wind at all altitudes: from behind, from the right, from ahead and from the left, in turn."""
+    towards = radians(value_at(scenario, "initial.azimuth_deg") + 90.0 * flight)
+    return {
+        "wind.model": "constant",
+        "wind.constant.north_m_s": _WIND_M_S * cos(towards),
+        "wind.constant.east_m_s": _WIND_M_S * sin(towards),
+    }
+
+
+def _slow_bank(scenario: Scenario, flight: int) -> Values:
+    rigid = scenario.dynamics == "six_dof"
+    zone = "flight_software.control.bank_to_steer.bank.rate_deg_s"
+    vehicle = zone if rigid else "point_mass.bank_rate_deg_s"
+    return {f"{ENTRY}.bank_rate_deg_s": _SLOW_DEG_S, vehicle: _SLOW_DEG_S}
+
+
+def _poor_navigation(scenario: Scenario, flight: int) -> Values:
+    """Errors of the state that the ground sends up, three times those believed; a point mass has them all the
+    way.
+    """
+    if scenario.dynamics == "six_dof":
+        worse = _of_each_axis(_TRACKING, scenario.sensors.ground_tracking)
+        return {path: _WORSE_TRACKING * sigma for path, sigma in worse}
+    draws, sigmas = np.random.default_rng((SEED, flight)), _of_each_axis(_NAVIGATION, GroundTrackingParams())
+    return {path: _WORSE_TRACKING * sigma * draws.standard_normal() for path, sigma in sigmas}
+
+
+def _of_each_axis(section: str, tracking: GroundTrackingParams) -> Iterator[tuple[str, float]]:
+    for axis in range(3):
+        yield f"{section}.position_m.{axis}", tracking.position_m[axis]
+        yield f"{section}.velocity_m_s.{axis}", tracking.velocity_m_s[axis]
+
+
+def _navigation_with_errors(scenario: Scenario, flight: int) -> Values:
+    rigid = scenario.dynamics == "six_dof"
+    return {} if rigid else {"sensors.carried": ["perfect", "imu", "navigation_error"]}
+
+
+class Condition(NamedTuple):
+    """One thing that is other than planned.
+
+    Attributes:
+        name: as it stands in the table.
+        truth: what is so, of the scenario and the number of the flight, and the flight computer is not told.
+        belief: what it is told.
+    """
+
+    name: str
+    truth: Callable[[Scenario, int], Values] = _nothing
+    belief: Callable[[Scenario, int], Values] = _nothing
+
+    def case(self, index: int, scenario: Scenario, flight: int, label: Values) -> Case:
+        """Case number ``index``: the condition's flight number ``flight``."""
+        truth = {**WAVES_AND_GUSTS, **self.truth(scenario, flight)}
+        belief = self.belief(scenario, flight)
+        return Case(index, truth, belief, flight, {**label, "condition": self.name})
+
+
+CONDITIONS = (
+    Condition("nominal"),
+    Condition("density -40 %", partial(_density, 0.6)),
+    Condition("density +40 %", partial(_density, 1.4)),
+    Condition("L/D -20 %", _less_lift),
+    Condition("bank 5 deg/s", belief=_slow_bank),
+    Condition("entry -0.3 deg", partial(_entry_angle, -0.3)),
+    Condition("entry +0.3 deg", partial(_entry_angle, 0.3)),
+    Condition("wind 60 m/s", wind),
+    Condition("navigation", _poor_navigation, _navigation_with_errors),
+)
+DISPERSED = "dispersed"
+
+
+def entries(dispersions: str, flights: int) -> list[Values]:
+    """True values of dispersed entries: those of a campaign; what acts after the mortar changes nothing."""
+    return [dict(case.truth) for case in load_plan(dispersions, cases=flights).cases()]
+
+
+def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[Case]:
+    """All that a law flies of a vehicle."""
+    label = {"vehicle": vehicle.name, "law": law}
+    some = range(max(flights // _PER_CONDITION, 1))
+    plan = [(condition, flight) for condition in CONDITIONS for flight in some]
+    planned = [condition.case(i, scenario, flight, label) for i, (condition, flight) in enumerate(plan)]
+    if vehicle.dispersions:
+        about = {**label, "condition": DISPERSED}
+        for flight, truth in enumerate(entries(vehicle.dispersions, flights)):
+            planned.append(Case(len(planned), {**truth, **WAVES_AND_GUSTS}, profile=flight, label=about))
+    return planned
+
+
+# ---- entries that no bank angle brings to the aim point ------------------------------------------------
+
+#: A flight at zero bank from entry interface to the parachute flies about as far as that entry can.
+_LIFT_UP = (
+    f"{ENTRY}.law=constant_bank",
+    f"{ENTRY}.constant_bank.bank_deg=0",
+    f"{ENTRY}.bank_min_deg=0",
+    f"{ENTRY}.preset_bank_deg=0",
+    f"{ENTRY}.heading.speed_m_s=0",
+    f"{ENTRY}.reversal.logic=own_sign",
+)
+
+
+def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
+    """Rows of the entries of a vehicle that all laws missed, of ``flights`` drawn ones, with lift up; the
+    others are in reach by what was flown.
+    """
+    best: dict[int, float] = {}
+    own = pick(rows, vehicle=vehicle.name, condition=DISPERSED)
+    for row, miss in zip(own, misses(own), strict=True):
+        best[row["profile"]] = min(best.get(row["profile"], miss), miss)
+    missed = sorted(number for number, miss in best.items() if miss > TARGET_KM)
+    if not missed:
+        return []
+    loaded = vehicle.load("simulation.log_every=5", *_LIFT_UP)
+    truths = entries(vehicle.dispersions, flights)
+    about = {"vehicle": vehicle.name, "condition": "lift up", "law": "constant_bank"}
+    planned = [
+        Case(i, {**truths[number], **WAVES_AND_GUSTS}, profile=number, label=about)
+        for i, number in enumerate(missed)
+    ]
+    return list(fly_rows(loaded, planned))
+
+
+def out_of_reach(rows: Sequence[Row]) -> set[int]:
+    """Numbers of the entries that lift up all the way leaves further short than the target."""
+    return {row["profile"] for row in rows if row.get("parachute_downrange_m", 0.0) < -1e3 * TARGET_KM}
+
+
+# ---- one flight ----------------------------------------------------------------------------------------
+
+
+def of_flight(flight: Flight) -> dict[str, float]:
+    """Control effort, saturation and tracking of one flight, in the phase of lift control above the alignment
+    speed.
+    """
+    rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
+    lift = flight.during(LIFT)
+    steered = lift & (rows["truth.speed_m_s"] > max(entry.align_speed_m_s, entry.heading_below_m_s))
+    bank, dt = np.abs(rows["guide.bank_deg"][steered]), np.gradient(rows["t_s"])[steered]
+    at_limit = (bank >= entry.bank_max_deg - 0.01) | (bank <= entry.bank_min_deg + 0.01)
+    reference = rows["guide.reference_drag_m_s2"][steered]
+    followed = reference > 0.0
+    error = (rows["nav.drag_m_s2"][steered] - reference)[followed]
+    return {
+        "bank_travel_deg": float(np.sum(np.abs(np.diff(rows["guide.bank_deg"][lift])))),
+        "saturation_s": float(np.sum(dt[at_limit])),
+        "tracking_error_m_s2": float(np.sqrt(np.mean(error**2))) if followed.any() else nan,
+    }
+
+
+#: Flight times (s) at which calls are timed, how often each, and blocks of which the quickest counts.
+TIMED_AT, REPEATS, BLOCKS = (90.0, 110.0, 130.0, 160.0, 200.0), 20, 15
+
+
+@kernel
+def _repeat(law, onboards, navs, memories, work, outs, repeats):
+    """Call an entry law again and again on a few states, each time with its memory as it was."""
+    for _ in range(repeats):
+        for j in range(navs.shape[0]):
+            work[0] = memories[j]
+            entry_guidance(law, onboards[0], navs[j], work[0], outs[0])
+
+
+def call_time(loaded: LoadedScenario) -> float:
+    """Mean processor time of one guidance call (us), the compiled law alone, over states of the nominal
+    flight, steering and air data included.
+    """
+    onboard, saved = build_records(loaded).onboard, moments_at(loaded, TIMED_AT)
+    navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
+    for j, state in enumerate(saved):
+        navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
+    law = ENTRY_LAWS.names.index(loaded.scenario.flight_software.guidance.entry.law)
+    given = (law, onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
+    return quickest_us(lambda: _repeat(*given, REPEATS), BLOCKS) / (REPEATS * len(saved))
+
+
+# ---- what came out -------------------------------------------------------------------------------------
+
+
+def misses(rows: Sequence[Row]) -> np.ndarray:
+    """Miss at the mortar, km; infinite where it never fired."""
+    found = column(rows, "parachute_miss_m") / 1e3
+    return np.where(np.isnan(found), inf, found)
+
+
+def best_first(rows: Sequence[Row]) -> list[str]:
+    """The laws of some rows, that first of which the next to last hundredth of the misses is smallest."""
+    return sorted(
+        kinds(rows, "law"),
+        key=lambda law: np.quantile(misses(pick(rows, law=law)), 0.99, method="higher"),
+    )
+
+
+def unflown(rows: Sequence[Row]) -> list[Row]:
+    """Flights that did not come as far as the mortar; their rows have the cause."""
+    return [row for row in rows if not isfinite(row.get("parachute_miss_m", nan))]
+
+
+def _grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
+    """For each vehicle: the largest miss in each condition, quantiles of the dispersed entries, and what the
+    flights cost.
+    """
+    for vehicle in kinds(rows, "vehicle"):
+        flown = pick(rows, vehicle=vehicle)
+        yield _conditions(vehicle, flown)
+        if dispersed := pick(flown, condition=DISPERSED):
+            title = f"{vehicle}: quantiles of the miss at the mortar, km, of dispersed entries"
+            miss = {law: misses(pick(dispersed, law=law)) for law in best_first(dispersed)}
+            yield quantile_grid(title, "law", miss)
+        yield _effort(vehicle, flown, calls)
+
+
+def _conditions(vehicle: str, rows: Sequence[Row]) -> Grid:
+    counts = {
+        name: len(own) // len(kinds(rows, "law"))
+        for name in (*(c.name for c in CONDITIONS), DISPERSED)
+        if (own := pick(rows, condition=name))
+    }
+    lines: list[Line] = []
+    for law in best_first(rows):
+        miss = [misses(pick(rows, law=law, condition=name)) for name in counts]
+        lines.append((law, *(float(np.max(one, initial=0.0)) for one in miss)))
+    several = f"{counted(next(iter(counts.values())), 'flight')} in each column"
+    if DISPERSED in counts:
+        several += f", {counts[DISPERSED]} dispersed"
+    return Grid(f"{vehicle}: largest miss at the mortar, km; {several}", ("law", *counts), lines)
+
+
+_HEADS = (
+    "law", "in box %", "load g", "alt. mean km", "Mach", "drag RMS m/s2", "bank travel deg", "in wind deg",
+    "fuel kg", "lim. s", "call us", "failed",
+)  # fmt: skip
+
+
+def _effort(vehicle: str, rows: Sequence[Row], calls: Calls) -> Grid:
+    lines: list[Line] = []
+    for law in best_first(rows):
+        flown = pick(rows, law=law)
+        lines.append((
+            law, percentage(row["success"] for row in flown), mean(flown, "peak_load_g0"),
+            mean(flown, "parachute_altitude_m") / 1e3, mean(flown, "parachute_mach"),
+            mean(flown, "tracking_error_m_s2"), mean(pick(flown, condition="nominal"), "bank_travel_deg"),
+            mean(pick(flown, condition="wind 60 m/s"), "bank_travel_deg"), mean(flown, "propellant_used_kg"),
+            mean(flown, "saturation_s"), calls[vehicle, law], float(len(unflown(flown))),
+        ))  # fmt: skip
+    return Grid(f"{vehicle}: mean of {counted(len(rows) // len(lines), 'flight')}", _HEADS, lines)
+
+
+def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) -> Iterator[Finding]:
+    """The best laws of the dispersed entries, flights that failed, and the time of a call; ``beyond`` are the
+    entries of each vehicle that are out of reach.
+    """
+    dispersed = pick(rows, condition=DISPERSED)
+    for vehicle in kinds(dispersed, "vehicle"):
+        yield from _best_law(vehicle, pick(dispersed, vehicle=vehicle), beyond.get(vehicle, set()))
+    failed = unflown(rows)
+    why = f"{failed[0]['vehicle']}, {failed[0]['law']}: {failed[0]['cause']}" if failed else ""
+    label = "flights that did not reach the mortar"
+    yield Finding(label, "", float(len(failed)), 0.0, "<=", why=why)
+    first = rows[0]["vehicle"]  # others may fly reversals that are found by flying ahead
+    for label, bound, predicts in (
+        (f"{first}: longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),
+        (f"{first}: longest guidance call of the others", CALL_US, False),
+    ):
+        own = {law: us for (vehicle, law), us in calls.items() if vehicle == first}
+        if timed := [(us, law) for law, us in own.items() if (law in PREDICTORS) == predicts]:
+            us, law = max(timed)
+            yield Finding(label, "us", us, bound, "<=", law)
+
+
+def _best_law(vehicle: str, flown: Sequence[Row], beyond: set[int]) -> Iterator[Finding]:
+    """Misses of the best law, of all entries and of those in reach, and how often it keeps the deployment
+    box.
+    """
+    best = best_first(flown)[0]
+    mine = pick(flown, law=best)
+    share, words = 100.0 * len(beyond) / len(mine), f"{vehicle}: {percent(TARGET_SHARE)} of misses"
+    in_reach = misses([row for row in mine if row["profile"] not in beyond])
+    asked = Finding(f"{words}, best law", "km", nan, TARGET_KM, "<=", best)
+    every = with_quantile(asked, misses(mine), TARGET_SHARE)
+    within = with_quantile(replace(asked, label=f"{words} of the entries in reach"), in_reach, TARGET_SHARE)
+    if within.computed <= TARGET_KM < every.computed:
+        cause = f"{share:.1f} % of the entries end short with lift up all the way, flown so"
+        every = replace(every, why=cause)
+    yield every
+    if beyond:
+        yield within
+        yield Finding(f"{vehicle}: entries short of the target with lift up", "%", share)
+    kept = percentage(row["success"] for row in mine)
+    yield Finding(f"{vehicle}: deployment box kept, best law", "%", kept, 100.0, ">=", best)
+
+
+def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
+    """Misses of dispersed entries on each vehicle."""
+    panels = []
+    for vehicle in kinds(dispersed, "vehicle"):
+        own = pick(dispersed, vehicle=vehicle)
+        order = best_first(own)
+        curves = [distribution(misses(pick(own, law=law)), law) for law in order]
+        limit = 3.0 * float(np.quantile(misses(pick(own, law=order[0])), 0.99, method="higher"))
+        options = {"xlim": (0.0, max(2.0 * TARGET_KM, limit))} if isfinite(limit) else {}
+        panels.append(
+            Panel(f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)", curves, options)
+        )
+    return {"comparison": panels}
+
+
+STUDY = Study(
+    "guidance",
+    "Entry laws on the same entries: other air, lift, wind and entry angle, slow bank, and all dispersed",
+    "this simulator, 2026",
+    run,
+    runs=200,
+    quick_runs=20,
+    counted=True,
+    parts=LAWS,
+)

@@ -1,0 +1,127 @@
+"""Rows of flights: draws, columns, statistics, and the tables and curves that are made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from math import inf, isinf, nan
+from time import thread_time
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from edl6dof.campaign.quantiles import flights_needed, percent, quantile
+from edl6dof.campaign.rows import Row
+from edl6dof.report.numbers import significant
+from edl6dof.studies.frame import Curve, Finding, Grid
+
+#: Quantiles of a table, where its flights can bound them.
+SHARES = (0.5, 0.95, 0.99)
+
+
+class Spread(NamedTuple):
+    """Gaussian dispersion of the true value of one parameter, named by its dotted path."""
+
+    path: str
+    mean: float
+    three_sigma: float
+
+
+def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, float]]:
+    """True values of ``runs`` flights by dotted path; the first flights of a longer series are those of a
+    shorter one.
+    """
+    normal = np.random.default_rng(seed).standard_normal((runs, len(spreads)))
+    return [
+        {s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)}
+        for row in normal
+    ]
+
+
+def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
+    """The rows with these labels."""
+    return [row for row in rows if all(row.get(key) == value for key, value in wanted.items())]
+
+
+def kinds(rows: Iterable[Row], label: str) -> list[str]:
+    """The values of a label, in the order of the rows."""
+    return list(dict.fromkeys(row[label] for row in rows))
+
+
+def column(rows: Iterable[Row], name: str, missing: float = nan) -> np.ndarray:
+    """A figure of each row, shape (rows,); ``missing`` where a flight has none."""
+    return np.array([missing if row.get(name) is None else row[name] for row in rows], dtype=float)
+
+
+def mean(rows: Iterable[Row], name: str) -> float:
+    """Mean of a figure over the flights that have it."""
+    found = column(rows, name)
+    found = found[np.isfinite(found)]
+    return float(np.mean(found)) if len(found) else nan
+
+
+def rms(sample: np.ndarray) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(sample**2)))
+
+
+def percentage(kept: Iterable[bool]) -> float:
+    """Share of those that are true, %."""
+    return 100.0 * float(np.mean(list(kept)))
+
+
+def quickest_us(call: Callable[[], None], blocks: int) -> float:
+    """Processor time (us) of the quickest of some calls; the others were disturbed by whatever else the
+    machine does.
+    """
+    call()
+    times = []
+    for _ in range(blocks):
+        start = thread_time()
+        call()
+        times.append(thread_time() - start)
+    return 1e6 * min(times)
+
+
+def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> Grid:
+    """A line for each sample, shape (flights,), infinite where one failed: how many flights, quantiles, and
+    beside each between which values it lies at 95 %.  Those that no sample bounds are named in the title.
+    """
+    flights = {name: int(np.sum(~np.isnan(sample))) for name, sample in samples.items()}
+    most = max(flights.values(), default=0)
+    bounded = [share for share in SHARES if flights_needed(share) <= most]
+    heads = [words for share in map(percent, bounded) for words in (share, f"{share} from", f"{share} to")]
+    refused = [
+        f"{percent(share)} takes {flights_needed(share):,}" for share in SHARES if share not in bounded
+    ]
+    too_small = f"; n = {most} too small: {', '.join(refused)}" if refused else ""
+    rows = []
+    for name, sample in samples.items():
+        found = [quantile(sample, share, flown=True) for share in bounded]
+        figures = [(nan, nan, nan) if one is None else (one.value, one.low, one.high) for one in found]
+        rows.append((name, float(flights[name]), *sum(figures, ())))
+    return Grid(f"{title}, bounds at 95 %{too_small}", (head, "n", *heads), tuple(rows))
+
+
+def with_quantile(finding: Finding, sample: np.ndarray, share: float) -> Finding:
+    """A finding of which ``sample`` has the quantile, its bounds in the note; without number and result
+    where the flights are too few to bound it.
+    """
+    found = quantile(sample, share, flown=True)
+    if found is None:
+        small = f"n = {len(sample)} too small: takes {flights_needed(share):,}"
+        return replace(finding, computed=nan, published=None, bound="", note=_joined(finding.note, small))
+    low, high = ("fails" if isinf(end) else significant(end, 3) for end in (found.low, found.high))
+    return replace(finding, computed=found.value, note=_joined(finding.note, f"{low} .. {high} at 95 %"))
+
+
+def _joined(note: str, more: str) -> str:
+    return f"{note}, {more}" if note else more
+
+
+def distribution(sample: np.ndarray, label: str) -> Curve:
+    """Share (%) of the flights that a figure is not above; those without it are missing at the top."""
+    ordered = np.sort(np.where(np.isnan(sample), inf, sample))
+    share = np.arange(1, len(ordered) + 1) / max(len(ordered), 1) * 100.0
+    known = np.isfinite(ordered)
+    return Curve(ordered[known], share[known], label)

@@ -1,0 +1,222 @@
+"""The landing of Schiaparelli: the chain that lost it, the cliff that it fell from, and the guards that would
+have held.
+
+The flight is that of ``scenarios/schiaparelli.yaml``, in which nothing is made to fail.  The flights around
+it enter with their nutation in any phase, in gusts of their own: the flag of saturation stays on for
+different times, and one guard at a time is switched on.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from math import degrees, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import edl6dof
+from edl6dof import Case
+from edl6dof.campaign.rows import Row
+from edl6dof.metrics.published import published_figures
+from edl6dof.sim.flight import Flight
+from edl6dof.sim.outcome import LANDED, TIPPED_OVER
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
+from edl6dof.studies.samples import column, mean, pick
+
+SCENARIO, SEED = "schiaparelli", 20161019
+_NAVIGATION, _GYROS = "flight_software.navigation", "sensors.inertial_unit.gyros"
+PERSISTENCE = f"{_GYROS}.persistence_s"
+#: Time for which the flag of saturation stays on, s: what was believed, what was flown, and around them.
+PERSISTENCES = (0.015, 0.1, 0.2, 0.3, 0.5, 1.0, 1.5)
+#: Seconds after the mortar in which the canopy opens and the capsule swings.
+SWINGING_S = 15.0
+#: Height (m) of a release that is too early: twice the planned one.
+EARLY_M = 2400.0
+#: The figures that the chain is held to.
+HELD = ("backshell_height_m", "engine_burn_s", "touchdown_vertical_m_s")
+
+
+def _five_gyros() -> str:
+    """Three gyros along the axes and two between pitch and yaw: of five, one that is wrong can be named."""
+    skew = (("gd", (0.0, 0.5**0.5, 0.5**0.5)), ("ge", (0.0, 0.5**0.5, -(0.5**0.5))))
+    axes = [*zip(("gx", "gy", "gz"), np.eye(3).tolist(), strict=True), *skew]
+    return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
+
+
+class Guard(NamedTuple):
+    """One way out: its name, and the overrides that switch it on."""
+
+    name: str
+    overrides: tuple[str, ...] = ()
+
+
+GUARDS = (
+    Guard("nothing"),
+    Guard("sign", (f"{_NAVIGATION}.guards.below_ground=true",)),  # a height below the ground
+    Guard("parity", (_five_gyros(),)),  # five gyros that check each other
+    Guard("consistency", (f"{_NAVIGATION}.guards.speed=true",)),  # speed against the beams
+    Guard("persistence", (f"{PERSISTENCE}=0.015",)),  # flag on for 15 ms
+    Guard("vertical", (f"{_NAVIGATION}.guards.vertical=true",)),  # echo from above the horizon
+    Guard("left out", (f"{_NAVIGATION}.saturation.left_out=true",)),  # flagged gyro not used
+    Guard("jump", (f"{_NAVIGATION}.guards.jump=true",)),  # height that jumps
+)
+REMARKS = (
+    "Nothing is made to fail: gyros meet the end of their range as the canopy swings the capsule faster.",
+    "The phase of the nutation at entry, which decides how hard it swings, is drawn; 3 deg are an estimate.",
+    "parity: two gyros more, between pitch and yaw, each with the same range.",
+    "A failed check is noted whether or not its guard is switched on.",
+)
+
+
+def run(session: Session) -> Report:
+    """Fly some phases of the nutation for each persistence, and with each guard."""
+    session.expect(session.flights * (len(PERSISTENCES) + len(GUARDS)))
+    rows: list[Row] = []
+    for persistence in PERSISTENCES:
+        label = {"sweep": "persistence", "guard": "nothing", "persistence_s": persistence}
+        rows += session.fly(
+            edl6dof.load(SCENARIO, [f"{PERSISTENCE}={persistence}"]), phases(session.flights, label), swing
+        )
+    for guard in GUARDS:
+        label = {"sweep": "guard", "guard": guard.name, "persistence_s": nan}
+        rows += session.fly(edl6dof.load(SCENARIO, guard.overrides), phases(session.flights, label), swing)
+    flight = edl6dof.fly(SCENARIO)
+    grids = [_cliff(pick(rows, sweep="persistence")), _guards(pick(rows, sweep="guard"))]
+    return Report(_chain(flight), rows, session.total + 1, grids, REMARKS, _pictures(flight, rows))
+
+
+def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
+    """Flights whose nutation has any phase at entry, each in gusts of its own; the first of a longer series
+    are those of a shorter one.
+    """
+    bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
+    return [
+        Case(k, truth={"initial.bank_deg": round(float(b), 3)}, profile=k, label=label)
+        for k, b in enumerate(bank)
+    ]
+
+
+# ---- one flight ----------------------------------------------------------------------------------------
+
+
+def swing(flight: Flight) -> dict[str, float]:
+    """How the capsule swung under the opening canopy, what the gyros said, how the vertical was off after it,
+    and whether the flight neither landed nor only tipped over.
+    """
+    crashed = float(flight.code not in (LANDED, TIPPED_OVER))
+    t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
+    after = (t > fired) & (t < fired + SWINGING_S)
+    if not after.any():
+        lost = ("swing_deg_s", "flagged_s", "vertical_deg", "check_fails_s")
+        return {**dict.fromkeys(lost, nan), "crashed": crashed}
+    rates = [np.abs(flight.telemetry[f"truth.rate_{axis}_deg_s"][after]) for axis in "qr"]
+    flagged = flight.telemetry["sensed.gyros_saturated"][after] > 0
+    failed = min((event["t_s"] for event in flight.events if event["key"] == "guard"), default=nan)
+    return {
+        "swing_deg_s": float(np.max(rates)),
+        "flagged_s": float(np.count_nonzero(flagged)) * float(np.median(np.diff(t))),
+        "vertical_deg": vertical_error(flight, int(np.flatnonzero(after)[-1])),
+        "check_fails_s": failed - fired,
+        "crashed": crashed,
+    }
+
+
+def vertical_error(flight: Flight, row: int) -> float:
+    """Angle (deg) between the true vertical and the one on board, of the rotation between both attitudes."""
+    north, east, down = (
+        np.radians(flight.telemetry[f"nav.error_attitude_{axis}_deg"][row])
+        for axis in ("north", "east", "down")
+    )
+    angle = np.sqrt(north**2 + east**2 + down**2)
+    if angle < 1e-9:
+        return 0.0
+    across = np.hypot(north, east) / angle
+    return degrees(2.0 * np.arcsin(min(across * np.sin(0.5 * min(angle, np.pi)), 1.0)))
+
+
+# ---- what came out -------------------------------------------------------------------------------------
+
+
+def _chain(flight: Flight) -> list[Finding]:
+    """The scenario as it is, one flight, beside what is published."""
+    found = []
+    for figure, entry in published_figures(flight.scenario.published):
+        own = flight.metrics.get(figure.name, nan)
+        within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None
+        found.append(
+            Finding(figure.meaning, figure.unit.label, own, entry.number, entry.bound, within=within)
+        )
+    return found
+
+
+def saturated(rows: list[Row]) -> list[Row]:
+    """Flights in which a gyro met the end of its range."""
+    return [row for row in rows if row["flagged_s"] > 0.0]
+
+
+def landed(rows: list[Row]) -> int:
+    """How many landed within limits."""
+    return sum(bool(row["success"]) for row in rows)
+
+
+def early(rows: list[Row]) -> int:
+    """How many released the parachute far too high."""
+    return int(np.sum(column(rows, "backshell_height_m", 0.0) > EARLY_M))
+
+
+def _cliff(rows: list[Row]) -> Grid:
+    """A line for each persistence of the flag."""
+    lines: list[Line] = []
+    for persistence in PERSISTENCES:
+        own = pick(rows, persistence_s=persistence)
+        hit = saturated(own)
+        counts = (len(own), len(hit), landed(hit), early(hit))
+        lines.append((f"{persistence:g} s", *counts, mean(hit, "vertical_deg")))
+    heads = ("flag stays on", "flights", "beyond the range", "of these landed", "released early",
+             "vertical off deg")  # fmt: skip
+    return Grid("How long the flag stays on", heads, lines)
+
+
+def _guards(rows: list[Row]) -> Grid:
+    """A line for each guard."""
+    lines: list[Line] = []
+    for guard in GUARDS:
+        own = pick(rows, guard=guard.name)
+        hit = saturated(own)
+        crashed = sum(bool(row["crashed"]) for row in hit)
+        counts = (len(own), landed(own), len(hit), landed(hit), crashed, early(hit))
+        lines.append((guard.name, *counts, mean(pick(own, success=True), "propellant_used_kg")))
+    heads = ("", "flights", "landings", "beyond the range", "of these landed", "crashed", "released early",
+             "propellant kg")  # fmt: skip
+    return Grid("One guard at a time", heads, lines)
+
+
+def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
+    """The height of the one flight, true and on board; the cliff, by swing and persistence of the flag."""
+    t, height = flight.telemetry["t_s"], flight.telemetry["truth.height_m"] / 1e3
+    on_board = height + flight.telemetry["nav.error_height_m"] / 1e3
+    late = t > flight.metrics["parachute_s"]
+    heights = [Curve(t[late], height[late], "true"), Curve(t[late], on_board[late], "on board")]
+    end = flight.scenario.sensors.inertial_unit.gyros.range_deg_s
+    cliff = [Curve([1.0, 1.0], [0.0, 1.6], "end of the range", "reference")]
+    for name, good in (("within limits", True), ("lost", False)):
+        own = pick(rows, sweep="persistence", success=good)
+        cliff.append(Curve(column(own, "swing_deg_s") / end, column(own, "persistence_s"), name, "dots"))
+    return {
+        "chain_and_cliff": [
+            Panel("Height above ground", "time after entry (s)", "height (km)", heights),
+            Panel("Landed and lost", "fastest swing over the gyros' range", "flag stays on (s)", cliff),
+        ]
+    }
+
+
+STUDY = Study(
+    SCENARIO,
+    "The landing of Schiaparelli: the chain, the cliff and the guards",
+    "T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN, 2017",
+    run,
+    runs=40,
+    quick_runs=3,
+    counted=True,
+)

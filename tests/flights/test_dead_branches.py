@@ -1,0 +1,39 @@
+"""Verifies: a flow meter that fails costs no thruster, and a dead branch is not taken for one."""
+
+import pytest
+
+import edl6dof
+
+THRUSTERS = {"A13": {"A1", "A3"}, "P34": {"P3", "P4"}, "F56": {"F5", "F6"}, "F34": {"F3", "F4"}}
+
+
+def fly(component, kind, branch, phase):
+    """A flight in which a branch or its meter fails one second into a phase."""
+    fault = f"{{kind: {kind}, {component}: {branch}, at: {{phase: {phase}, plus_s: 1}}}}"
+    return edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.log_every=50"])
+
+
+def meters(flight):
+    """Flow meters that are not believed any more."""
+    return {one.instrument for one in flight.exclusions if one.component == "flow_meter"}
+
+
+@pytest.mark.parametrize(("branch", "phase"), [("A13", "powered_deceleration"), ("P34", "parachute")])
+def test_all_thrusters_of_a_dead_branch_are_named_and_its_meter_is_not(branch, phase):
+    flight = fly("branch", "branch_dead", branch, phase)
+    assert flight.success and meters(flight) == set()
+    assert {one.thruster for one in flight.isolated_faults} == THRUSTERS[branch]
+
+
+@pytest.mark.parametrize(
+    ("kind", "branch", "phase"),
+    [
+        ("reading_stuck", "F56", "trim_aoa"),  # stands at half the flow of a thruster
+        ("reading_stuck", "F34", "slow_descent"),
+        ("reading_outage", "A13", "powered_deceleration"),
+        ("reading_outage", "P34", "parachute"),
+    ],
+)
+def test_a_failed_meter_is_named_and_costs_no_thruster(kind, branch, phase):
+    flight = fly("flow_meter", kind, branch, phase)
+    assert flight.success and meters(flight) == {branch} and flight.isolated_faults == []
