@@ -8,10 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from edl6dof.api.flights import Flight
-from edl6dof.api.one import activate
+from edl6dof.api.errors import naming_arguments, scenario_name
+from edl6dof.api.flight import Flight
+from edl6dof.api.functions import activate
 from edl6dof.api.overrides import texts
-from edl6dof.api.wording import scenario_name, told_in_python
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
@@ -112,7 +112,7 @@ class Simulation(SteppedFlight):
         telemetry: bool = True,
     ):
         activate(scenario)
-        with told_in_python():
+        with naming_arguments():
             self._starts = Starts(scenario, overrides)
         base = self._starts.base
         super().__init__(base.loaded, base.parts, telemetry)

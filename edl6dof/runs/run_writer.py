@@ -80,8 +80,14 @@ def write_telemetry(flight: Flight, path: Path) -> None:
     with pq.ParquetWriter(path, schema, **options) as writer:
         for start in range(0, rows, ROW_GROUP):
             columns = flight.telemetry.rows(start, start + ROW_GROUP).values()
-            # numpy converts: arrow would load all it can compute
-            part = [pa.array(np.asarray(values, float)) for values in columns]
+            # from their memory as it is: pa.array would import pandas, where that is installed
+            part = [_array(np.ascontiguousarray(values, float)) for values in columns]
             writer.write_table(pa.Table.from_arrays(part, schema=schema))
             del columns, part
     pa.default_memory_pool().release_unused()  # 30 MB that the system would not get back
+
+
+def _array(values: np.ndarray) -> Any:
+    import pyarrow as pa
+
+    return pa.Array.from_buffers(pa.float64(), len(values), [None, pa.py_buffer(values)])

@@ -154,7 +154,6 @@ def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
         (["campaign", "tianwen1_mc", "--engine", "cloud"], "must be threads or dask"),
         (["campaign", "tianwen1_mc", "--cluster", "tcp://127.0.0.1:1"], "needs --engine dask"),
         (["refly", "nowhere", "3"], "is not the folder of a campaign"),
-        (["campaign", "--compare", "a", "b"], "--compare: is a command now: edl6dof compare a b"),
     ],
 )
 def test_bad_words_are_refused_in_one_line(edl6dof, words, said):

@@ -72,7 +72,7 @@ def test_files_with_kernels_know_no_yaml_no_files_and_no_viewer():
     assert importing(with_kernels(), *READERS) == {}
 
 
-@pytest.mark.parametrize("folder", ["runs", "report", "replay", "cli", "app"])
+@pytest.mark.parametrize("folder", ["runs", "report", "replay", "cli", "api"])
 def test_results_and_command_line_know_no_physics(folder):
     found = modules(folder) or [(n, s) for n, s in EVERYTHING if n == f"edl6dof.{folder}"]
     if not found:
