@@ -20,13 +20,23 @@ if _STARTED_HERE and __path__[0].removesuffix("edl6dof")[:-1] != sys.path[0]:
 
 from typing import TYPE_CHECKING, Any
 
-from edl6dof.api.many import calibrate, campaign, faults, refly, verify
-from edl6dof.api.one import fly, load, open_run, replay, report
+from edl6dof.api.functions import (
+    calibrate,
+    campaign,
+    faults,
+    fly,
+    load,
+    open_run,
+    refly,
+    replay,
+    report,
+    verify,
+)
 from edl6dof.api.packages import stay_callable
 
 if TYPE_CHECKING:
-    from edl6dof.api.campaigns import CampaignResult
-    from edl6dof.api.flights import Flight, RecordedFlight
+    from edl6dof.api.campaign import CampaignResult
+    from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.simulation import Simulation
     from edl6dof.campaign.design.case import Case
     from edl6dof.campaign.executor import fly_rows
@@ -59,12 +69,12 @@ __all__ = [
 
 #: Modules of what is loaded when it is asked for.
 _CLASSES = {
-    "CampaignResult": "edl6dof.api.campaigns",
+    "CampaignResult": "edl6dof.api.campaign",
     "Case": "edl6dof.campaign.design.case",
     "ConfigError": "edl6dof.config.errors",
-    "Flight": "edl6dof.api.flights",
+    "Flight": "edl6dof.api.flight",
     "LoadedScenario": "edl6dof.scenario.loading",
-    "RecordedFlight": "edl6dof.api.flights",
+    "RecordedFlight": "edl6dof.api.flight",
     "Simulation": "edl6dof.api.simulation",
     "State": "edl6dof.sim.checkpoint",
     "fly_rows": "edl6dof.campaign.executor",

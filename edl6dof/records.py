@@ -35,7 +35,7 @@ class Numbers(NamedTuple):
 
     @property
     def is_whole(self) -> bool:
-        """Whether they are whole numbers."""
+        """True if they are whole numbers."""
         return self.values.dtype.kind in "iu"
 
     def place(self, wrong: np.ndarray) -> str:

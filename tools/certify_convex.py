@@ -12,10 +12,8 @@ from dataclasses import replace
 from math import radians
 
 import numpy as np
+from point_mass_landing import Landing, first_guess, held_controls, landing_record, plan_onboard, solve
 
-from edl6dof.design.landing.conic import solve
-from edl6dof.design.landing.onboard import first_guess, landing_record, plan_onboard
-from edl6dof.design.landing.problem import Landing, held_controls
 from edl6dof.fsw.guidance.powered.convex import pipg
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from docs_notebooks import pages as notebooks
 
-from edl6dof.config.reference import Row, rows
+from edl6dof.config.parameter_table import Row, rows
 
 #: Pages of parameters: file, title, dotted paths whose parameters are on it; the first page that fits has it.
 PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
@@ -72,8 +72,8 @@ def pages() -> dict[str, str]:
 
 
 def _all_rows() -> list[Row]:
-    from edl6dof.calibration.params import CalibrationFile
-    from edl6dof.campaign.design.params import CampaignFile
+    from edl6dof.calibration.section import CalibrationFile
+    from edl6dof.campaign.design.sections import CampaignFile
     from edl6dof.scenario.schema import Scenario
 
     return [*rows(Scenario), *rows(CampaignFile), *rows(CalibrationFile)]

@@ -1,3 +1,1 @@
-"""What ``import edl6dof`` offers, and the command line shows: flights, campaigns and all that is made of
-them, as objects.
-"""
+"""The Python API: flights, campaigns and all that is made of them, as objects."""

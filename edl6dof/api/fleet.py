@@ -66,7 +66,7 @@ class DispersedFlights:
 
     def fleet(self, count: int, workers: int = 1) -> Fleet:
         """Places for as many flights, which :meth:`Fleet.put` lets begin."""
-        return Fleet(count, self._starts.base.records.tables, self.loaded.scenario.steps_per_cycle, workers)
+        return Fleet(count, self._starts.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
 
     def at_phase(self, seed: int, role: str, later_s: float = 0.0) -> Start | None:
         """The flight of a seed where its phase of a role begins, or ``later_s`` (s) after; ``None`` where it
@@ -76,7 +76,7 @@ class DispersedFlights:
             ConfigError: the flight is in another world, which a fleet cannot hold.
         """
         variant = self._starts.of(seed)
-        if variant.parts.tables is not self._starts.base.records.tables:
+        if variant.parts.tables is not self._starts.base.parts.tables:
             raise refusal(self._name, "disperses the tables of the world, which a fleet shares")
         flight = SteppedFlight(variant.loaded, variant.parts, telemetry=False)
         roles, phase = variant.loaded.scenario.phase_roles, flight.underway.fsw["mission"]["phase"]

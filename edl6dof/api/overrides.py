@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import PurePath
 from typing import Any
 
-import numpy as np
-
 from edl6dof.config.errors import ConfigError, Problem
 
 #: Texts ``"dotted.path=value"``; or data by dotted path, or nested as in a scenario file.
@@ -66,8 +64,8 @@ def _text(path: str, value: Any) -> str:
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return dict(value)
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
+    if hasattr(value, "tolist"):
+        return value.tolist()  # of numpy
     if isinstance(value, PurePath):
         return str(value)
     raise TypeError(f"{value!r} cannot stand in a scenario")

@@ -1,24 +1,35 @@
-"""What can be asked of a flight, whether it has just been flown or is read from its files."""
+"""A flight as columns, tables and plots, whether it has just been flown or is read from its files."""
 
 from __future__ import annotations
 
+import base64
 import io
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from edl6dof.api.optional import library
+from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import Check
+from edl6dof.report.channels import Columns, channel_plot, chosen
+from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from edl6dof.report.figure import Figure
     from edl6dof.report.matplotlib_figure import Canvas
+
+#: Channels of the small figure in a notebook.
+SHOWN = ("truth.height_m", "truth.mach")
+_GOOD, _BAD = "#1a7f37", "#b42318"
 
 
 class FlightResults(ABC):
@@ -37,7 +48,7 @@ class FlightResults(ABC):
     @property
     @abstractmethod
     def success(self) -> bool:
-        """Whether it reached the goal of the mission within all limits."""
+        """True if it reached the goal of the mission within all limits."""
 
     @property
     @abstractmethod
@@ -56,11 +67,6 @@ class FlightResults(ABC):
 
     @property
     @abstractmethod
-    def metrics(self) -> Mapping[str, float | None]:
-        """Figures by name with unit suffix."""
-
-    @property
-    @abstractmethod
     def checks(self) -> Sequence[Check]:
         """Every limit with this flight's value."""
 
@@ -70,7 +76,7 @@ class FlightResults(ABC):
 
     @abstractmethod
     def meaning(self, name: str) -> str:
-        """What a channel means."""
+        """Meaning of a channel."""
 
     def __repr__(self) -> str:
         rows = len(self.telemetry["t_s"])
@@ -78,8 +84,6 @@ class FlightResults(ABC):
 
     def _repr_html_(self) -> str:
         """Outcome, timeline, limits and a small figure, for notebooks."""
-        from edl6dof.api.html import flight_html
-
         return flight_html(self)
 
     def __getitem__(self, channel: str) -> np.ndarray:
@@ -107,23 +111,13 @@ class FlightResults(ABC):
             ConfigError: there is no such channel, or nothing between these times.
             TypeError: a channel is no name.
         """
-        from edl6dof.config.errors import refusal
-        from edl6dof.report.channels import channel_plot, chosen
         from edl6dof.report.matplotlib_figure import styled
 
         if wrong := [one for one in channels if not isinstance(one, str)]:
             raise TypeError(f"channels are names, one after the other: plot('truth.mach') (got {wrong[0]!r})")
         if not channels:
             raise refusal("plot", "name a channel, such as truth.mach; flight.telemetry has them all")
-        names = chosen(self, channels, self.name)
-        (x,) = chosen(self, [against], self.name)
-        t = self.telemetry["t_s"]
-        rows = (t >= (-np.inf if since_s is None else since_s)) & (
-            t <= (np.inf if until_s is None else until_s)
-        )
-        if not rows.any():
-            raise refusal(self.name, f"has no telemetry between these times ({t[0]:g} to {t[-1]:g} s)")
-        return Plot(styled(channel_plot(self, names, x, rows)))
+        return Plot(styled(channels_figure(self, self.name, channels, against, since_s, until_s)))
 
     def to_pandas(self) -> pandas.DataFrame:
         """Telemetry as a data frame indexed by time.
@@ -167,3 +161,74 @@ class Plot:
         buffer = io.BytesIO()
         self.figure.savefig(buffer, format="png", dpi=110)
         return buffer.getvalue()
+
+
+def channels_figure(
+    columns: Columns,
+    place: object,
+    patterns: Sequence[str],
+    against: str = "t_s",
+    since_s: float | None = None,
+    until_s: float | None = None,
+) -> Figure:
+    """Draw the channels that match; see :meth:`FlightResults.plot`; ``place``: whose they are, for messages.
+
+    Raises:
+        ConfigError: there is no such channel, or nothing between these times.
+    """
+    names, (x,) = chosen(columns, patterns, place), chosen(columns, [against], place)
+    t = columns["t_s"]
+    rows = (t >= (-np.inf if since_s is None else since_s)) & (t <= (np.inf if until_s is None else until_s))
+    if not rows.any():
+        words = f"has no telemetry between the given times (it runs from {t[0]:g} to {t[-1]:g} s)"
+        raise refusal(place, words)
+    return channel_plot(columns, names, x, rows)
+
+
+def flight_html(flight: FlightResults) -> str:
+    """Write a flight as a piece of HTML that needs nothing else."""
+    colour = _GOOD if flight.success else _BAD
+    head = (
+        f'<p><b>{escape(flight.name)}</b>: <span style="color:{colour}">{escape(flight.outcome)}</span> '
+        f"at t = {flight.time_s:.1f} s</p>"
+    )
+    formats = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
+    timeline = html_table(
+        ("t (s)", "event", "height (m)", "speed (m/s)", "Mach"),
+        (
+            (
+                f"{event['t_s']:.2f}",
+                str(event["name"]),
+                *(_number(event[key], form) for key, form in formats.items()),
+            )
+            for event in flight.events
+        ),
+    )
+    limits = html_table(
+        ("limit", "unit", "this flight", "allowed", ""),
+        (
+            (one.label, one.unit, *aligned_pair(one.value, one.limit, one.ok), LIMIT_STATUS[one.ok])
+            for one in flight.checks
+        ),
+    )
+    return f"<div>{head}{_picture(flight)}<div>{timeline}</div><div>{limits}</div></div>"
+
+
+def _picture(flight: FlightResults) -> str:
+    """Height and Mach number over time; nothing where the telemetry is brief or gone."""
+    channels = [name for name in SHOWN if name in flight.telemetry]
+    if len(channels) < len(SHOWN) or len(flight.telemetry["t_s"]) < 2:
+        return ""
+    picture = base64.b64encode(flight.plot(*channels)._repr_png_()).decode("ascii")
+    return f'<img width="480" alt="height and Mach number" src="data:image/png;base64,{picture}">'
+
+
+def _number(value: float | None, form: str) -> str:
+    return f"{value:{form}}" if value is not None and math.isfinite(value) else ""
+
+
+def html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Write a table of texts."""
+    cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>"

@@ -8,16 +8,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from edl6dof.api.flights import Flight
-from edl6dof.api.one import activate
+from edl6dof.api.errors import naming_arguments, scenario_name
+from edl6dof.api.flight import Flight
+from edl6dof.api.functions import activate
 from edl6dof.api.overrides import texts
-from edl6dof.api.wording import scenario_name, told_in_python
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, LoadedScenario, load_scenario
-from edl6dof.scenario.records import Built
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.
@@ -59,7 +58,7 @@ class Starts:
             self.loaded = load_scenario(scenario, texts(overrides))
 
     @property
-    def base(self) -> Built:
+    def base(self) -> Variant:
         """The scenario itself, and its records."""
         return self._variants.nominal
 
@@ -70,7 +69,7 @@ class Starts:
             ConfigError: a value that was drawn is not allowed.
         """
         if seed is None:
-            return Variant(self.loaded, self.base.records)
+            return self.base
         if self._plan is None:
             return self._variants.build(Case(0, belief={"seed": seed}))
         return self._variants.build(next(self._plan.cases(seed, seed + 1)))
@@ -113,10 +112,10 @@ class Simulation(SteppedFlight):
         telemetry: bool = True,
     ):
         activate(scenario)
-        with told_in_python():
+        with naming_arguments():
             self._starts = Starts(scenario, overrides)
         base = self._starts.base
-        super().__init__(base.loaded, base.records, telemetry)
+        super().__init__(base.loaded, base.parts, telemetry)
 
     def __repr__(self) -> str:
         stands = f"in phase {self.phase}" if self.flying else self.outcome

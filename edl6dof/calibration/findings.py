@@ -1,7 +1,8 @@
-"""What a calibration found, in numbers and sentences."""
+"""Findings of a calibration: in numbers, in sentences, and as a scenario file that extends the first one."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,8 @@ from edl6dof import __version__
 from edl6dof.calibration.fit import DESIGNS, Fit, fit
 from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.executor import Progress
+from edl6dof.config.document.extends import EXTENDS
+from edl6dof.config.document.scalars import write_scalar
 
 #: A residual beyond which a figure is not explained, in standard deviations.
 UNEXPLAINED = 2.0
@@ -94,7 +97,7 @@ def rounded(found: Findings) -> dict[str, float]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """What the figures cannot tell, in sentences."""
+    """Return what the figures cannot determine, in sentences."""
     paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.beside)
     said = [
         f"{figures} figures tell {fitted.told_apart:.1f} of {len(paths)} parameters; the rest is what the "
@@ -156,3 +159,33 @@ def plain(found: Findings) -> dict[str, Any]:
         "remarks": remarks(found),
         "edl6dof_version": __version__,
     }
+
+
+def overlay_text(name: str, extended: str, values: Mapping[str, float], claims: Mapping[str, str]) -> str:
+    """YAML text: ``extends``, a name, and each value at its dotted path with what is claimed of it.
+
+    Args:
+        name: of the new scenario.
+        extended: scenario that it extends, by name or path.
+        values: by dotted path; a path may name items of lists, but no element of a list of numbers.
+        claims: comment of each value, by dotted path.
+    """
+    tree: dict[str, Any] = {}
+    for path, value in values.items():
+        *parents, key = path.split(".")
+        inside = tree
+        for parent in parents:
+            inside = inside.setdefault(parent, {})
+        inside[key] = (value, claims[path])
+    lines = [f"{EXTENDS}: {write_scalar(extended)}", f"name: {write_scalar(name)}", *_lines(tree, "")]
+    return "\n".join(lines) + "\n"
+
+
+def _lines(tree: Mapping[str, Any], pad: str) -> Iterator[str]:
+    for key, inside in tree.items():
+        if isinstance(inside, dict):
+            yield f"{pad}{write_scalar(key)}:"
+            yield from _lines(inside, pad + "  ")
+        else:
+            value, claim = inside
+            yield f"{pad}{write_scalar(key)}: {write_scalar(value)}  # {claim}"

@@ -8,7 +8,7 @@ from math import nan
 
 import numpy as np
 
-from edl6dof.calibration.params import CalibrationFile, CalibrationParams
+from edl6dof.calibration.section import CalibrationFile, CalibrationParams
 from edl6dof.calibration.surface import Data
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
@@ -24,7 +24,7 @@ from edl6dof.scenario.loading import CALIBRATION, LoadedScenario, load_document
 
 @dataclass(frozen=True)
 class Calibration:
-    """What is to be explained, and by what.
+    """Figures to be explained, and the parameters that are to explain them.
 
     Attributes:
         loaded: the scenario.
@@ -51,7 +51,7 @@ class Calibration:
 
     @property
     def data(self) -> Data:
-        """What is published of the figures."""
+        """Published values of the figures."""
         numbers, sigmas = ([getattr(b.published, name) for b in self.beside] for name in ("number", "sigma"))
         return Data(np.array(numbers), np.array(sigmas))
 

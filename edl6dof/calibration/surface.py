@@ -20,7 +20,7 @@ class TooFew(ValueError):
 
 
 class Data(NamedTuple):
-    """What is published: numbers and standard deviations, shape (figures,)."""
+    """Published numbers and standard deviations, shape (figures,)."""
 
     number: np.ndarray
     sigma: np.ndarray

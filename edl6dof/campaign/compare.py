@@ -18,8 +18,8 @@ from scipy.stats import binomtest
 
 from edl6dof.campaign.design.case import BELIEF, TRUTH
 from edl6dof.campaign.statistics import Proportion
-from edl6dof.campaign.storage.files import refused
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import refusal
 
 #: Columns that say how a case ended and not what came out of it.
 _ENDS = {"case", "success", "cause", "outcome", "profile"}
@@ -74,7 +74,7 @@ def compare(first: Store, second: Store) -> Comparison:
     """Pair the cases of two campaigns.
 
     Raises:
-        StoreError: they did not fly the same cases.
+        ConfigError: they did not fly the same cases.
     """
     a, b = first.table().sort_by("case"), second.table().sort_by("case")
     cases = np.intersect1d(a["case"].to_numpy(), b["case"].to_numpy())
@@ -93,7 +93,7 @@ def compare(first: Store, second: Store) -> Comparison:
 def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> None:
     """Every quantity that both disperse must have the same values: only then are these pairs."""
     if not len(a):
-        raise refused(first.folder, f"has no case in common with {second.folder}")
+        raise refusal(first.folder, f"has no case in common with {second.folder}")
     shared = [
         name
         for name in a.column_names
@@ -102,7 +102,7 @@ def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> No
     different = [name for name in shared if not a[name].equals(b[name])]
     if not shared or different:
         what = f"differs in {', '.join(different[:3])}" if different else "shares no dispersed quantity"
-        raise refused(
+        raise refusal(
             first.folder, f"{what} with {second.folder}: fly both with the same campaign section and seed"
         )
 

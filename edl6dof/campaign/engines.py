@@ -1,4 +1,4 @@
-"""What flies the cases of a campaign: threads of this process, or the workers of a Dask cluster.  Rows are
+"""Engines that fly the cases of a campaign: threads of this process, or workers of a Dask cluster.  Rows are
 the same from each.
 """
 
@@ -132,7 +132,10 @@ class Dask:
         while True:
             try:
                 return future.result(timeout=LOOK_S)
-            except TimeoutError:
+            except (
+                TimeoutError,
+                UnboundLocalError,
+            ):  # the latter from distributed: its own wait was cancelled
                 if future.status == "error":
                     raise
             except KilledWorker as error:

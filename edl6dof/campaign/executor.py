@@ -19,8 +19,7 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.variants import Variant, Variants
-from edl6dof.campaign.readback import NotApplied, Place, applied
+from edl6dof.campaign.design.variants import NotApplied, Variant, Variants
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import LoadedScenario
@@ -136,7 +135,6 @@ class CaseRunner:
         self.variants = Variants(loaded)
         self.collect = collect
         self._buffers = local()
-        self._places: dict[str, Place] = {}
 
     def rows(self, cases: Iterable[Case], workers: int | None = None) -> Iterator[Row]:
         """Fly cases in threads and yield their rows, in the order of the cases."""
@@ -154,10 +152,10 @@ class CaseRunner:
         return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
 
     def prepared(self, case: Case) -> Ready | str:
-        """What flies, or why it cannot."""
+        """Return what flies, or why it cannot."""
         try:
             variant = self.variants.build(case)
-            return Ready(variant, applied(variant, case.truth, case.told, self._places))
+            return Ready(variant, variant.applied(case))
         except _UNFLYABLE as error:
             return _reason(error)
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
+from edl6dof.campaign.fault_kinds import OF_THRUSTERS
 from edl6dof.campaign.fault_response import AIR, NOT_BEGUN_YET, POWERED
-from edl6dof.campaign.faults import OF_THRUSTERS
 from edl6dof.campaign.rows import Row
 
 REGIMES = (AIR, POWERED, NOT_BEGUN_YET)
@@ -23,7 +23,7 @@ REGIMES = (AIR, POWERED, NOT_BEGUN_YET)
 
 @dataclass(frozen=True)
 class Requirement:
-    """What is asked of a figure of all flights: at least, or at most, so much."""
+    """Requirement on a figure of all flights: at least, or at most, so much."""
 
     figure: str
     meaning: str
@@ -38,7 +38,7 @@ class Requirement:
         return f"{bound} {self.unit}"
 
     def met(self, value: float) -> bool:
-        """Whether a value is as good as required."""
+        """Return whether a value is as good as required."""
         least = -np.inf if self.at_least is None else self.at_least
         most = np.inf if self.at_most is None else self.at_most
         return bool(least <= value <= most)
@@ -57,12 +57,12 @@ REQUIRED_OF_PAIRS = (Requirement("within_limits_pct", "within limits", "%", at_l
 
 
 def can_be_known(row: Row) -> bool:
-    """Whether all that failed was used, or leaked, after the fault and before touchdown."""
+    """Return whether all that failed was used, or leaked, after the fault and before touchdown."""
     return row.get("first_use_s") is not None
 
 
 def is_right(row: Row) -> bool:
-    """Whether all that failed, and could be known, was named with the right kind."""
+    """Return whether all that failed, and could be known, was named with the right kind."""
     return can_be_known(row) and bool(row["kind_right"])
 
 
@@ -111,7 +111,7 @@ def _times(times: Sequence[float]) -> dict[str, float] | None:
 
 
 def required_of(rows: Sequence[Row]) -> tuple[Requirement, ...]:
-    """What is required where single thrusters, or two of them, fail; nothing of other components."""
+    """Return the requirements for single thrusters, or two of them, that fail; none for other components."""
     if any(row["kind"] not in OF_THRUSTERS for row in rows):
         return ()
     together = {AND in row["component"] for row in rows}

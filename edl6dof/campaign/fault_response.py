@@ -1,4 +1,4 @@
-"""What faults did to a flight, and what the flight computer made of them: columns of a row of a fault
+"""Effects of faults on a flight, and the response of the flight computer: columns of a row of a fault
 matrix.
 """
 
@@ -52,7 +52,7 @@ class Isolation:
         return one.name if one.name == one.component else f"{one.component} {one.name}"
 
     def names(self, failure: Failure) -> bool:
-        """Whether it is about the component that failed."""
+        """Return whether it is about the component that failed."""
         return (self.failure.component, self.failure.name) == (failure.component, failure.name)
 
 
@@ -68,7 +68,7 @@ class _Response:
 
 
 def collected(plan: Plan) -> Collect | None:
-    """What the rows of a plan say beyond the figures of every flight."""
+    """Return the columns of a plan's rows beyond the figures of every flight."""
     return fault_response if plan.fault_matrix is not None else None
 
 
@@ -87,7 +87,7 @@ def isolations(flight: Flight) -> list[Isolation]:
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """What is to be named where a fault happens: its component; of a dead branch, every thruster behind it.
+    """Return what is to be isolated for a fault: its component; of a dead branch, every thruster behind it.
 
     A weak feed of all thrusters is isolated in none of them; to call one degraded is not wrong.
     """
@@ -104,7 +104,7 @@ def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
-    """What happened to a flight with faults that begin at one moment.
+    """Return what happened to a flight with faults that begin at one moment.
 
     ``fault_s``: time of the fault, null if the flight was over before.  ``first_use_s``: time from which all
     that failed has fired, leaked or been read since the fault, null if some was not: nobody can know of it.
@@ -148,14 +148,16 @@ def _list(isolations: Iterable[Isolation]) -> str | None:
 
 
 def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Whether an isolation says what has failed by then; that all gyros saturate isolates none of them."""
+    """Return whether an isolation says what has failed by then; that all gyros saturate isolates none of
+    them.
+    """
     return isolation.failure.component == "inertial_unit" or any(
         isolation.failure == failure and isolation.t_s >= since for failure, since in true
     )
 
 
 def _has_failed(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Whether an isolation is about a component that has failed by then, in whatever way."""
+    """Return whether an isolation is about a component that has failed by then, in whatever way."""
     return any(isolation.names(failure) and isolation.t_s >= since for failure, since in true)
 
 

@@ -1,4 +1,4 @@
-"""Sobol indices of a figure, from flights of the design of :mod:`edl6dof.campaign.design.swaps`.
+"""Sobol indices of a figure, from flights of the design of :mod:`edl6dof.campaign.design.saltelli`.
 
 First-order: the share of the variance that goes when a group of inputs is known.  Total: the share that stays
 when all others are known; above the first-order index by what the group does together with others.

@@ -18,10 +18,10 @@ from edl6dof.campaign.fault_figures import fault_figures
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.storage.documents import Cause, Identity, Info, Summary
-from edl6dof.campaign.storage.files import refused
 from edl6dof.campaign.storage.identity import changed_files, compared, differences, identity
 from edl6dof.campaign.storage.parts import PART
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import ConfigError, Problem
 
 
 @dataclass
@@ -52,7 +52,7 @@ def begin(plan: Plan, store: Store, until: str | None, force: bool = False) -> N
     """Make the folder of a new campaign.
 
     Raises:
-        StoreError: there is something already; with ``force``, something that is no campaign's.
+        ConfigError: there is something already; with ``force``, something that is no campaign's.
     """
     store.begin(plan.text, Info(until=until, identity=identity(plan)), force)
 
@@ -61,7 +61,7 @@ def resumed_plan(store: Store) -> Plan:
     """The plan of a campaign that was begun earlier.
 
     Raises:
-        StoreError: it was begun with other sources, plugins, versions or tables: rows of two programs would
+        ConfigError: it was begun with other sources, plugins, versions or tables: rows of two programs would
             stand in one table.
     """
     recorded, text = store.info.identity, store.plan_text
@@ -73,21 +73,20 @@ def resumed_plan(store: Store) -> Plan:
 
 def _require_same(store: Store, found: list[str]) -> None:
     if found:
-        what = "; ".join(found)
-        raise refused(
-            store.folder,
-            (
-                f"was begun with another program or other files ({what}); restore them or begin anew with "
-                "--force"
-            ),
-        )
+        words = f"was begun with another program or other files ({'; '.join(found)})"
+        raise _refused(store, f"{words}; restore them or begin anew with --force")
+
+
+def _refused(store: Store, message: str) -> ConfigError:
+    """The error of a campaign that does not go on; it names every difference, however many."""
+    return ConfigError([Problem(str(store.folder), 0, 0, "", message)])
 
 
 def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) -> Tally:
     """Fly every case that is missing, put the table together and return how it ended.
 
     Raises:
-        StoreError: a table that the cases read has changed meanwhile.
+        ConfigError: a table that the cases read has changed meanwhile.
         OSError: something cannot be written, or the engine has failed.
     """
     info, parts = store.info, store.parts
@@ -128,10 +127,8 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
 
 def _require_unchanged(store: Store, recorded: Identity) -> None:
     if changed := changed_files(recorded):
-        raise refused(
-            store.folder,
-            f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume",
-        )
+        words = f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"
+        raise _refused(store, words)
 
 
 def summary(plan: Plan, tally: Tally, causes: list[Cause], engine: str) -> Summary:

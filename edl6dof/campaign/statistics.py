@@ -72,7 +72,7 @@ class Until:
         return cls(width)
 
     def reached(self, proportion: Proportion) -> bool:
-        """Whether flying may stop."""
+        """Return whether flying may stop."""
         return proportion.trials > 0 and proportion.half_width <= self.half_width
 
 

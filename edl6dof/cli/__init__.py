@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import atexit
-import gc
 import os
 import sys
+import traceback
 
-from edl6dof.cli.campaigns import campaign, faults, refly
-from edl6dof.cli.covariance import covariance
-from edl6dof.cli.design import design
+from edl6dof.cli.campaigns import campaign, covariance, faults, refly
+from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.examples import examples
+from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
 from edl6dof.cli.group import Command, app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
 
 
-def version() -> None:
+def version() -> int:
     """Print the version."""
     from edl6dof import __version__
 
     print(__version__)
+    return 0
 
 
 #: In the order of the help.
@@ -41,27 +41,15 @@ def main() -> None:
     if os.path.lexists(".numba_config.yaml"):
         words = "holds settings of numba for this folder, which edl6dof does not take: start it elsewhere"
         print(f".numba_config.yaml: {words}, or set them as NUMBA_ variables", file=sys.stderr)
-        sys.exit(2)
-    # what a command loads lives to its end; to search it for cycles of garbage all the time takes a seventh
-    # of a short one, and once more as it ends, half a second
-    gc.set_threshold(20_000, 20, 20)
-    atexit.register(gc.freeze)
+        sys.exit(BAD_INPUT)
     # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
     # long as they compute, and the last digits would follow from their number
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own keeps 9 MB that it has freed
     try:
         app(prog_name="edl6dof")
     except Exception:
-        import traceback
-
-        from edl6dof.app.exit_status import DEFECT
-
         traceback.print_exc()
-        print(
-            (
-                "edl6dof: this is a defect of the program, not of what you gave it; please report it with "
-                "these lines"
-            ),
-            file=sys.stderr,
-        )
+        words = "this is a defect of the program, not of what you gave it; please report it with these lines"
+        print(f"edl6dof: {words}", file=sys.stderr)
         sys.exit(DEFECT)

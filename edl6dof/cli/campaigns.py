@@ -2,198 +2,208 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from os.path import lexists
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import Sets, load_plugins
+from edl6dof.api.functions import activate
+from edl6dof.cli.exit_status import INTERRUPTED
+from edl6dof.cli.options import Sets, argument, flag, option
 from edl6dof.config.errors import refusal
+
+#: Forms of the files of ``covariance``.
+COVARIANCE_FORMS = (".csv", ".png", ".pdf", ".svg")
+#: Events before whose end no flight need go on beyond the deployment of the parachute.
+ENDS_AT_DEPLOYMENT = ("parachute", "trim_wing")
 
 
 def campaign(
     scenario: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="CAMPAIGN", help=("Campaign file or name; with --resume, the folder of a campaign.")
-        ),
+        str | None, argument("CAMPAIGN", "Campaign file or name; with --resume, the folder of a campaign.")
     ] = None,
     sets: Sets = None,
     cases: Annotated[
-        int | None,
-        typer.Option("-n", "--cases", metavar="N", min=1, help="Flights (at each point of a sweep)."),
+        int | None, option("N", "Flights (at each point of a sweep).", "-n", "--cases", min=1)
     ] = None,
-    seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
+    seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
     sampling: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME",
-            help=(
-                "monte_carlo, latin_hypercube, sobol, or sobol_indices: N rows of the design that tells "
-                "which dispersion drives what, alone and with others."
-            ),
+        option(
+            "NAME",
+            "monte_carlo, latin_hypercube, sobol, or sobol_indices: N rows of the design that "
+            "tells which dispersion drives what, alone and with others.",
         ),
     ] = None,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="threads (this machine) or dask.")] = "threads",
-    cluster: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")
-    ] = None,
+    engine: Annotated[str, option("NAME", "threads (this machine) or dask.")] = "threads",
+    cluster: Annotated[str | None, option("ADDRESS", "Dask scheduler, such as tcp://127.0.0.1:8786.")] = None,
     workers: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, max=1024, help=("Threads, or worker processes; all cores if not given.")
-        ),
+        int | None, option("N", "Threads, or worker processes; all cores if not given.", min=1, max=1024)
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/<name> if not given.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing campaign.")] = False,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a campaign that was interrupted.")
-    ] = False,
-    until: Annotated[
-        str | None, typer.Option(metavar="CONDITION", help="Stop early, such as 'p_success +- 0.5%'.")
-    ] = None,
-    compare: Annotated[
-        tuple[Path, Path] | None,
-        typer.Option("--compare", metavar="A B", hidden=True),
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> None:
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/<name> if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing campaign.", "--force")] = False,
+    resume: Annotated[bool, flag("Go on with a campaign that was interrupted.", "--resume")] = False,
+    until: Annotated[str | None, option("CONDITION", "Stop early, such as 'p_success +- 0.5%'.")] = None,
+    quiet: Annotated[bool, flag("Print the success probability only.", "--quiet", "-q")] = False,
+    as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
+) -> int:
     """Fly many dispersed flights, or a grid of them.
 
     Afterwards: edl6dof report FOLDER, edl6dof refly FOLDER CASE.
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
     """
-    if compare is not None:
-        raise refusal("--compare", f"is a command now: edl6dof compare {compare[0]} {compare[1]}")
-    load_plugins(scenario)
-    from edl6dof.app.campaign import CampaignOptions, run_campaign
+    if scenario is None:
+        words = "name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign"
+        raise refusal("edl6dof campaign", words)
+    activate(scenario)
+    with _keeping("campaign", scenario, out, resume):
+        from edl6dof.api.campaign import EngineChoice, check_until
+        from edl6dof.campaign.design.plan import load_plan
+        from edl6dof.campaign.storage.store import Store
+        from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
 
-    options = CampaignOptions(
-        scenario,
-        tuple(sets or ()),
-        cases,
-        seed,
-        engine,
-        cluster,
-        workers,
-        out,
-        force,
-        resume,
-        until,
-        quiet,
-        as_json,
-        sampling=sampling,
-    )
-    raise typer.Exit(run_campaign(options))
+        flying = EngineChoice(engine, workers, cluster)
+        flying.check()
+        if not resume:
+            plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
+            check_until(until, plan)
+            store = Store(out or Path("runs") / plan.name)
+            return fly_plan(plan, store, flying, until=until, force=force, quiet=quiet, as_json=as_json)
+        check_until(until)
+        folder = Path(scenario)
+        if not lexists(folder / "campaign.json") and not folder.is_dir():
+            plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
+            folder = out or Path("runs") / plan.name
+            require_plan(Store(folder), plan)
+        else:
+            require_no_values(folder, tuple(sets or ()), cases, seed, sampling)
+        return go_on(Store(folder), flying, quiet=quiet, as_json=as_json)
+
+
+@contextmanager
+def _keeping(command: str, scenario: str, out: Path | None, resume: bool) -> Iterator[None]:
+    """Say how to go on with a campaign that is interrupted while it goes on: what has flown is kept."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if not resume:
+            raise  # nothing was written
+        again = shlex.join([command, scenario, *(["--out", str(out)] if out else []), "--resume"])
+        print(f"interrupted; what has flown is kept; go on with: edl6dof {again}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def refly(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a campaign.")],
-    case: Annotated[int, typer.Argument(metavar="CASE", help="Number of the case, as the report names it.")],
+    folder: Annotated[Path, argument("FOLDER", "Folder of a campaign.")],
+    case: Annotated[int, argument("CASE", "Number of the case, as the report names it.")],
     out: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help=("Run folder; runs/<name>_case<number> if not given.")),
+        Path | None, option("FOLDER", "Run folder; runs/<name>_case<number> if not given.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
-    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
-) -> None:
+    force: Annotated[bool, flag("Replace an existing run folder.", "--force")] = False,
+    replay: Annotated[bool, flag("Write the 3D replay.", "--replay/--no-replay")] = True,
+) -> int:
     """Fly one case of a campaign again, with all its telemetry.
 
     Exit status: 0 identical to its row, 1 not, 2 bad input.
     """
-    if folder.is_dir():
-        load_plugins(folder)
-    from edl6dof.app.campaign import run_refly
+    activate(folder)
+    from edl6dof.api.campaign import refly_case
+    from edl6dof.api.flight import flown_into
+    from edl6dof.campaign.run import resumed_plan
+    from edl6dof.campaign.storage.store import Store
+    from edl6dof.runs.folder import default_folder
 
-    raise typer.Exit(run_refly(folder, case, out, force, replay))
+    target = out or default_folder(f"{folder.resolve().name}_case{case}", force)
+    store = Store(folder)
+    plan = resumed_plan(store)
+    flight = flown_into(
+        target,
+        lambda: refly_case(plan, store.table(), folder, case),
+        replay=replay,
+        force=force,
+        release=True,
+    )
+    print(f"{target}: case {case}, {flight.outcome}")
+    if not flight.differences:
+        print("identical to its row")
+        return 0
+    print(f"differs from its row: {', '.join(flight.differences)}")
+    print(
+        "program, files and libraries are those of the campaign; check this machine: edl6dof verify --golden"
+    )
+    return 1
 
 
 def faults(
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="Scenario file or name, tianwen1 if not given; with --resume also the folder of a matrix.",
+        argument(
+            "SCENARIO",
+            "Scenario file or name, tianwen1 if not given; with --resume also the folder of a matrix.",
         ),
     ] = "tianwen1",
     sensors: Annotated[
-        bool,
-        typer.Option(
-            "--sensors", help="Fail instruments instead: every axis, beam, star tracker and flow meter."
-        ),
+        bool, flag("Fail instruments instead: every axis, beam, star tracker and flow meter.", "--sensors")
     ] = False,
     kinds: Annotated[
         str,
-        typer.Option(
-            metavar="LIST",
-            help=(
-                "Kinds of fault, with commas, or all: those of thrusters; stuck_off if not given, with "
-                "--sensors all of instruments."
-            ),
+        option(
+            "LIST",
+            "Kinds of fault, with commas, or all: those of thrusters; stuck_off if not given, "
+            "with --sensors all of instruments.",
         ),
     ] = "",
     components: Annotated[
-        str,
-        typer.Option(
-            metavar="LIST", help="What fails, such as D7,P1, with commas; all that can fail so if not given."
-        ),
+        str, option("LIST", "What fails, such as D7,P1, with commas; all that can fail so if not given.")
     ] = "",
-    pairs: Annotated[
-        bool, typer.Option("--pairs", help="Fail every two of them together instead of each alone.")
-    ] = False,
+    pairs: Annotated[bool, flag("Fail every two of them together instead of each alone.", "--pairs")] = False,
     at: Annotated[
         str | None,
-        typer.Option(
-            metavar="LIST",
-            help=(
-                "When: times in s, 'every 10 s' of the nominal flight, or its events, such as "
-                "bank_reversal, trim_wing, mortar, ignition, with commas."
-            ),
+        option(
+            "LIST",
+            "When: times in s, 'every 10 s' of the nominal flight, or its events, such as "
+            "bank_reversal, trim_wing, mortar, ignition, with commas.",
         ),
     ] = None,
     phases: Annotated[
         str,
-        typer.Option(
-            metavar="LIST",
-            help=(
-                "When instead: phases, with commas; if not given, one of each kind of control, with "
-                "--sensors every one."
-            ),
+        option(
+            "LIST",
+            "When instead: phases, with commas; if not given, one of each kind of control, with "
+            "--sensors every one.",
         ),
     ] = "",
     after: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Time from the start of the phase to the fault; 1 s if not given."),
+        float | None, option("S", "Time from the start of the phase to the fault; 1 s if not given.")
     ] = None,
     sets: Sets = None,
     vehicles: Annotated[
         int | None,
-        typer.Option(
+        option(
+            "N",
+            "Dispersed vehicles for each fault, as a campaign draws them; the nominal one if not given.",
             "-n",
             "--vehicles",
-            metavar="N",
             min=1,
-            help="Dispersed vehicles for each fault, as a campaign draws them; the nominal one if not given.",
         ),
     ] = None,
-    seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
+    seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
     workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, max=1024, help="Threads; as many as there are cores if not given."),
+        int | None, option("N", "Threads; as many as there are cores if not given.", min=1, max=1024)
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/faults-<scenario> if not given.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing matrix.")] = False,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a matrix that was interrupted.")
-    ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-) -> None:
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/faults-<scenario> if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing matrix.", "--force")] = False,
+    resume: Annotated[bool, flag("Go on with a matrix that was interrupted.", "--resume")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
+) -> int:
     """Fail every thruster at every moment, one flight each.
 
     Kinds of fault of engines, surfaces and parachutes fail each of these; --sensors fails every instrument.
@@ -203,25 +213,121 @@ def faults(
 
     Exit status: 0 all within limits, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario)
-    from edl6dof.app.campaign import CampaignOptions
-    from edl6dof.app.faults.command import Wanted, run_faults
+    activate(scenario)
+    with _keeping("faults", scenario, out, resume):
+        from edl6dof.api.campaign import EngineChoice
+        from edl6dof.api.fault_matrix import matrix_of
+        from edl6dof.campaign.fault_kinds import matrix_plan
+        from edl6dof.campaign.storage.store import Store
+        from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
+        from edl6dof.cli.progress import announce_compiling
+        from edl6dof.scenario.loading import load_scenario
 
-    wanted = Wanted(sensors, kinds, components, pairs, phases, after, at)
-    flown_as = CampaignOptions(
-        scenario,
-        tuple(sets or ()),
-        cases=vehicles,
-        seed=seed,
-        engine="threads",
-        cluster=None,
-        workers=workers,
-        out=out,
-        force=force,
-        resume=resume,
-        until=None,
-        quiet=False,
-        as_json=as_json,
-        command="faults",
-    )
-    raise typer.Exit(run_faults(wanted, flown_as))
+        flying, folder = EngineChoice(workers=workers), Path(scenario)
+        if resume and lexists(folder / "campaign.json"):
+            require_no_values(folder, sensors, kinds, components, pairs, phases, after, at)
+            require_no_values(folder, tuple(sets or ()), vehicles, seed)
+            return go_on(Store(folder), flying, command="faults", as_json=as_json)
+        loaded = load_scenario(scenario, sets or ())
+        announce_compiling(not as_json)
+        matrix = matrix_of(
+            loaded,
+            sensors=sensors,
+            kinds=kinds,
+            components=components,
+            pairs=pairs,
+            phases=phases,
+            after_s=after,
+            at=at,
+        )
+        plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)
+        store = Store(out or Path("runs") / f"{'sensor-faults' if sensors else 'faults'}-{plan.name}")
+        if not resume:
+            return fly_plan(plan, store, flying, command="faults", force=force, as_json=as_json)
+        require_plan(store, plan, "faults")
+        return go_on(store, flying, command="faults", as_json=as_json)
+
+
+def covariance(
+    campaign: Annotated[
+        str,
+        argument(
+            "CAMPAIGN",
+            "Campaign file or name, tianwen1_mc if not given; or the folder of a finished "
+            "campaign, to be held against it.",
+        ),
+    ] = "tianwen1_mc",
+    at: Annotated[
+        str, option("EVENT", "entry (its peaks), parachute, trim_wing, backshell or touchdown.")
+    ] = "parachute",
+    sets: Sets = None,
+    pairs: Annotated[
+        int, option("N", "Pairs of flights; more where there are more dispersions.", min=8, max=4096)
+    ] = 24,
+    each: Annotated[
+        bool, flag("Step each dispersion alone, too: where is it linear, where not.", "--each")
+    ] = False,
+    seed: Annotated[int | None, option("N", "Seed of the steps; the campaign's if not given.", min=0)] = None,
+    workers: Annotated[
+        int | None, option("N", "Threads; as many as there are cores if not given.", min=1, max=1024)
+    ] = None,
+    out: Annotated[
+        Path | None, option("FILE", "Write the error budget (.csv) or the ellipse (.png, .pdf, .svg).")
+    ] = None,
+    force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
+) -> int:
+    """Spread of an event, and what each dispersion gives to it.
+
+    Every dispersion is a standard deviation high in half of the flights and low in their mirror images, all
+    at once; a twentieth of the flights of a campaign gives its ellipse and its error budget.
+
+    Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
+    """
+    activate(campaign)
+    from edl6dof.campaign.covariance.event_figures import ending_at_deployment, figures_at
+    from edl6dof.campaign.covariance.mirrored_pairs import fly_covariance
+    from edl6dof.campaign.covariance.one_at_a_time import fly_alone
+    from edl6dof.campaign.covariance.sample_covariance import flown
+    from edl6dof.campaign.design.plan import load_plan
+    from edl6dof.campaign.run import resumed_plan
+    from edl6dof.campaign.storage.store import Store
+    from edl6dof.cli.covariance_tables import show, show_alone, write_budget
+    from edl6dof.cli.progress import count_runs
+    from edl6dof.runs.files import atomic_file, refuse_existing_file
+
+    event = figures_at(at)
+    if out is not None:
+        if out.suffix not in COVARIANCE_FORMS:
+            raise refusal(out, f"must end in {', '.join(COVARIANCE_FORMS)}")
+        refuse_existing_file(out, force)
+    folder, sampled = Path(campaign), None
+    if not lexists(folder / "campaign.json"):
+        plan = load_plan(campaign, tuple(sets or ()), seed=seed)
+    elif sets:
+        raise refusal(folder, "has its plan; covariance beside it takes no other values")
+    else:
+        store = Store(folder)
+        plan = resumed_plan(store)
+        if seed is not None and plan.campaign is not None:
+            plan = replace(plan, campaign=plan.campaign.model_copy(update={"seed": seed}))
+        sampled = flown(store.table(list(event.all)), event, folder)
+    if at in ENDS_AT_DEPLOYMENT:
+        plan = ending_at_deployment(plan)
+    with count_runs("covariance", quiet=False) as progress:
+        began = time.perf_counter()
+        found = fly_covariance(plan, event, pairs, workers, progress)
+        took_s = time.perf_counter() - began
+    show(plan.name, at, found, sampled, took_s)
+    if each:
+        show_alone(fly_alone(plan, event, workers), event)
+    if out is not None:
+        with atomic_file(out, force) as partial:
+            if out.suffix == ".csv":
+                write_budget(found, partial)
+            else:
+                from edl6dof.report.campaign.covariance import ellipse_figure
+                from edl6dof.report.matplotlib_figure import write_figure
+
+                write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)
+        print(out)
+    return 0

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from edl6dof.api.functions import activate
+from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS, refuse
+from edl6dof.cli.options import Sets, argument, flag, option
 
-from edl6dof.cli.options import Sets, load_plugins
+#: More flights than any mean, and than any mission, needs.
+MOST_FLIGHTS, MOST_OF_A_MISSION = 100_000, 1_000_000
 
 
 def verify(
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="NAME", help="Check cases; all if none is named.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    names: Annotated[list[str] | None, argument("NAME", "Check cases; all if none is named.")] = None,
+    as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
     plots: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help="Draw each case that has a history, as FOLDER/NAME.png."),
+        Path | None, option("FOLDER", "Draw each case that has a history, as FOLDER/NAME.png.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files of yours, too.")] = False,
+    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
     golden: Annotated[
-        bool, typer.Option("--golden", help="Fly the golden flights instead; every bit must be as shipped.")
+        bool, flag("Fly the golden flights instead; every bit must be as shipped.", "--golden")
     ] = False,
-) -> None:
+) -> int:
     """Check the simulator against closed forms and published tables.
 
     Everything is computed on this machine, and conservation laws are checked too. With --golden every
@@ -32,25 +33,17 @@ def verify(
 
     Exit status: 0 all within tolerance or identical, 1 not, 2 bad input.
     """
-    if golden:
-        from edl6dof.app.golden import run_golden
+    from edl6dof.cli.check_cases import fly_golden, run_cases
 
-        raise typer.Exit(run_golden(names or [], as_json))
-    from edl6dof.app.verify import run_verify
-
-    raise typer.Exit(run_verify(names or [], as_json, plots, force))
+    return fly_golden(names or [], as_json) if golden else run_cases(names or [], as_json, plots, force)
 
 
 def figures(
-    scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
-    ],
+    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     sets: Sets = None,
-    flights: Annotated[
-        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights; 30 if not given.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-) -> None:
+    flights: Annotated[int | None, option("N", "Flights; 30 if not given.", "-n", "--flights")] = None,
+    as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
+) -> int:
     """Mean and spread of a scenario's figures over many flights.
 
     They differ by a millionth of a metre per second at their start. The digits of one flight are one draw of
@@ -58,33 +51,40 @@ def figures(
 
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario)
-    from edl6dof.app.figures import run_figures
+    activate(scenario)
+    from edl6dof.campaign.neighbours import FLIGHTS, fly_neighbours, sample_means
+    from edl6dof.cli.figure_tables import plain, show
+    from edl6dof.cli.progress import count_runs
+    from edl6dof.scenario.loading import load_scenario
 
-    raise typer.Exit(run_figures(scenario, tuple(sets or ()), flights, as_json))
+    count = FLIGHTS if flights is None else flights
+    if not 2 <= count <= MOST_FLIGHTS:
+        return refuse(f"-n {count}: a spread needs 2 flights, and at most {MOST_FLIGHTS} are flown")
+    loaded = load_scenario(scenario, sets or ())
+    with count_runs(loaded.scenario.name, quiet=as_json) as progress:
+        rows = fly_neighbours(loaded, count, progress=lambda done, row: progress(done, count))
+    means = sample_means(rows, loaded.scenario.published)
+    if as_json:
+        print(json.dumps(plain(loaded, rows, means), indent=1))
+    else:
+        show(loaded, rows, means)
+    return 0 if all(row["success"] for row in rows) else NOT_WITHIN_LIMITS
 
 
 def validate(
     names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="NAME", help="Missions, by name or file; all shipped ones if none is named."),
+        list[str] | None, argument("NAME", "Missions, by name or file; all shipped ones if none is named.")
     ] = None,
     flights: Annotated[
-        int | None,
-        typer.Option("-n", "--flights", metavar="N", help="Dispersed flights of each; 200 if not given."),
+        int | None, option("N", "Dispersed flights of each; 200 if not given.", "-n", "--flights")
     ] = None,
     workers: Annotated[
-        int | None,
-        typer.Option(
-            "--jobs", "--workers", metavar="N", min=1, max=1024, help="Threads; all cores if not given."
-        ),
+        int | None, option("N", "Threads; all cores if not given.", "--jobs", "--workers", min=1, max=1024)
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/validation if not given.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
-) -> None:
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/validation if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
+) -> int:
     """Compare dispersed flights of missions with what was published.
 
     A mission is a scenario whose file disperses it and which says what was published of its flight.
@@ -92,75 +92,98 @@ def validate(
 
     Exit status: 0 nine in ten flown values within three sigma, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(*(names or []))
-    from edl6dof.app.validate import ValidateOptions, run_validate
+    activate(*(names or []))
+    from edl6dof.cli.figure_tables import show_missions
+    from edl6dof.cli.progress import count_runs
+    from edl6dof.missions.comparison import compare, reached_goal
+    from edl6dof.missions.mission import load_mission, shipped_missions
+    from edl6dof.missions.write import to_json, write_validation
+    from edl6dof.runs.folder import atomic_folder, default_folder
 
-    raise typer.Exit(run_validate(ValidateOptions(tuple(names or ()), flights, workers, out, force, as_json)))
+    count = 200 if flights is None else flights
+    if not 2 <= count <= MOST_OF_A_MISSION:
+        return refuse(f"-n {count}: a spread needs 2 flights, and at most {MOST_OF_A_MISSION} are flown")
+    missions = [load_mission(name, count) for name in names or shipped_missions()]
+    if twice := {one.name for one in missions if [two.name for two in missions].count(one.name) > 1}:
+        return refuse(f"{', '.join(sorted(twice))}: named twice")
+    target = out or default_folder("validation", force)
+    rows, compared = {}, []
+    with atomic_folder(target, "validation", force) as folder:
+        for mission in missions:
+            with count_runs(mission.name, quiet=as_json) as progress:
+                rows[mission.name] = mission.fly(workers, progress)
+            compared.append(compare(mission, rows[mission.name]))
+        write_validation(compared, rows, folder)
+    if as_json:
+        print(to_json(compared), end="")
+    else:
+        show_missions(compared, target)
+    return 0 if reached_goal(compared) else NOT_WITHIN_LIMITS
 
 
 def calibrate(
-    scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO", help="Scenario with a calibration section, such as tianwen1.")
-    ],
+    scenario: Annotated[str, argument("SCENARIO", "Scenario with a calibration section, such as tianwen1.")],
     sets: Sets = None,
     flights: Annotated[
         int | None,
-        typer.Option(
-            "-n",
-            "--flights",
-            metavar="N",
-            help="Flights of each of its three designs, as docs/calibration.md calls them.",
+        option(
+            "N", "Flights of each of its three designs, as docs/calibration.md calls them.", "-n", "--flights"
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/calibration-<name> if not given.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
-) -> None:
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/calibration-<name> if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
+) -> int:
     """Fit what is uncertain to what is published of a flight.
 
     Writes calibrated.yaml, a scenario that extends this one.
 
     Exit status: 0 every figure explained within two sigma, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins(scenario)
-    from edl6dof.app.calibrate import CalibrateOptions, run_calibrate
+    activate(scenario)
+    from edl6dof.api.calibration import found_by, write_findings
+    from edl6dof.calibration.problem import load_calibration
+    from edl6dof.cli.calibration_tables import show
+    from edl6dof.cli.progress import count_runs
+    from edl6dof.runs.folder import atomic_folder, default_folder
 
-    raise typer.Exit(
-        run_calibrate(CalibrateOptions(scenario, tuple(sets or ()), flights, out, force, as_json))
-    )
+    calibration = load_calibration(scenario, tuple(sets or ()), flights)
+    name = calibration.loaded.scenario.name
+    target = out or default_folder(f"calibration-{name}", force)
+    with atomic_folder(target, "calibration", force) as folder:
+        with count_runs(name, quiet=as_json) as progress:
+            found = found_by(calibration, scenario, progress)
+        summary = write_findings(found, folder, scenario, sets or (), flights)
+    if as_json:
+        print(summary, end="")
+    else:
+        show(found, target)
+    return 0 if not found.unexplained else NOT_WITHIN_LIMITS
 
 
 def study(
-    name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="Study; without one, they are listed.")
-    ] = None,
+    name: Annotated[str | None, argument("NAME", "Study; without one, they are listed.")] = None,
     runs: Annotated[
         int | None,
-        typer.Option(
-            "-n",
-            "--runs",
-            metavar="N",
-            help="Flights; as many as the paper's, or the study's own number, if not given.",
+        option(
+            "N", "Flights; as many as the paper's, or the study's own number, if not given.", "-n", "--runs"
         ),
     ] = None,
     only: Annotated[
-        list[str] | None,
-        typer.Option("--only", metavar="LAW", help="One law of those that a study compares; repeatable."),
+        list[str] | None, option("LAW", "One law of those that a study compares; repeatable.", "--only")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/study-<name> if not given.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
-    quick: Annotated[bool, typer.Option("--quick", help="Fly few runs, to see that it works.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
-) -> None:
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/study-<name> if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
+    quick: Annotated[bool, flag("Fly few runs, to see that it works.", "--quick")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
+) -> int:
     """Repeat a paper's experiment: computed beside published.
 
     Exit status: 0 every published requirement is kept, 1 not, 2 bad input, 130 interrupted.
     """
-    load_plugins()
-    from edl6dof.app.study import StudyOptions, run_study
+    activate()
+    from edl6dof.cli.studies import list_studies, run_study
 
-    raise typer.Exit(run_study(StudyOptions(name, runs, tuple(only or ()), out, force, quick, as_json)))
+    if name is None:
+        return list_studies()
+    return run_study(name, runs=runs, only=only or (), out=out, force=force, quick=quick, as_json=as_json)

@@ -10,12 +10,16 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from edl6dof.api.errors import naming_options
+from edl6dof.cli.exit_status import BAD_INPUT, BROKEN_PIPE, INTERRUPTED
+from edl6dof.config.errors import ConfigError
+
 
 class Command(TyperCommand):
     """A command whose help calls an argument as its reader does: ``RUN``, and not ``{RUN} <list[Path]>``."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
-        """What stands behind ``Usage: edl6dof NAME``."""
+        """Return the words behind ``Usage: edl6dof NAME``."""
         pieces = [_called(one) if one.required else f"[{_called(one)}]" for one in self._arguments()]
         return [self.options_metavar or "", *pieces]
 
@@ -59,22 +63,21 @@ class Commands(TyperGroup):
     traceback.
     """
 
-    def invoke(self, ctx: Any) -> object:
-        """Run the command that was asked for."""
-        from edl6dof.app import exit_status
-        from edl6dof.config.errors import ConfigError
-
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for; the number that it returns is the exit status."""
         try:
-            return super().invoke(ctx)
+            with naming_options():
+                status = super().invoke(ctx)
         except ConfigError as error:
             print(error, file=sys.stderr)
-            raise typer.Exit(exit_status.BAD_INPUT) from None
+            raise typer.Exit(BAD_INPUT) from None
         except KeyboardInterrupt:
             print("interrupted; nothing was written", file=sys.stderr)
-            raise typer.Exit(exit_status.INTERRUPTED) from None
+            raise typer.Exit(INTERRUPTED) from None
         except BrokenPipeError:
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115  what is still in the buffer has nowhere to go
-            raise typer.Exit(exit_status.BROKEN_PIPE) from None
+            raise typer.Exit(BROKEN_PIPE) from None
+        raise typer.Exit(status or 0)
 
 
 EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is

@@ -1,28 +1,28 @@
-"""Options that several commands take, and the loading of plugins, which comes before anything else."""
+"""Declarations of options and arguments, in one line each."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+
+def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
+    """Declare an option with a value; ``names`` where they do not follow from the parameter."""
+    return typer.Option(*names, metavar=metavar, help=meaning, **bounds)
+
+
+def flag(meaning: str, *names: str) -> Any:
+    """Declare an option without a value."""
+    return typer.Option(*names, help=meaning)
+
+
+def argument(metavar: str, meaning: str) -> Any:
+    """Declare an argument."""
+    return typer.Argument(metavar=metavar, help=meaning)
+
+
 Sets = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="PATH=VALUE", help=("Change one parameter (edl6dof params lists them); repeatable.")
-    ),
+    option("PATH=VALUE", "Change one parameter (edl6dof params lists them); repeatable.", "--set"),
 ]
-
-
-def load_plugins(*operands: str | Path | None) -> None:
-    """Load the plugins of what is to be flown and of the environment, before anything is imported that they
-    must join.
-    """
-    from edl6dof.config.plugin_scan import files_from_environment, files_naming_plugins
-
-    given = [operand for operand in operands if operand is not None]
-    if files_from_environment() or any(file for operand in given for file in files_naming_plugins(operand)):
-        from edl6dof.plugins import activate
-
-        activate(given)

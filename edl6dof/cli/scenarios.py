@@ -2,166 +2,201 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
+import json
+import math
+import sys
+from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
-import typer
-
-from edl6dof.cli.options import Sets, load_plugins
+from edl6dof.api.functions import activate
+from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.config.errors import refusal
 
 
 def fly(
     scenario: Annotated[
         str | None,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="Scenario file, or the name of a shipped one (edl6dof scenarios); none with --from.",
+        argument(
+            "SCENARIO", "Scenario file, or the name of a shipped one (edl6dof scenarios); none with --from."
         ),
     ] = None,
     sets: Sets = None,
     out: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help="Run folder; runs/<name>, or the next number, if not given."),
+        Path | None, option("FOLDER", "Run folder; runs/<name>, or the next number, if not given.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
-    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
-    report: Annotated[bool, typer.Option("--report", help="Write the report too.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the outcome only.")] = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the summary as JSON instead of tables.")
-    ] = False,
+    force: Annotated[bool, flag("Replace an existing run folder.", "--force")] = False,
+    replay: Annotated[bool, flag("Write the 3D replay.", "--replay/--no-replay")] = True,
+    report: Annotated[bool, flag("Write the report too.", "--report")] = False,
+    quiet: Annotated[bool, flag("Print the outcome only.", "--quiet", "-q")] = False,
+    as_json: Annotated[bool, flag("Print the summary as JSON instead of tables.", "--json")] = False,
     save_state: Annotated[
-        float | None,
-        typer.Option(metavar="T", help="Keep the state at time T (s) in the run folder, as state.npz."),
+        float | None, option("T", "Keep the state at time T (s) in the run folder, as state.npz.")
     ] = None,
     start: Annotated[
-        Path | None,
-        typer.Option("--from", metavar="STATE", help="Go on from a saved state, which brings its scenario."),
+        Path | None, option("STATE", "Go on from a saved state, which brings its scenario.", "--from")
     ] = None,
-) -> None:
+) -> int:
     """Fly one scenario and write its run folder.
 
     Exit status: 0 landed within limits (or flown to the end, where mission.goal is time), 1 not, 2 bad input,
     130 interrupted.
     """
-    with _uncollected():
-        load_plugins(scenario)
-        from edl6dof.app.fly import FlyOptions, run_fly
+    if save_state is not None and not (math.isfinite(save_state) and save_state >= 0.0):
+        raise refusal("--save-state", f"must be a time in s, 0 or more (got {save_state:g})")
+    if start is not None and scenario is not None:
+        raise refusal("--from", "a saved state brings its own scenario; give no other")
+    activate(scenario)
+    from rich.console import Console
 
-        options = FlyOptions(
-            scenario, tuple(sets or ()), out, force, replay, report, quiet, as_json, save_state, start
-        )
-        raise typer.Exit(run_fly(options))
+    from edl6dof.api.flight import Flight, continued, flown_into, fly_loaded, saved_state
+    from edl6dof.api.functions import report as write_report
+    from edl6dof.cli.progress import announce_compiling, flight_progress
+    from edl6dof.manifest import listed
+    from edl6dof.report.terminal import headline, show_flight
+    from edl6dof.runs.folder import default_folder
+    from edl6dof.scenario.loading import load_scenario
 
+    state = None if start is None else saved_state(start)
+    if state is not None:
+        loaded = continued(state, sets or ())
+    elif scenario is not None:
+        loaded = load_scenario(scenario, sets or ())
+    else:
+        words = "name a scenario, such as tianwen1, or continue a state with --from STATE"
+        raise refusal("edl6dof fly", words)
+    target = out or default_folder(loaded.scenario.name, force)
+    talk = not (quiet or as_json)
 
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Without Python's search for cycles of garbage, which for one flight finds a few megabytes in a twelfth
-    of its time.
-    """
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
+    def flown() -> Flight:
+        announce_compiling(talk)
+        with flight_progress(talk) as progress:
+            return fly_loaded(loaded, start=state, save_at_s=save_state, progress=progress)
+
+    flight = flown_into(target, flown, replay=replay, force=force, release=True)
+    if report:
+        write_report(target)
+    console = Console(highlight=False, soft_wrap=True)
+    if as_json:
+        print((target / "summary.json").read_text(encoding="utf-8"), end="")
+    elif quiet:
+        console.print(headline(flight))
+    else:
+        show_flight(console, flight)
+        console.print(f"{target}: {listed(target)}", markup=False)
+        console.print(f"next: edl6dof report {target}, edl6dof replay {target}", markup=False)
+    if save_state is not None and flight.saved is None:
+        words = f"no state was saved; the flight ended at {flight.time_s:.2f} s"
+        print(f"--save-state {save_state:g}: {words}", file=sys.stderr)
+    return 0 if flight.success else 1
 
 
 def check(
-    files: Annotated[list[str], typer.Argument(metavar="SCENARIO", help="Scenario files or names.")],
+    files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")],
     sets: Sets = None,
-) -> None:
+) -> int:
     """Check scenario files: each mistake by file, line and key.
 
     Nothing is flown.
 
     Exit status: 0 no mistake, 2 mistakes.
     """
-    load_plugins(*files)
-    from edl6dof.app.inspect import run_check
+    activate(*files)
+    from edl6dof.cli.inspection import check_files
 
-    raise typer.Exit(run_check(files, tuple(sets or ())))
+    return check_files(files, sets or ())
 
 
 def trust(
-    files: Annotated[
-        list[str], typer.Argument(metavar="FILE", help="Plugins (.py), or scenarios that name plugins.")
-    ],
-    yes: Annotated[bool, typer.Option("--yes", help="Accept without asking.")] = False,
-) -> None:
+    files: Annotated[list[str], argument("FILE", "Plugins (.py), or scenarios that name plugins.")],
+    yes: Annotated[bool, flag("Accept without asking.", "--yes")] = False,
+) -> int:
     """Show the source of plugins and accept it.
 
     It may then run on this account, until it changes.
 
     Exit status: 0 accepted, 1 not accepted, 2 bad input.
     """
-    from edl6dof.app.trust import run_trust
+    from edl6dof.cli.inspection import trust_plugins
 
-    raise typer.Exit(run_trust(files, yes))
+    return trust_plugins(files, yes)
 
 
 def serve(
-    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario file or name.")],
+    scenario: Annotated[str, argument("SCENARIO", "Scenario file or name.")],
     sets: Sets = None,
-    port: Annotated[
-        int, typer.Option(metavar="N", min=0, max=65535, help="Port to listen on; any that is free if 0.")
-    ] = 0,
-) -> None:
+    port: Annotated[int, option("N", "Port to listen on; any that is free if 0.", min=0, max=65535)] = 0,
+) -> int:
     """Serve flights to programs, over a socket of this machine.
 
     The first line printed is address and port; docs/serve.md has the protocol. Ctrl-C ends it.
 
     Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
     """
-    load_plugins(scenario)
-    from edl6dof.app.serve import run_serve
+    activate(scenario)
+    from edl6dof.serve.server import HOST, FlightServer
+    from edl6dof.serve.session import Session
 
-    raise typer.Exit(run_serve(scenario, tuple(sets or ()), port))
+    def begin() -> Session:
+        return Session(scenario, sets or ())
+
+    begin().answer({"do": "step"})  # the scenario is checked, and the loop compiled, before anybody comes
+    try:
+        server = FlightServer(begin, port)
+    except ImportError as error:
+        print(error, file=sys.stderr)
+        return UNAVAILABLE
+    with server, suppress(KeyboardInterrupt), TemporaryDirectory(prefix="edl6dof-serve-") as folder:
+        file = Path(folder) / "token"  # in a folder that was made for this user alone
+        file.write_text(server.token, encoding="ascii")
+        print(f"{HOST}:{server.port}\ntoken file: {file}", flush=True)
+        print("Ctrl-C stops it; only this user, on this machine, can connect", flush=True)
+        server.serve_forever()
+    return 0
 
 
 def scenarios(
     scenario: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="SCENARIO", help="Scenario whose file is printed; all are listed if not given."
-        ),
+        str | None, argument("SCENARIO", "Scenario whose file is printed; all are listed if not given.")
     ] = None,
-) -> None:
+) -> int:
     """List the shipped scenarios, or print the file of one."""
-    from edl6dof.app.scenarios import run_scenarios
+    from edl6dof.cli.inspection import list_scenarios
+    from edl6dof.config.document.locate import resolve_scenario
 
-    raise typer.Exit(run_scenarios(scenario))
+    if scenario is None:
+        list_scenarios()
+    else:
+        sys.stdout.write(resolve_scenario(scenario).read_text(encoding="utf-8"))
+    return 0
 
 
 def params(
     path: Annotated[
-        str,
-        typer.Argument(
-            metavar="PATH", help=("Dotted path to begin at, such as vehicle.parachutes, or part of a name.")
-        ),
+        str, argument("PATH", "Dotted path to begin at, such as vehicle.parachutes, or part of a name.")
     ] = "",
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> None:
+    as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
+) -> int:
     """List parameters: default, unit, bounds, meaning, status."""
-    load_plugins()
-    from edl6dof.app.params import run_params
+    activate()
+    from edl6dof.cli.inspection import show_params
 
-    raise typer.Exit(run_params(path, as_json))
+    return show_params(path, as_json)
 
 
 def schema(
     scenario: Annotated[
-        str | None,
-        typer.Argument(metavar="SCENARIO", help="Scenario whose plugins the files may choose from."),
+        str | None, argument("SCENARIO", "Scenario whose plugins the files may choose from.")
     ] = None,
-    of: Annotated[
-        str, typer.Option("--of", metavar="KIND", help="scenario (campaigns, too), vehicle or planet.")
-    ] = "scenario",
-) -> None:
+    of: Annotated[str, option("KIND", "scenario (campaigns, too), vehicle or planet.", "--of")] = "scenario",
+) -> int:
     """JSON schema of scenario, vehicle or planet files."""
-    load_plugins(scenario)
-    from edl6dof.app.inspect import run_schema
+    activate(scenario)
+    from edl6dof.api.schema_files import SCHEMAS
 
-    raise typer.Exit(run_schema(of))
+    if of not in SCHEMAS:
+        raise refusal("--of", f"must be one of {', '.join(SCHEMAS)} (got {of!r})")
+    print(json.dumps(SCHEMAS[of](), indent=1))
+    return 0

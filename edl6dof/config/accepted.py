@@ -22,7 +22,7 @@ def accepted_file() -> Path:
 
 
 def is_accepted(content: bytes) -> bool:
-    """Whether the user has accepted a plugin with this content."""
+    """Return whether the user has accepted a plugin with this content."""
     return sha256(content).hexdigest() in (line.split(" ", 1)[0] for line in _lines())
 
 

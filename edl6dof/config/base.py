@@ -113,10 +113,6 @@ class Params(BaseModel):
         extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True
     )
 
-    #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.
-    moved: ClassVar[Mapping[str, str]] = {}
-    #: Keys of an older form, and how what they said is written now.
-    former: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
 
@@ -182,7 +178,7 @@ def param(
         record: whether compiled code needs it (``False`` for names, files and Python-side switches).
         factory: makes the default instead of ``default`` (for lists and sub-models).
         printed: the number of ``source``, where the default is this software's (see
-            :mod:`~edl6dof.config.as_printed`).
+            :mod:`~edl6dof.config.paper_values`).
         usual: smallest and largest usual value, and the reason (see :mod:`~edl6dof.config.usual`).
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """

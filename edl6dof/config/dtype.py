@@ -25,7 +25,7 @@ _FEW = 4
 
 
 def in_record(info: FieldInfo) -> bool:
-    """Whether a field belongs to the compiled record."""
+    """Return whether a field belongs to the compiled record."""
     extra = info.json_schema_extra
     return not (isinstance(extra, dict) and extra.get("record") is False)
 
@@ -202,6 +202,6 @@ def _bare(annotation: Any) -> Any:
 
 
 def _is_float(annotation: Any) -> bool:
-    """Whether a field holds a float, or several."""
+    """Return whether a field holds a float, or several."""
     bare = _bare(annotation)
     return bare is float or (get_origin(bare) is tuple and all(map(_is_float, get_args(bare))))

@@ -1,4 +1,4 @@
-"""What a parameter model allows at a dotted path: the one walk that validation messages, ``--set`` and the
+"""Places of a parameter model by dotted path: the one walk that validation messages, ``--set`` and the
 reference share.
 """
 
@@ -50,16 +50,6 @@ class Slot:
         """Keys allowed inside, over all alternatives."""
         return list(dict.fromkeys(key for model in self.models for key in model.model_fields))
 
-    @property
-    def moved(self) -> dict[str, str]:
-        """Keys of an older form inside, and the dotted path where each stands now (several: ``or``)."""
-        return {key: path for model in self.models for key, path in getattr(model, "moved", {}).items()}
-
-    @property
-    def former(self) -> dict[str, str]:
-        """Keys of an older form inside, and how what they said is written now."""
-        return {key: text for model in self.models for key, text in getattr(model, "former", {}).items()}
-
     def child(self, key: str | int) -> Slot | None:
         """The place of a key, list item or tuple element, or ``None`` when there is none."""
         found = [slot for option in self.options if (slot := _child(self.name, option, key)) is not None]
@@ -85,12 +75,12 @@ def field_slot(name: str, info: FieldInfo) -> Slot:
 
 
 def is_model(option: Any) -> bool:
-    """Whether a type is a parameter model."""
+    """Return whether a type is a parameter model."""
     return isinstance(option, type) and issubclass(option, BaseModel)
 
 
 def is_tag_of(option: Any, tag: Any) -> bool:
-    """Whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a
+    """Return whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a
     ``Literal`` field.
     """
     if not is_model(option):

@@ -35,15 +35,6 @@ def walk(value: Any, path: str) -> tuple[Keys, Any]:
     return tuple(keys), value
 
 
-def changed_fields(model: Model, like: Model) -> set[str]:
-    """Names of the fields in which two models differ; quick where they share what is in them."""
-    return {
-        name
-        for name, value in vars(model).items()
-        if value is not (other := getattr(like, name)) and value != other
-    }
-
-
 def overridden(model: Model, values: Mapping[Keys, Any]) -> Model:
     """``model`` with values put at keys.  Every model on the way to one is validated again;
     the others are shared with the original, as the same objects.

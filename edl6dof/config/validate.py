@@ -54,8 +54,6 @@ def refuse(document: Document, problems: Mapping[str, str]) -> None:
 def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> list[Problem]:
     problems: dict[tuple, Problem] = {}
     refused: set[tuple] = set()  # values that one alternative of a union refused as a whole
-    missing: set[tuple] = set()
-    older: set[tuple] = set()  # mappings of an older form
     for error in errors:
         path, slot, parent = _follow(model, document.data, error["loc"], error["type"])
         if error["type"] == "missing" and isinstance(error["loc"][-1], int):
@@ -71,18 +69,12 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
                 inner = (*path, *steps(below))
                 problems.setdefault(inner, document.problem(inner, message))
             continue
-        if error["type"] == "missing":
-            missing.add(path)
-        if error["type"] == "extra_forbidden" and parent is not None and path[-1] in parent.former:
-            older.add(path[:-1])
         # Each alternative of a union reports on its own; the first report already names all alternatives.
         problems.setdefault(path, document.problem(path, _message(error, path, slot, parent, value)))
     # Where another alternative got further inside, only what it found there is of use.
     outer = {
         path for path in refused if any(path == other[: len(path)] and path != other for other in problems)
     }
-    # What a mapping of an older form lacks, the form that is shown has.
-    outer |= {path for path in missing if path[:-1] in older}
     return [problem for path, problem in problems.items() if path not in outer]
 
 
@@ -197,7 +189,7 @@ def _count(value: Any, slot: Slot) -> str:
 
 
 def _hint(slot: Slot, value: Any) -> str:
-    """What was probably meant by text in the place of a mapping or a number."""
+    """Return what was probably meant by text in the place of a mapping or a number."""
     if isinstance(value, str) and slot.models and re.match(r"\w+:\S", value):
         return "; a blank is missing behind the colon"
     if not isinstance(value, str) or not {float, int} & set(slot.options):

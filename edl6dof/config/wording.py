@@ -37,23 +37,12 @@ def counted(number: int, word: str) -> str:
 def unknown_key(key: str, inside: Slot | None) -> str:
     """Message for a key that does not exist ``inside`` a place, with the key that was probably meant."""
     allowed = inside.keys if inside is not None else []
-    if inside is not None and key in inside.moved:
-        paths = inside.moved[key].split(" or ")
-        return f"has moved: it is now {inside.moved[key]} (in YAML {' or '.join(map(_nested, paths))})"
-    if inside is not None and key in inside.former:
-        return f"is of an older form; now it is {inside.former[key]}"
     same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]
     if same:
         return f"unknown key; did you mean {same[0]!r}? (only the unit suffix differs)"
     if (near := nearest(key, allowed)) is not None:
         return f"unknown key; did you mean {near!r}?"
     return f"unknown key; allowed: {', '.join(allowed) or 'none'}"
-
-
-def _nested(path: str) -> str:
-    """A dotted path as the mappings of a YAML file."""
-    *sections, key = path.split(".")
-    return "".join(f"{name}: {{" for name in sections) + f"{key}: ..." + "}" * len(sections)
 
 
 def got(value: Any) -> str:

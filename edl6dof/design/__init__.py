@@ -1,1 +1,1 @@
-"""What is designed on the ground before a flight."""
+"""Designs made on the ground before a flight."""

@@ -1,4 +1,4 @@
-"""What a planned entry amounts to: where it ends, the loads it meets, the authority it leaves, and how far
+"""Figures of a planned entry: where it ends, the loads it meets, the authority it leaves, and how far
 the open loop misses when air, lift or entry angle are not the expected ones.
 """
 
@@ -12,8 +12,8 @@ import numpy as np
 
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS
+from edl6dof.scenario.places import Start
 from edl6dof.scenario.planned_entry import fly_shifted
-from edl6dof.scenario.start import Start
 
 #: One standard deviation of what an open-loop entry meets: density and lift-to-drag ratio over the expected
 #: ones, and the entry angle (deg).  A third of the three-sigma values of tianwen1_mc [E].

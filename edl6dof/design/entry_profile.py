@@ -23,10 +23,10 @@ from scipy.optimize import linprog
 from edl6dof.config.units import G0
 from edl6dof.design.entry_plan import Plan, figures, own_points
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import Scenario
-from edl6dof.scenario.start import start_of
 
 Goal = Literal["parachute_altitude", "dispersion"]
 
@@ -56,7 +56,7 @@ class Limits:
     aside_m: float
 
     def slack(self, plan: Plan) -> dict[str, float]:
-        """What is left to each limit, as a share of it; below zero where it is broken."""
+        """Margin to each limit, as a share of it; below zero where it is broken."""
         return {
             "load": 1.0 - plan.load_g0 / self.load_g0,
             "heat rate": 1.0 - plan.heat_rate_w_cm2 / self.heat_rate_w_cm2,

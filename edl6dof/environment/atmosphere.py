@@ -4,7 +4,7 @@ models, with a bias and an optional random perturbation of density.
 
 from __future__ import annotations
 
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from pydantic import model_validator
@@ -50,11 +50,6 @@ class PerturbationParams(Params):
 
 class AtmosphereParams(AtmosphereChoice):
     """Atmosphere of the truth."""
-
-    moved: ClassVar = {
-        "gas_constant_j_kg_k": "planet.gas.gas_constant_j_kg_k",
-        "heat_capacity_ratio": "planet.gas.heat_capacity_ratio",
-    }
 
     table: str = param(
         "",

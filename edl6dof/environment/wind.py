@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import pi
-from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
@@ -81,13 +80,6 @@ class DiscreteGustParams(Params):
 
 class WindParams(WindChoice):
     """Wind of the truth."""
-
-    moved: ClassVar = {
-        "east_m_s": "wind.constant.east_m_s or wind.shear.east_m_s",
-        "north_m_s": "wind.constant.north_m_s or wind.shear.north_m_s",
-        "east_shear": "wind.shear.east_shear",
-        "north_shear": "wind.shear.north_shear",
-    }
 
     scale: float = param(1.0, "factor on the mean wind", ge=-10.0, le=10.0)
     gust: GustParams = group(GustParams, "random gust")

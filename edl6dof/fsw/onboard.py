@@ -6,7 +6,7 @@ a coarse table of density, speed of sound and expected mean wind; drag and lift 
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -66,11 +66,6 @@ _PoweredLaws: Any = POWERED_LAWS.params_model("PoweredLawParams", "law", "polyno
 
 class EntryGuidanceParams(_EntryLaws):
     """Entry guidance: the law, and what all laws share."""
-
-    former: ClassVar = dict.fromkeys(
-        ("aim_north_m", "aim_east_m"),
-        "worked out before the flight, from the descent that is expected: expected_wind: {table_factor: 1.0}",
-    )
 
     preset_bank_deg: float = param(
         55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0

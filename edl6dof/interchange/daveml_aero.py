@@ -96,8 +96,8 @@ def settings(model: Model, inputs: Mapping[str, float], flow: tuple[str, ...]) -
 
 
 def is_sampled(model: Model) -> bool:
-    """Whether a model says more than drag, lift and pitching moment over Mach number and angle of attack, or
-    constants.
+    """Return whether a model says more than drag, lift and pitching moment over Mach number and angle of
+    attack, or constants.
     """
     names = {
         model.variables[i].name for output in _outputs(model).values() for i in model.inputs_of(output.id)

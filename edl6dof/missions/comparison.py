@@ -51,7 +51,7 @@ class Predicted(NamedTuple):
 
     @property
     def counted(self) -> bool:
-        """Whether it is a flown value that the flights can predict."""
+        """True if it is a flown value that the flights can predict."""
         return self.published.counted
 
     @property
@@ -61,7 +61,7 @@ class Predicted(NamedTuple):
 
     @property
     def inside(self) -> bool:
-        """Whether the flown value is predicted; one that no flight reached is not."""
+        """True if the flown value is predicted; one that no flight reached is not."""
         return bool(abs(self.sigmas) <= WITHIN)
 
 
@@ -89,7 +89,7 @@ class Compared(NamedTuple):
 
 
 def compare(mission: Mission, rows: Sequence[Row]) -> Compared:
-    """What the rows of a mission's flights say of each published figure."""
+    """Compare the rows of a mission's flights with each published figure."""
     causes = Counter(row["cause"] for row in rows if row["cause"])
     found = []
     for figure, published in mission.beside:
@@ -126,6 +126,6 @@ def inside(predicted: Sequence[Predicted]) -> Proportion:
 
 
 def reached_goal(missions: Sequence[Compared]) -> bool:
-    """Whether the share of predicted flown values of all missions together is what it is to be."""
+    """Return whether the share of predicted flown values of all missions together is what it is to be."""
     share = inside([one for mission in missions for one in mission.predicted]).value
     return isfinite(share) and share >= GOAL

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import nan
 
-from edl6dof.calibration.params import CalibrationFile
+from edl6dof.calibration.section import CalibrationFile
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.rows import Row
@@ -58,8 +58,8 @@ def shipped_missions() -> list[str]:
 
 
 def _is_mission(name: str) -> bool:
-    """Whether a shipped file disperses what is published of a flight; a variant that only inherits both is
-    another flight than the published one.
+    """Return whether a shipped file disperses what is published of a flight; a variant that only inherits
+    both is another flight than the published one.
     """
     path = find_shipped("scenarios", name)
     if path is None or CAMPAIGN not in parse_document(path.read_text(encoding="utf-8"), name).data:
@@ -68,7 +68,7 @@ def _is_mission(name: str) -> bool:
 
 
 def _says(document: Document, section: str) -> bool:
-    """Whether a section is there and says something: what is published may have been taken back."""
+    """Return whether a section is there and says something: what is published may have been taken back."""
     value = document.data.get(section)
     return any(one is not None for one in value.values()) if isinstance(value, dict) else bool(value)
 

@@ -1,4 +1,4 @@
-"""What stands in the table of missions, in words: the same on the terminal, on the page and in files."""
+"""Words of the table of missions: the same on the terminal, on the page and in files."""
 
 from __future__ import annotations
 
@@ -56,7 +56,9 @@ def sigmas(one: Predicted) -> str:
 
 
 def remark(one: Predicted) -> str:
-    """Whether the flown value is predicted, why it does not count, or how many flights keep a requirement."""
+    """Return whether the flown value is predicted, why it does not count, or how many flights keep a
+    requirement.
+    """
     if one.published.required:
         return f"{100.0 * one.below:.3g} % keep" if isfinite(one.below) else "not reached"
     if one.counted:

@@ -1,17 +1,24 @@
-"""Files that appear complete or not at all, and take no other file's place unless told to, or where nothing
-is lost by it.
+"""Files that appear complete or not at all, and replace no other file unless forced or nothing is lost by it.
+
+The folder of a result remembers the SHA-256 of every file that was made from it: report, plots, pages,
+pictures, films, exports, wherever they were written.  A file that still is one of these, byte for byte, can
+be made from the result again; any other file is the user's.
 """
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from edl6dof.config.errors import refusal
-from edl6dof.durable import put_in_place
-from edl6dof.runs.made import is_made_from, remember
+from edl6dof.durable import put_in_place, write_atomic
+from edl6dof.manifest import MADE, hash_of
+
+#: Most files remembered; the oldest are forgotten first, and then kept as the user's.
+MOST = 1000
 
 
 @contextmanager
@@ -57,3 +64,36 @@ def refuse_existing_file(target: Path, force: bool, made_from: Path | None = Non
     if not is_made_from(made_from, target):
         words = "exists, and is not, byte for byte, what was made of this result before"
         raise refusal(target, f"{words}; name another file, or replace it with --force")
+
+
+def is_made_from(result: Path, file: Path) -> bool:
+    """Return whether ``file`` is, byte for byte, what was made from the result in a folder.
+
+    Raises:
+        ConfigError: it cannot be read.
+    """
+    known = _remembered(result)
+    return bool(known) and file.is_file() and not file.is_symlink() and hash_of(file) in known
+
+
+def remember(result: Path, file: Path) -> None:
+    """Remember that ``file`` was made from the result in a folder.
+
+    Where that is no folder, or cannot be written to, the file is not made again without asking.
+    """
+    if not result.is_dir():
+        return
+    digest = hash_of(file)
+    known = [one for one in _remembered(result) if one != digest]
+    with suppress(OSError):
+        write_atomic(result / MADE, (json.dumps([*known, digest][-MOST:], indent=0) + "\n").encode())
+
+
+def _remembered(result: Path) -> list[str]:
+    """Digests of what was made from a result, the oldest first; none where the list is missing or damaged."""
+    path = result / MADE
+    try:
+        found = json.loads(path.read_bytes()) if path.stat().st_size < 100 * MOST else []
+    except (OSError, ValueError, RecursionError):
+        return []
+    return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []

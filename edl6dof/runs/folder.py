@@ -14,14 +14,19 @@ from pathlib import Path
 
 from edl6dof.config.errors import refusal
 from edl6dof.durable import put_in_place
-from edl6dof.manifest import MANIFEST, Manifest, seal
+from edl6dof.manifest import MANIFEST, Kind, Manifest, seal
 
 #: Age in seconds from which a hidden folder of another host, whose processes cannot be seen from here, counts
 #: as left behind.
 STALE_S = 86400.0
 
 #: Command that makes a folder of each kind.
-_COMMANDS = {"flight": "fly", "study": "study", "validation": "validate"}
+COMMANDS: dict[Kind, str] = {
+    "flight": "fly",
+    "study": "study",
+    "validation": "validate",
+    "calibration": "calibrate",
+}
 
 
 def default_folder(name: str, force: bool) -> Path:
@@ -43,7 +48,7 @@ def _is_taken(target: Path) -> bool:
 
 
 @contextmanager
-def atomic_folder(target: Path, kind: str, force: bool) -> Iterator[Path]:
+def atomic_folder(target: Path, kind: Kind, force: bool) -> Iterator[Path]:
     """Yield a hidden folder beside ``target`` that gets its manifest and takes its place when the block ends
     without an exception.
 
@@ -52,7 +57,7 @@ def atomic_folder(target: Path, kind: str, force: bool) -> Iterator[Path]:
 
     Args:
         target: the folder wanted.
-        kind: what it is a result of, as its manifest says: ``flight``, ``study`` or ``validation``.
+        kind: what it is a result of, as its manifest says: ``flight``, ``study``, ...
         force: whether a result of the same kind may be replaced.
 
     Raises:
@@ -99,7 +104,7 @@ def _swapped(target: Path) -> Iterator[Path]:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _refuse_existing(target: Path, kind: str, force: bool) -> None:
+def _refuse_existing(target: Path, kind: Kind, force: bool) -> None:
     """Raise :class:`ConfigError` when ``target`` must not be replaced: only a whole result of the same kind
     ever is, and nothing else.
     """
@@ -111,10 +116,10 @@ def _refuse_existing(target: Path, kind: str, force: bool) -> None:
         raise refusal(target, "exists; choose another folder with --out, or replace it with --force")
     never = "it is not replaced, even with --force"
     if not (target / MANIFEST).is_file():
-        raise refusal(target, f"is no result of 'edl6dof {_COMMANDS[kind]}' (it has no {MANIFEST}); {never}")
+        raise refusal(target, f"is no result of 'edl6dof {COMMANDS[kind]}' (it has no {MANIFEST}); {never}")
     found = Manifest.of(target)
     if found.kind != kind:
-        raise refusal(target, f"is a result of 'edl6dof {_COMMANDS[found.kind]}'; {never}")
+        raise refusal(target, f"is a result of 'edl6dof {COMMANDS[found.kind]}'; {never}")
     if stranger := found.stranger():
         raise refusal(target, f"holds {stranger}; {never}")
 

@@ -12,12 +12,9 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.document.source import Document, parse_document
-from edl6dof.config.errors import refusal
-from edl6dof.config.named import UnknownName
+from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.manifest import Manifest
-from edl6dof.runs.contents import Content, Event, Summary, parsed
-from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
-from edl6dof.runs.needing import other_versions
+from edl6dof.runs.contents import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
@@ -74,7 +71,7 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
-        """What the lander saw and chose; ``None`` of a flight without hazard detection."""
+        """Map that the lander saw and the site it chose; ``None`` of a flight without hazard detection."""
         if LANDING_MAP not in self._manifest.files:
             return None
         try:
@@ -125,7 +122,7 @@ class Run(Mapping[str, np.ndarray]):
         return self._described(name, b"unit")
 
     def meaning(self, name: str) -> str:
-        """What a column means."""
+        """Return the meaning of a column."""
         return self._described(name, b"meaning")
 
     def at(self, name: str, t: float) -> float:
@@ -183,5 +180,4 @@ class Run(Mapping[str, np.ndarray]):
         try:
             return parsed(self._manifest.read(name), kind)
         except ValueError as error:
-            words = f"is not the file of a run: {error}{other_versions(self.folder)}"
-            raise refusal(self.folder / name, words) from None
+            raise refusal(self.folder / name, f"is not the file of a run: {error}") from None

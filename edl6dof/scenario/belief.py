@@ -1,51 +1,46 @@
-"""What the flight computer believes: filled from the nominal scenario, blind to dispersions and faults."""
+"""Belief of the flight computer: filled from the nominal scenario, blind to dispersions and faults.
+
+Of the instruments it knows the nominal places and axes, and the standard deviations that the errors of each
+case are drawn from.
+"""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from math import radians
+from math import radians, sqrt
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.config.dtype import fill, in_si
 from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
 from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
-from edl6dof.fsw.onboard import CONFIGURATION, NODES, ONBOARD
-from edl6dof.interface.capacities import MAX_PARTS
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.fsw.onboard import NODES, ONBOARD
 from edl6dof.scenario.aim import plan
-from edl6dof.scenario.believed_aero import fill_airframe
-from edl6dof.scenario.believed_drifter import believe_drifter
-from edl6dof.scenario.believed_instruments import believe_instruments
-from edl6dof.scenario.events import fill_mission
+from edl6dof.scenario.believed_vehicle import believe_drifter, believe_vehicle
+from edl6dof.scenario.events import event_number, fill_mission
 from edl6dof.scenario.expected_descent import wind_at, wind_of
+from edl6dof.scenario.places import fill_site
 from edl6dof.scenario.schema import Scenario
-from edl6dof.scenario.site import fill_site
 from edl6dof.sensors.registry import SENSOR_FAMILY
-from edl6dof.spatial.elementary import cos, log, sin
-from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
-from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
-from edl6dof.vehicle.parachutes.parachute import SUSPENSION
-from edl6dof.vehicle.propulsion.branches import fill_branches
-from edl6dof.vehicle.propulsion.engine_models import thruster_set
-from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
+from edl6dof.spatial.arrays import product
+from edl6dof.spatial.elementary import cos, hypot, log, sin, tan
+from edl6dof.spatial.frames import ned_to_fixed
 
 #: Sections of the flight software that stand in the record as they are.
 FILLED = (
     *("rates", "navigation", "hazard", "guidance", "control", "estimation", "diagnosis", "allocation"),
     "modulation",
 )
-#: Mach number at which the one believed drag and lift coefficient are taken.
-BELIEF_MACH = 15.0
 #: How far (m) the believed atmosphere reaches at least below the site and above the initial state.
 BEYOND = 1000.0
+#: Share of a branch's full flow by which the flow computed from commands differs from the true one at best.
+LEAST_FLOW_SHARE = 1e-3
 
 
 def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
-    """What the flight computer believes, shape (1,): nominal models, no perturbation, and of the wind
+    """Build the belief of the flight computer, shape (1,): nominal models, no perturbation, and of the wind
     the expected mean.
     """
     onboard = np.zeros(1, ONBOARD)
@@ -59,7 +54,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["planet"]["gravity_radius"] = planet.gravity.reference_radius_m
     record["planet"]["sutton_graves_constant"] = planet.gas.sutton_graves_constant
     _believe_atmosphere(record["atmosphere"], scenario, tables)
-    _believe_vehicle(record["vehicle"], scenario, tables)
+    believe_vehicle(record["vehicle"], scenario, tables)
     software = scenario.flight_software
     for name in FILLED:
         fill(record[name], getattr(software, name))
@@ -69,7 +64,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     sensors = scenario.sensors_in_flight
     unit = sensors.inertial_unit if "inertial_unit" in sensors.flown else sensors.imu
     record["imu_delay"] = unit.delay_cycles / software.rates.base_hz
-    believe_instruments(record["instruments"], scenario)
+    _believe_instruments(record["instruments"], scenario)
     record["flow_meters"] = any("branch_used" in SENSOR_FAMILY.member(name).writes for name in sensors.flown)
     believe_drifter(record["drifter"], scenario.vehicle)
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)
@@ -113,77 +108,6 @@ def _span_of_air(scenario: Scenario) -> tuple[float, float]:
     return bottom, max(air.top_m, start + BEYOND)
 
 
-def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
-    vehicle = scenario.vehicle
-    mass = vehicle.mass
-    record["entry_mass"] = mass.entry_kg
-    airframe = record["airframe"]
-    for name in ("drag", "lift", "drag_with_wing"):
-        airframe[name] = 1.0
-    airframe["alpha"] = radians(scenario.flight_software.guidance.entry.trim_alpha_deg)
-    if vehicle.aero.model == "capsule":
-        truth = np.zeros(1, dtype_of(VehicleParams))
-        fill(truth[0], vehicle)
-        alpha = radians(abs(scenario.flight_software.guidance.entry.trim_alpha_deg))
-        capsule = truth[0]["aero"]["capsule"]
-        gas = np.zeros(1, GAS)
-        fill_gas(gas[0], scenario.planet.gas)
-        axial, normal, _, _ = capsule_coefficients(
-            capsule, tables[0]["aero"], gas[0], BELIEF_MACH, 1e-3, alpha
-        )
-        drag = axial * cos(alpha) + normal * sin(alpha)
-        lift = axial * sin(alpha) - normal * cos(alpha)
-        record["drag_area"] = drag * np.pi / 4.0 * np.square(vehicle.aero.capsule.diameter_m)
-        record["lift_to_drag"] = lift / drag
-        fill_airframe(airframe, scenario, tables, float(record["drag_area"]), float(record["lift_to_drag"]))
-    elif vehicle.aero.model == "lift_drag":
-        record["drag_area"] = (
-            vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
-        )
-        record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
-    record["configuration"] = _configurations(mass, tuple(vehicle.parts), tuple(vehicle.tanks))
-    hung = np.zeros(len(record["pack"]), SUSPENSION)
-    fill_suspension(hung, vehicle)
-    record["pack"] = hung["pack"]
-    _hang(record["configuration"], hung, vehicle)
-    record["n_engines"] = len(vehicle.engines)
-    for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
-        axial = slot["axial"] = abs(engine.direction[0])
-        slot["full_thrust"] = axial * engine.full_thrust_n
-        slot["specific_impulse"] = axial * engine.full_specific_impulse_s
-        slot["throttle_min"] = axial * engine.throttle_min_n
-        slot["throttle_max"] = axial * engine.throttle_max_n
-        slot["by_thrusters"] = 1.0 if engine.model == thruster_set.NAME else 0.0
-    record["n_thrusters"] = len(vehicle.rcs.thrusters)
-    for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
-        slot["position"], slot["direction"] = jet.position_m, jet.direction
-        slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
-        slot["specific_impulse"] = jet.specific_impulse_s
-        slot["group"] = THRUSTER_GROUPS.index(jet.group)
-    fill_branches(record["branches"], vehicle.rcs.laid_branches, vehicle.rcs.thrusters)
-
-
-@lru_cache(maxsize=16)
-def _configurations(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]) -> np.ndarray:
-    """Mass, centre and principal inertia, with full tanks, by the set of the parts that are gone."""
-    table = np.zeros(2**MAX_PARTS, CONFIGURATION)
-    for gone, record in enumerate(table[: 2 ** len(parts)]):
-        attached = tuple(part for bit, part in enumerate(parts) if not gone >> bit & 1)
-        record["mass"], record["centre"], inertia = loaded(mass, parts, tanks, attached)
-        record["inertia"] = np.diag(inertia)
-    return table
-
-
-def _hang(configurations: np.ndarray, hung: np.ndarray, vehicle: VehicleParams) -> None:
-    """Where the riser pulls, in the configurations in which a pack is gone and what carries it is not."""
-    configurations["hung_at"] = configurations["centre"]
-    gone = np.arange(len(configurations))
-    for chute, slot in zip(vehicle.parachutes, hung, strict=False):
-        if slot["pack"] >= 0:
-            carried = slot["carrier"] < 0 or gone >> max(slot["carrier"], 0) & 1 == 0
-            configurations["hung_at"][(gone >> slot["pack"] & 1 == 1) & carried] = chute.confluence_m
-
-
 def _set_site(record: np.void, scenario: Scenario) -> None:
     fill_site(record["frame"], scenario)
     terrain = scenario.terrain
@@ -193,3 +117,93 @@ def _set_site(record: np.void, scenario: Scenario) -> None:
     )
     record["aim_latitude"], record["aim_longitude"] = record["latitude"], record["longitude"]
     record["altitude"] = scenario.site_areoid_m + terrain.site_elevation_m
+
+
+def _believe_instruments(record: np.void, scenario: Scenario) -> None:
+    """Fill an ``INSTRUMENTS`` record of zeros; what does not fly stays zero."""
+    sensors = scenario.sensors_in_flight
+    if "inertial_unit" in sensors.flown:
+        unit = in_si(sensors.inertial_unit)
+        record["unit_position"] = unit["position"]
+        record["unit_delay"] = unit["delay_cycles"] / scenario.flight_software.rates.base_hz
+        _believe_axes(record, "gyro", unit["gyros"])
+        _believe_axes(record, "accelerometer", unit["accelerometers"])
+    if "star_tracker" in sensors.flown:
+        stars = in_si(sensors.star_tracker)
+        square = (2.0 * np.square(stars["noise"]) + np.square(stars["boresight_noise"])) / 3.0
+        record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
+        record["star_lowest"], record["star_rate"] = stars["lowest"], stars["rate"]
+        record["star_until"] = event_number(scenario.mission, sensors.star_tracker.until)
+    if "ground_tracking" in sensors.flown:
+        ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
+        record["tracking_position_sigma"] = np.sqrt(product(np.square(ground["position"]), np.square(axes)))
+        record["tracking_velocity_sigma"] = np.sqrt(product(np.square(ground["velocity"]), np.square(axes)))
+    if "radar" in sensors.flown:
+        _believe_radar(record, in_si(sensors.radar))
+    if "landing_camera" in sensors.flown:
+        _believe_eye(record["eyes"]["camera"], in_si(sensors.landing_camera))
+    if "lidar" in sensors.flown:
+        lidar = in_si(sensors.lidar)
+        _believe_eye(record["eyes"]["lidar"], lidar)
+        record["eyes"]["lidar"]["sigma"] = hypot(lidar["range_noise"], lidar["quantum"] / sqrt(12.0))
+    if "stereo" in sensors.flown:
+        _believe_stereo(record["eyes"]["stereo"], in_si(sensors.stereo))
+    _believe_flow_meters(record, in_si(sensors.flow_meters) if "flow_meters" in sensors.flown else None)
+
+
+def _believe_radar(record: np.void, radar: np.void) -> None:
+    """Antenna, beams, and the errors of one beam: noise, and what the copy that flies has for good.
+
+    A beam that looks elsewhere than it should has another scale: of its own at usual angles to the vertical.
+    """
+    beams = radar["n_beams"]
+    record["antenna_position"], record["n_beams"] = radar["position"], beams
+    record["radar_ceiling"] = radar["highest"]
+    record["beam_axis"][:beams] = radar["beams"]["axis"][:beams]
+    for kind in ("range", "speed"):
+        record[f"{kind}_sigma"] = radar[f"{kind}_noise"]
+        record[f"{kind}_sigma_relative"] = radar[f"{kind}_noise_relative"]
+        record[f"{kind}_scale"] = hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
+    record["range_bias"] = radar["reflectivity"]
+
+
+def _believe_eye(record: np.void, given: np.void) -> None:
+    """Place and field of view."""
+    record["place"] = given["position"]
+    record["tangent"] = tan(0.5 * given["field_of_view"])
+
+
+def _believe_stereo(record: np.void, stereo: np.void) -> None:
+    """Place, field of view, and noise as it grows with the square of the range."""
+    _believe_eye(record, stereo)
+    focal_px = 0.5 * stereo["pixels"] / record["tangent"]
+    record["sigma_square"] = stereo["disparity_noise_px"] / (focal_px * stereo["baseline"])
+
+
+def _believe_flow_meters(record: np.void, meters: np.void | None) -> None:
+    """Ideal meters, too, are not trusted beyond ``LEAST_FLOW_SHARE``."""
+    for field, name in (("scale_sigma", "scale"), ("bias_share", "bias"), ("noise_share", "noise")):
+        given = 0.0 if meters is None else float(meters[name])
+        record[f"flow_{field}"] = max(given, LEAST_FLOW_SHARE)
+
+
+def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
+    """Gyros or accelerometers: the fields that begin with ``kind``."""
+    count = given["n_axes"]
+    record[f"n_{kind}s"] = count
+    record[f"{kind}_axis"][:count] = given["axes"]["axis"][:count]
+    record[f"{kind}_scale"] = hypot(given["scale"], given["misalignment"])
+    record[f"{kind}_step"] = given["quantum"]
+    for name in ("range", "noise", "bias", "bias_walk"):
+        record[f"{kind}_{name}"] = given[name]
+
+
+def _orbit_axes(scenario: Scenario) -> np.ndarray:
+    """Up, along the ground track and across it, at the initial state, as rows in I (as F at t = 0)."""
+    initial = scenario.initial
+    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    place = (sin(lat), cos(lat), sin(lon), cos(lon))
+    north, east, _ = initial.velocity_ned
+    ahead = np.array([north, east]) / (hypot(north, east) or 1.0)
+    in_ned = ((0.0, 0.0, -1.0), (*ahead, 0.0), (-ahead[1], ahead[0], 0.0))
+    return np.array([ned_to_fixed(*place, row) for row in in_ned])

@@ -1,16 +1,11 @@
-"""What must fit together between the sections of a scenario: each check with the sections that it reads.
-
-A case that changes a few sections is checked again where they are read.
-"""
+"""Checks of what must fit together between the sections of a scenario."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.landing_area.params import landing_area_problems
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
@@ -25,22 +20,11 @@ from edl6dof.vehicle.faults.fault import fault_problems
 from edl6dof.vehicle.propulsion.engine_models import thruster_set
 
 
-class CrossCheck(NamedTuple):
-    """A check of a scenario: the sections it reads, and dotted path to message of what does not fit."""
-
-    sections: frozenset[str]
-    problems: Callable[[Scenario], Mapping[str, str]]
-
-
-def section_problems(scenario: Scenario, like: Scenario | None = None) -> dict[str, str]:
-    """Dotted path to message of values of different sections that do not fit together; only of sections that
-    differ from ``like``, where everything fits.
-    """
-    changed = set(type(scenario).model_fields) if like is None else changed_fields(scenario, like)
+def section_problems(scenario: Scenario) -> dict[str, str]:
+    """Return a message by dotted path for values of different sections that do not fit together."""
     found: dict[str, str] = {}
-    for check in CROSS_CHECKS:
-        if not check.sections.isdisjoint(changed):
-            found |= check.problems(scenario)
+    for problems in CROSS_CHECKS:
+        found |= problems(scenario)
     return found
 
 
@@ -75,7 +59,7 @@ def _lag_problems(scenario: Scenario) -> dict[str, str]:
 
 
 def _heed_problems(scenario: Scenario) -> dict[str, str]:
-    """What a phase asks of a controller that takes no notice of it."""
+    """Return what a phase asks of a controller that ignores it."""
     found = {}
     for k, phase in enumerate(scenario.mission.phases):
         asked = {"hold_alpha": phase.hold_alpha, "bandwidth": phase.bandwidth != 1.0}
@@ -126,7 +110,7 @@ def _sensor_problems(scenario: Scenario) -> dict[str, str]:
 
 
 def _hazard_problems(scenario: Scenario) -> dict[str, str]:
-    """What detects hazards needs the lidar, and the map of it a footprint of cells that is not too large."""
+    """Require the lidar for hazard detection, and for its map a footprint of cells that is not too large."""
     hazard, found = scenario.flight_software.hazard, {}
     if hazard.detection == "given":
         return {}
@@ -205,33 +189,25 @@ def _entry_problems(scenario: Scenario) -> dict[str, str]:
     return {f"initial.{given}": message}
 
 
-CROSS_CHECKS = (
-    CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
-    CrossCheck(frozenset({"terrain"}), _landing_area_problems),
-    CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
-    CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
-    CrossCheck(frozenset({"sensors", "mission"}), _stars_problems),
-    CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
-    CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
-    CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),
-    CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
-    CrossCheck(frozenset({"vehicle", "flight_software"}), _thruster_set_problems),
-    CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
-    CrossCheck(frozenset({"mission"}), _last_event_problems),
-    CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
-    CrossCheck(frozenset({"mission"}), lambda s: quantity_problems(s.mission)),
-    CrossCheck(frozenset({"mission"}), _heed_problems),
-    CrossCheck(frozenset({"mission", "vehicle"}), lambda s: event_problems(s.mission, s.vehicle)),
-    CrossCheck(frozenset({"initial", "flight_software", "mission"}), _entry_problems),
-    CrossCheck(
-        frozenset({"published", "mission"}), lambda s: published_problems(s.published, s.mission.events)
-    ),
-    CrossCheck(
-        frozenset({"flight_software", "vehicle"}),
-        lambda s: check_out_problems(s.flight_software.check_out, s.thruster_names),
-    ),
-    CrossCheck(
-        frozenset({"faults", "vehicle", "sensors", "mission"}),
-        lambda s: fault_problems(s.faults, s.components, s.phase_names),
-    ),
+CROSS_CHECKS: tuple[Callable[[Scenario], Mapping[str, str]], ...] = (
+    _cycle_problems,
+    _landing_area_problems,
+    _lag_problems,
+    _sensor_problems,
+    _stars_problems,
+    _alignment_problems,
+    _delay_problems,
+    _hazard_problems,
+    _metering_problems,
+    _thruster_set_problems,
+    _goal_problems,
+    _last_event_problems,
+    lambda s: way_problems(s.mission),
+    lambda s: quantity_problems(s.mission),
+    _heed_problems,
+    lambda s: event_problems(s.mission, s.vehicle),
+    _entry_problems,
+    lambda s: published_problems(s.published, s.mission.events),
+    lambda s: check_out_problems(s.flight_software.check_out, s.thruster_names),
+    lambda s: fault_problems(s.faults, s.components, s.phase_names),
 )

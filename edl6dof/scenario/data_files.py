@@ -1,5 +1,4 @@
-"""Whether the tables that a scenario names can be built: mistakes in data files, found before a flight
-begins.
+"""Data files that a scenario names: their whole paths, and mistakes in them, found before a flight begins.
 
 The builders of the models say in plain words what is wrong with a file; here each is called, and what it says
 is put at the key that names the file.  They keep what they build, and the flight finds it there.
@@ -11,11 +10,13 @@ import csv
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.regular import read_regular
+from edl6dof.config.document.source import Document
 from edl6dof.config.errors import Inconsistent
 from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
@@ -26,7 +27,6 @@ from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
 from edl6dof.environment.wind import require_winds
 from edl6dof.interchange.mesh_file import read_mesh_file
-from edl6dof.scenario.mesh_paths import MESHES
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
 from edl6dof.vehicle.aerodynamics.table import (
@@ -48,6 +48,9 @@ TABLES: dict[str, Callable[[str], Path]] = {
 
 #: Section of names for tables of the air.
 PROFILES = "atmosphere.profiles"
+#: Where a scenario names the meshes of its vehicle, and the file of a body of any shape.
+MESHES = ("vehicle", "appearance", "meshes")
+BODY = ("vehicle", "aero", "body")
 
 #: Beginnings of what Python and numpy say of text that is no number, and of rows of unequal length.
 _NUMPY_WORDS = (
@@ -127,3 +130,29 @@ def _words(error: Exception) -> str:
     if isinstance(error, ValueError) and not str(error).startswith(_NUMPY_WORDS):
         return str(error)
     return f"is not a table of numbers ({error})"
+
+
+def with_whole_paths(document: Document) -> Document:
+    """The document, the files of its vehicle's meshes and of its body with their whole paths; what is of
+    another form is left for the validation to refuse.
+    """
+    found = _at(document, MESHES)
+    for k, mesh in enumerate(found if isinstance(found, list) else ()):
+        _make_whole(document, (*MESHES, k), mesh)
+    _make_whole(document, BODY, _at(document, BODY))
+    return document
+
+
+def _at(document: Document, keys: tuple[str, ...]) -> Any:
+    found: Any = document.data
+    for key in keys:
+        found = found.get(key) if isinstance(found, dict) else None
+    return found
+
+
+def _make_whole(document: Document, keys: tuple[str | int, ...], named: Any) -> None:
+    """Make whole the path of the ``file`` of ``named``, which stands at ``keys``."""
+    if isinstance(named, dict) and isinstance(name := named.get("file"), str) and name:
+        named_in = Path(document.mark((*keys, "file")).file)
+        folder = named_in.parent if named_in.is_file() else Path.cwd()
+        named["file"] = str((folder / name).resolve())

@@ -61,15 +61,15 @@ def wind_of(params: ExpectedWindParams) -> Wind:
 
 @kernel
 def wind_at(wind, table, height):
-    """What is expected towards north and east (m/s) at a ``height`` (m) above the areoid, from the ``table``
-    of the believed air.
+    """Return the wind expected towards north and east (m/s) at a ``height`` (m) above the areoid, from the
+    ``table`` of the believed air.
     """
     east, north = mean_of_table(wind, table, height)
     return wind.table_factor * north + wind.north, wind.table_factor * east + wind.east
 
 
 class Hanging(NamedTuple):
-    """What falls: index of the parachute, flight time (s) at which its lines are taut, and mass (kg)."""
+    """Falling body: index of the parachute, flight time (s) at which its lines are taut, and mass (kg)."""
 
     chute: int
     line_stretch: float

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 
-from edl6dof.another_version import resolver, told
-from edl6dof.config.document.locate import shown
 from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import refuse, steps, validate
-from edl6dof.interchange.vehicle import expand_daveml
+from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
-from edl6dof.scenario.data_files import file_problems
-from edl6dof.scenario.mesh_paths import with_whole_paths
+from edl6dof.scenario.data_files import file_problems, with_whole_paths
 from edl6dof.scenario.plausible import unusual_in
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario
@@ -44,7 +40,7 @@ class LoadedScenario:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What is unusual in it, one line each with file, line and key: allowed, and perhaps a mistake."""
+        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
         found = unusual_in(self.scenario) | unusual_in(self.truth)
         return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 
@@ -132,23 +128,6 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
     for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
         document.data.pop(name, None)
         document.forget((name,))
-    with _of_another_version(document.files[:1]):
-        document = with_whole_paths(expand_daveml(document))
-        changed = apply_overrides(document, overrides, Scenario)
-        return check_document(with_whole_paths(expand_daveml(changed)))
-
-
-@contextmanager
-def _of_another_version(files: tuple[Path, ...]) -> Iterator[None]:
-    """Say of a resolved scenario in which something is wrong that another version wrote it."""
-    try:
-        yield
-    except ConfigError as error:
-        found = [
-            Problem(name, 0, 0, "", words)
-            for file, name in ((file, shown(file)) for file in files)
-            if any(problem.file == name for problem in error.problems) and (words := told(resolver(file)))
-        ]
-        if not found:
-            raise
-        raise ConfigError([*error.problems, *found]) from None
+    document = with_whole_paths(expand_daveml(document))
+    changed = apply_overrides(document, overrides, Scenario)
+    return check_document(with_whole_paths(expand_daveml(changed)))

@@ -22,7 +22,7 @@ BLUNT = 1.5
 
 
 def unusual_in(scenario: Scenario) -> dict[str, str]:
-    """What is unusual in a validated scenario: dotted path to one line."""
+    """Return what is unusual in a validated scenario: dotted path to one line."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
     return unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
 

@@ -118,8 +118,8 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
 
 def _argument(name: str, key: str, member: Member) -> Any:
     # these import the schema, which tries plugins out
-    from edl6dof.scenario.case import CASE
     from edl6dof.scenario.records import TABLES
+    from edl6dof.scenario.truth import CASE
     from edl6dof.vehicle.faults.fault import FAULT
 
     values = {

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.dtype import duplicate
-from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
@@ -24,11 +23,11 @@ from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
-from edl6dof.scenario.case import build_case
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.places import start_of, vertical_axes
 from edl6dof.scenario.schema import Scenario
-from edl6dof.scenario.start import start_of, vertical_axes
+from edl6dof.scenario.truth import build_case
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import (
@@ -55,7 +54,7 @@ TABLES = np.dtype(
 
 
 class TableInputs(NamedTuple):
-    """What the tables of a scenario follow from; ``aero`` only for a capsule, ``body`` for a body of any
+    """Inputs of the tables of a scenario; ``aero`` only for a capsule, ``body`` for a body of any
     shape.
     """
 
@@ -67,7 +66,7 @@ class TableInputs(NamedTuple):
 
 
 def table_inputs(scenario: Scenario) -> TableInputs:
-    """What the tables follow from, with the content of the files as it is now.
+    """Return the inputs of the tables, with the content of the files as it is now.
 
     Raises:
         ValueError: a file is not named or is no table.
@@ -116,7 +115,7 @@ BELIEVED = frozenset(
 
 
 def build_onboard(scenario: Scenario) -> np.ndarray:
-    """What the flight computer believes of a scenario, shape (1,); planned once for all that share it.
+    """Build the belief of the flight computer, shape (1,); planned once for all scenarios that share it.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
@@ -131,7 +130,7 @@ def _onboard(believed: Scenario, inputs: TableInputs) -> np.ndarray:
 
 
 class Records(NamedTuple):
-    """What one flight reads, each shape (1,): the truth, the large tables it shares with others, the
+    """Records that one flight reads, each shape (1,): the truth, the large tables it shares with others, the
     belief.
     """
 
@@ -140,26 +139,14 @@ class Records(NamedTuple):
     onboard: np.ndarray
 
 
-def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
-    """Truth, tables and belief of a scenario; what it shares with one that was built is copied.
+def build_records(loaded: LoadedScenario) -> Records:
+    """Build truth, tables and belief of a scenario; scenarios of the same inputs share the tables.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
     """
     tables = build_tables(loaded.truth)
-    if like is None or tables is not like.records.tables:
-        return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
-    case = build_case(loaded.truth, tables, (like.loaded.truth, like.records.case))
-    if changed_fields(loaded.scenario, like.loaded.scenario).isdisjoint(BELIEVED):
-        return Records(case, tables, duplicate(like.records.onboard))
-    return Records(case, tables, build_onboard(loaded.scenario))
-
-
-class Built(NamedTuple):
-    """A scenario and its records, for nobody to write to."""
-
-    loaded: LoadedScenario
-    records: Records
+    return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
@@ -187,7 +174,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 
 @cache
 def _new_plant() -> np.ndarray:
-    """What every plant begins with: nothing has left it, and nothing has happened."""
+    """Return the state that every plant begins with: nothing has left it, and nothing has happened."""
     plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
@@ -221,7 +208,7 @@ def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
 
 @cache
 def _new_fsw(layout: np.dtype) -> np.ndarray:
-    """What every flight computer begins with."""
+    """Return the memory that every flight computer begins with."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in INSTRUMENT_HEALTH.names or ():

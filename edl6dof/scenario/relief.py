@@ -1,4 +1,4 @@
-"""The ground of a scenario for those who only look at it: heights at many places, and the map."""
+"""Ground of a scenario for maps: heights at many places, the global map, and the planned landing ellipse."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from edl6dof.environment.terrain import (
     ground_heights,
     ground_inputs,
 )
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import cos, sin
 
 
 class Relief:
@@ -46,7 +48,7 @@ class Relief:
 
     @property
     def detailed(self) -> bool:
-        """Whether the ground has relief that is finer than the map."""
+        """True if the ground has relief that is finer than the map."""
         return int(self._terrain["landing_area"]["model"][0]) != NO_RELIEF
 
     def rocks(self, latitude: float, longitude: float, side: float, smallest: float) -> np.ndarray:
@@ -69,3 +71,12 @@ class Relief:
         there is none.
         """
         return self._grid["map"]["height"].astype(float)
+
+
+def planned_ellipse(length: float, width: float, azimuth: float) -> tuple[np.ndarray, np.ndarray]:
+    """East and north (m) of an ellipse around the site with its long axis along ``azimuth`` (rad); shape
+    (361,) each.
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, 361)
+    along, across = 0.5 * length * arrays.cos(turn), 0.5 * width * arrays.sin(turn)
+    return along * sin(azimuth) + across * cos(azimuth), along * cos(azimuth) - across * sin(azimuth)

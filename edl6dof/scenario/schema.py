@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section, stated
-from edl6dof.config.folder_name import why_no_folder
+from edl6dof.config.document.locate import why_no_folder
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.place import Place
@@ -55,7 +55,7 @@ def _limit(meaning: str) -> Any:
 
 
 class LimitParams(Params):
-    """What counts as landed within limits, and what ends a flight.
+    """Limits of a successful landing, and limits that end a flight.
 
     A limit that is not set is not checked.
     """

@@ -12,9 +12,9 @@ from typing import Any
 
 import edl6dof
 from edl6dof.api.description import described
+from edl6dof.api.errors import naming_arguments
 from edl6dof.api.overrides import texts
 from edl6dof.api.simulation import Simulation
-from edl6dof.api.wording import told_in_python
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.wording import got, unknown
 
@@ -52,7 +52,7 @@ class Session:
     def answer(self, request: Any) -> Answer:
         """The answer to a request: ``ok`` says whether it was done, ``error`` why not."""
         try:
-            with told_in_python():
+            with naming_arguments():
                 return {"ok": True, **self._done(request)}
         except ConfigError as error:
             return refused("; ".join(str(error).splitlines()))

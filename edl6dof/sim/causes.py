@@ -8,9 +8,9 @@ the ground, or the end) and had to do with it; its consequences stand before it:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf, isfinite, radians
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,15 +18,12 @@ from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.fsw.guidance.powered.relaxation import in_words
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.sim.outcome import CRASHED
 from edl6dof.spatial.elementary import hypot
 from edl6dof.telemetry.timeline import ran_empty
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.faults.registry import over_after
-
-if TYPE_CHECKING:
-    from edl6dof.sim.flight import Flight
-
 
 #: Figures that are the largest value of a flight, and when it was met.
 _PEAK_TIMES = {
@@ -44,15 +41,16 @@ class Consequence(NamedTuple):
     told: str
 
 
-def reasons(flight: Flight, missed: Sequence[Check]) -> tuple[str, str]:
+def reasons(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> tuple[str, str]:
     """What brought a flight to its end, with figures and without them, to follow the words for that end;
     empty where nothing did.
 
     Args:
         flight: one that is no success.
+        figures: its figures.
         missed: limits that it broke, if it reached its goal.
     """
-    until = _decided_at(flight, missed)
+    until = _decided_at(flight, figures, missed)
     led_to = sorted(one for one in _consequences(flight) if one.t_s <= until)
     told, plain = _contributing(flight, until)
     return _sentence([one.told for one in led_to], told), _sentence([one.plain for one in led_to], plain)
@@ -67,34 +65,34 @@ def _joined(words: Sequence[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-def _decided_at(flight: Flight, missed: Sequence[Check]) -> float:
+def _decided_at(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> float:
     """Time (s) after which nothing counts: the last point at which a limit was broken, or ground contact, or
     the end.
     """
     met = float(flight.plant["touchdown_time"][0])
     end = met if isfinite(met) else flight.time_s
-    return max((_broken_at(flight, check, end) for check in missed), default=end)
+    return max((_broken_at(flight, figures, check, end) for check in missed), default=end)
 
 
-def _broken_at(flight: Flight, check: Check, end: float) -> float:
+def _broken_at(flight: FlightRecords, figures: Mapping[str, float], check: Check, end: float) -> float:
     """Time (s) at which a limit was broken: that of the peak, or of the event that the figure is taken at;
     for the distance of a landing the time from which it could not be kept.
     """
     if check.figure in _PEAK_TIMES:
         return float(flight.peaks[_PEAK_TIMES[check.figure]][0])
     if check.figure == "landing_distance_m":
-        return _out_of_reach(flight, check.limit, end)
+        return _out_of_reach(flight, figures, check.limit, end)
     if figure_of_merit(check.figure).source in ("contact", "footing"):
         return end
-    return flight.metrics.get(f"{check.figure.partition('_')[0]}_s", end)
+    return figures.get(f"{check.figure.partition('_')[0]}_s", end)
 
 
-def _out_of_reach(flight: Flight, limit: float, end: float) -> float:
+def _out_of_reach(flight: FlightRecords, figures: Mapping[str, float], limit: float, end: float) -> float:
     """Time (s) from which the vehicle was farther beyond a distance of ``limit`` (m) from the landing site
     than it was high, which no descent makes good; mortar fire at the earliest, contact at the latest.
     """
     names = ("t_s", "truth.latitude_deg", "truth.longitude_deg", "truth.height_m")
-    mortar, terrain = flight.metrics.get("parachute_s", end), flight.case["terrain"][0]
+    mortar, terrain = figures.get("parachute_s", end), flight.case["terrain"][0]
     table = np.column_stack([flight.telemetry[name] for name in names])
     descent = table[(table[:, 0] >= mortar) & (table[:, 0] < end)]
     for t, latitude, longitude, height in descent[::-1].tolist():
@@ -106,7 +104,7 @@ def _out_of_reach(flight: Flight, limit: float, end: float) -> float:
 # ---- faults ------------------------------------------------------------------------------------------------
 
 
-def _contributing(flight: Flight, until: float) -> tuple[list[str], list[str]]:
+def _contributing(flight: FlightRecords, until: float) -> tuple[list[str], list[str]]:
     """Faults that were there before a time (s), those of one kind together, in the order of time: with and
     without the times at which they began.
     """
@@ -125,7 +123,7 @@ def _contributing(flight: Flight, until: float) -> tuple[list[str], list[str]]:
     return [f"{words} at {t} s" for words, t in zip(plain, times, strict=True)], plain
 
 
-def _counts(flight: Flight, fault: FaultParams, since: float, until: float) -> bool:
+def _counts(flight: FlightRecords, fault: FaultParams, since: float, until: float) -> bool:
     """Whether a fault that began at ``since`` has to do with what was decided at ``until`` (s): it was not
     over when it began, and a wing's only up to the deployment that the wing prepares.
     """
@@ -137,7 +135,7 @@ def _counts(flight: Flight, fault: FaultParams, since: float, until: float) -> b
     return since < _done(flight, over_after(fault.kind), [name, *carriers])
 
 
-def _done(flight: Flight, actions: Sequence[str], things: Sequence[str]) -> float:
+def _done(flight: FlightRecords, actions: Sequence[str], things: Sequence[str]) -> float:
     """Time (s) at which one of some actions was first done to one of some things; never: infinity."""
     events = flight.scenario.mission.events.values()
     return min(
@@ -153,7 +151,7 @@ def _done(flight: Flight, actions: Sequence[str], things: Sequence[str]) -> floa
 # ---- consequences ------------------------------------------------------------------------------------------
 
 
-def _consequences(flight: Flight) -> list[Consequence]:
+def _consequences(flight: FlightRecords) -> list[Consequence]:
     """Propellant used up, an engine cut off in the air, and before a crash no parachute, no engine, or no
     landing that keeps the constraints of powered guidance.
     """
@@ -163,7 +161,7 @@ def _consequences(flight: Flight) -> list[Consequence]:
     return found
 
 
-def _empty_tanks(flight: Flight) -> list[Consequence]:
+def _empty_tanks(flight: FlightRecords) -> list[Consequence]:
     vehicle, times = flight.loaded.truth.vehicle, flight.plant["exhausted_time"][0]
     empty = {
         ran_empty(tank, vehicle): float(t)
@@ -175,7 +173,7 @@ def _empty_tanks(flight: Flight) -> list[Consequence]:
     return [Consequence(t, words, f"{words} at {t:.1f} s") for words, t in empty.items()]
 
 
-def _cut_off(flight: Flight) -> list[Consequence]:
+def _cut_off(flight: FlightRecords) -> list[Consequence]:
     """The first cut-off above the ground."""
     names = _engines(flight)
     t, met = _done(flight, ("cut_off",), names), float(flight.plant["touchdown_time"][0])
@@ -186,7 +184,7 @@ def _cut_off(flight: Flight) -> list[Consequence]:
     return [Consequence(t, words.format(""), words.format(f"{height:.1f} m ") + f" at {t:.1f} s")]
 
 
-def _relaxed(flight: Flight) -> list[Consequence]:
+def _relaxed(flight: FlightRecords) -> list[Consequence]:
     """The most constraints that powered guidance relaxed, which it does not do while it can land."""
     times = flight.fsw[0]["guidance"]["relaxed"]["t"]
     noted = np.flatnonzero(times > 0.0)
@@ -197,13 +195,13 @@ def _relaxed(flight: Flight) -> list[Consequence]:
     return [Consequence(t, words, f"{words} from {height:.0f} m at {t:.1f} s")]
 
 
-def _engines(flight: Flight) -> list[str]:
+def _engines(flight: FlightRecords) -> list[str]:
     """Names of engines, and of groups of them."""
     vehicle = flight.scenario.vehicle
     return [*(engine.name for engine in vehicle.engines), *vehicle.engine_groups]
 
 
-def _left_undone(flight: Flight) -> list[Consequence]:
+def _left_undone(flight: FlightRecords) -> list[Consequence]:
     """What a mission that crashed has not done of what it was to do."""
     met, vehicle = float(flight.plant["touchdown_time"][0]), flight.scenario.vehicle
     planned = {(event.action, event.thing) for event in flight.scenario.mission.events.values()}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from edl6dof.metrics.balance import balance_figures
@@ -20,13 +18,11 @@ from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.forms import Flown
 from edl6dof.metrics.hazard import drift_figures, hazard_figures
 from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.telemetry.timeline import first_times, moments
 
-if TYPE_CHECKING:
-    from edl6dof.sim.flight import Flight
 
-
-def figures_of(flight: Flight) -> dict[str, float]:
+def figures_of(flight: FlightRecords) -> dict[str, float]:
     """Figures by name with unit suffix."""
     scenario, truth, plant = flight.scenario, flight.loaded.truth, flight.plant[0]
     happened = first_times(moments(plant, flight.fsw[0], scenario.mission, scenario.vehicle))
@@ -51,7 +47,7 @@ def figures_of(flight: Flight) -> dict[str, float]:
         return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
 
 
-def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+def _hazard(flight: FlightRecords, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
     """What hazard detection did and what it kept away from; empty without it."""
     if flight.scenario.flight_software.hazard.detection == "given":
         return {}
@@ -61,7 +57,7 @@ def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -
     )
 
 
-def _deployment(flight: Flight, figures: dict[str, float]) -> dict[str, float]:
+def _deployment(flight: FlightRecords, figures: dict[str, float]) -> dict[str, float]:
     """Miss of the aim point where the parachute opened; empty without a mortar or without entry guidance."""
     phases = flight.scenario.mission.phases
     if "parachute_s" not in figures or all(phase.guidance != "entry" for phase in phases):

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import Records
+from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.functions import functions_of
 from edl6dof.sim.helper import Helper

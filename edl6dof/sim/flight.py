@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.named import Named
+from edl6dof.config.errors import Named
 from edl6dof.interface.roles import during
-from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks
-from edl6dof.metrics.exclusions import Exclusion, exclusions
 from edl6dof.scenario import records
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause
-from edl6dof.sim.flown import Flown
+from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.sim.happened import happened
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.termination import Termination, goal_code, termination
 from edl6dof.sim.underway import Underway, continue_from, log_rows, resolved_text
-from edl6dof.telemetry.columns import Telemetry
-from edl6dof.telemetry.landing_map import LandingMap, landing_map
 from edl6dof.telemetry.timeline import timeline
 
 if TYPE_CHECKING:
@@ -40,76 +36,18 @@ Progress = Callable[[float, float, str, float, float], None]
 
 
 @dataclass(repr=False)
-class Flight:
-    """One finished flight.
-
-    Attributes:
-        loaded: scenario and where it came from.
-        case: true parameters, ``CASE`` record array of length one.
-        tables: the arrays that the case reads, ``TABLES``, shared with others.
-        plant: final true state, ``STATE`` record.
-        outputs: what follows from it, ``OUTPUTS`` record.
-        peaks: the largest loads met, ``PEAKS`` record.
-        fsw: final flight-software memory.
-        log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
-        aim_point: latitude and longitude (rad) that entry guidance steered to.
-        code: outcome code of the loop.
-        flown_cycles: base cycles flown by this call.
-        saved: the state that was to be kept, if the flight came so far.
-        not_finite: first quantity that was not finite, if that ended the flight.
-    """
-
-    loaded: LoadedScenario
-    case: np.ndarray
-    tables: np.ndarray
-    plant: np.ndarray
-    outputs: np.ndarray
-    peaks: np.ndarray
-    fsw: np.ndarray
-    log: np.ndarray
-    aim_point: tuple[float, float]
-    code: int
-    flown_cycles: int = 0
-    saved: State | None = field(default=None, repr=False)
-    not_finite: str | None = None
+class Flight(FlightRecords):
+    """One finished flight: events, figures, limits and outcome of what it leaves."""
 
     def __repr__(self) -> str:
         rows = f"{len(self.log)} rows of telemetry"
         return f"<Flight {self.name}: {self.outcome} at t = {self.time_s:.1f} s, {rows}>"
-
-    @property
-    def scenario(self) -> Scenario:
-        """The validated scenario."""
-        return self.loaded.scenario
-
-    @property
-    def name(self) -> str:
-        """Name of the scenario."""
-        return self.scenario.name
-
-    @property
-    def phase_names(self) -> list[str]:
-        """Names of the mission phases; ``guide.phase`` is the index."""
-        return self.scenario.phase_names
 
     def during(self, role: str) -> np.ndarray:
         """Rows of telemetry from the first to the last phase of a role, shape (rows,), bool; none where no
         phase has it.
         """
         return during(self.telemetry["guide.phase"], self.scenario.phase_roles, role)
-
-    @property
-    def time_s(self) -> float:
-        """Time at the end of the flight."""
-        return float(self.plant["t"][0])
-
-    @cached_property
-    def telemetry(self) -> Telemetry:
-        """Columns by name, each shape (rows,), in the unit of the name's suffix; see
-        ``edl6dof.telemetry.channels``.
-        """
-        scenario = self.scenario
-        return Telemetry(self.log, scenario.thruster_names, scenario.beam_names, list(scenario.branches))
 
     def release_log(self) -> None:
         """Let the telemetry go and keep the results: events, figures, limits, outcome."""
@@ -124,24 +62,9 @@ class Flight:
         return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, befell)
 
     @cached_property
-    def isolated_faults(self) -> list[IsolatedFault]:
-        """Thrusters the flight computer took out of use, and why."""
-        return isolated_faults(self.fsw[0], self.scenario.thruster_names)
-
-    @cached_property
-    def exclusions(self) -> list[Exclusion]:
-        """Instruments that the flight computer took out of use and back."""
-        return exclusions(self.fsw[0], self.scenario.components)
-
-    @cached_property
     def metrics(self) -> Named[float]:
         """Figures of the flight by name with unit suffix."""
         return Named("figure", figures_of(self))
-
-    @cached_property
-    def landing_map(self) -> LandingMap | None:
-        """What the lander saw of the ground and chose on it; ``None`` without a spot chosen from a scan."""
-        return landing_map(self.fsw[0])
 
     @cached_property
     def checks(self) -> list[Check]:
@@ -163,7 +86,7 @@ class Flight:
     @cached_property
     def termination(self) -> Termination:
         """How the flight ended."""
-        return termination(self)
+        return termination(self, self.metrics, self.checks)
 
     @property
     def outcome(self) -> str:
@@ -176,12 +99,6 @@ class Flight:
         for a success.
         """
         return self.termination.cause
-
-    @property
-    def phase(self) -> str:
-        """Name of the last phase."""
-        names = self.phase_names
-        return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
 
     @cached_property
     def resolved_scenario(self) -> str:
@@ -260,7 +177,7 @@ def fly(
     return flight_of(flight, saved)
 
 
-def flight_of(underway: Underway | Flown, saved: State | None = None) -> Flight:
+def flight_of(underway: Underway, saved: State | None = None) -> Flight:
     """What has become of a flight, with the telemetry since it began; the records stay its own."""
     loaded, code = underway.loaded, underway.code
     wrong = None

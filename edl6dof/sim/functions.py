@@ -16,8 +16,8 @@ from edl6dof.fsw.functions import CYCLE, software_functions
 from edl6dof.fsw.onboard import FSW
 from edl6dof.kernels.functions import NOTHING, Bundle, function_type, kind_of, passed
 from edl6dof.registry import Place
-from edl6dof.scenario.case import CASE
 from edl6dof.scenario.records import TABLES
+from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS, measure
 from edl6dof.vehicle.faults.fault import FAULT
 from edl6dof.vehicle.faults.registry import inflict_kind

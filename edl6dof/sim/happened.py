@@ -4,23 +4,19 @@ flight computer found of them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.telemetry.timeline import Moment, moment
 from edl6dof.vehicle.plant import NOT_BEGUN
 
-if TYPE_CHECKING:
-    from edl6dof.sim.flight import Flight
 
-
-def happened(flight: Flight) -> list[Moment]:
+def happened(flight: FlightRecords) -> list[Moment]:
     """Moments for the timeline of a flight."""
     return [*_wing(flight), *_faults(flight), *_found(flight)]
 
 
-def _wing(flight: Flight) -> list[Moment]:
+def _wing(flight: FlightRecords) -> list[Moment]:
     """The trim wing at the end of its way, of several the last, unless a fault stopped one before."""
     truth, plant = flight.loaded.truth, flight.plant[0]
     starts = zip(truth.vehicle.surfaces, plant["wing_start"], strict=False)
@@ -33,7 +29,7 @@ def _wing(flight: Flight) -> list[Moment]:
     return [] if stopped or opened > flight.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
 
 
-def _faults(flight: Flight) -> list[Moment]:
+def _faults(flight: FlightRecords) -> list[Moment]:
     """Faults that began."""
     truth = flight.loaded.truth
     return [
@@ -43,7 +39,7 @@ def _faults(flight: Flight) -> list[Moment]:
     ]
 
 
-def _found(flight: Flight) -> list[Moment]:
+def _found(flight: FlightRecords) -> list[Moment]:
     """Thrusters and instruments that the flight computer took out of use."""
     found = [
         moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from edl6dof.config.named import UnknownName
+from edl6dof.config.errors import UnknownName
 from edl6dof.config.units import UNITS
 from edl6dof.interface.thrusters import THRUSTER_FAILURES
 from edl6dof.spatial.arrays import lengths, tan

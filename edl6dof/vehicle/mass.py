@@ -11,7 +11,6 @@ nose, x forward).
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
@@ -68,21 +67,8 @@ class Tank(Body):
     )
 
 
-#: How a part is written.
-PART_FORM = (
-    "vehicle.parts, a list: {name: NAME, mass_kg: ..., centre_m: [...], inertia_kg_m2: [...], "
-    "shape: none, separation_velocity_m_s: [...], drag_area_m2: ...}"
-)
-
-
 class MassParams(Hardware):
     """Mass properties of the entry vehicle, with its propellant."""
-
-    former: ClassVar = {
-        "propellant": "vehicle.tanks, a list: {name: main, mass_kg: ..., centre_m: [...], "
-        "inertia_kg_m2: [...]}",
-        **{name: PART_FORM.replace("NAME", name) for name in ("heat_shield", "backshell", "parachute")},
-    }
 
     entry_kg: float = param(
         REQUIRED,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import ConfigDict, field_validator, model_validator
@@ -58,13 +58,6 @@ class VehicleParams(Hardware):
     """An entry vehicle and everything that leaves it."""
 
     model_config = ConfigDict(json_schema_extra=_or_daveml)
-
-    former: ClassVar = {
-        "engine": "vehicle.engines, a list: {name: main, full_thrust_n: ..., nozzle_m: [...], ...}",
-        "trim_wing": "vehicle.surfaces, a list: {name: trim_wing, carried_by: backshell, area_m2: ..., ...}",
-        "parachute": "vehicle.parachutes, a list: {name: main, pack: parachute, carried_by: backshell, ...}",
-        "staging": "separation_velocity_m_s and drag_area_m2 of each of vehicle.parts, and delay_s of events",
-    }
 
     name: Title = param(REQUIRED, "name of the vehicle", record=False)
     daveml: list[str] = param(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from edl6dof.app.inspect import run_check
+from edl6dof.cli.inspection import check_files
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -35,7 +35,7 @@ def test_every_block_of_a_page_runs(page, tmp_path, monkeypatch, capsys):
     text = (DOCS / page).read_text(encoding="utf-8")
     for name, content in files(text).items():
         Path(name).write_text(content, encoding="utf-8")
-        assert run_check([name], ()) == 0, capsys.readouterr().err
+        assert check_files([name], ()) == 0, capsys.readouterr().err
     code = program(text)
     assert len(re.findall(r"\S", code)) > 150
     exec(compile(code, str(DOCS / page), "exec"), {"__name__": page})

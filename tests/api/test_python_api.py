@@ -182,6 +182,12 @@ def test_a_folder_is_what_the_command_writes(flight, folder, tmp_path, monkeypat
         flight.save(folder)
 
 
+def test_a_folder_that_must_not_be_replaced_is_refused_before_the_flight(folder, monkeypatch):
+    monkeypatch.setattr("edl6dof.api.flight.fly_loaded", lambda *_, **__: pytest.fail("flown in vain"))
+    with pytest.raises(edl6dof.ConfigError, match="exists"):
+        edl6dof.fly("tianwen1", SHORT, out=folder)
+
+
 def test_a_saved_state_goes_on(flight, tmp_path):
     half = edl6dof.fly("tianwen1", SHORT, save_at_s=10.0, out=tmp_path / "run", replay=False)
     later = edl6dof.fly(start=tmp_path / "run" / "state.npz")

@@ -9,7 +9,7 @@ import sys
 import in_process
 import pytest
 
-from edl6dof.app import study
+from edl6dof.cli import studies as study
 
 HUGE = "99999999999999999999"
 LONGEST = "x" * 150

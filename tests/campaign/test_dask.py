@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import time
+from types import SimpleNamespace
 
 import campaign_run
 import pytest
@@ -14,6 +15,8 @@ pytest.importorskip("distributed")
 
 from cluster import impatient_program, scheduler, worker, worker_with_another_numpy
 from forked import Forked, finished
+
+from edl6dof.campaign.engines import Dask
 
 
 def begun(folder, campaign, parts=1):
@@ -96,6 +99,26 @@ def test_scheduler_is_killed(tmp_path, undisturbed):
     ), err
     assert finished("campaign", "runs/drops", "--resume", "-q", cwd=tmp_path)[0] == 0
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
+
+
+class InterruptedOnce:
+    """A task of distributed whose wait is cancelled once, as a worker dies in that moment."""
+
+    status = "pending"
+
+    def __init__(self, rows):
+        self.answers = [UnboundLocalError("result"), TimeoutError(), rows]
+
+    def result(self, timeout):
+        if isinstance(answer := self.answers.pop(0), Exception):
+            raise answer
+        return answer
+
+
+def test_a_wait_that_is_cancelled_begins_again():
+    """``distributed.utils.sync`` fails with an ``UnboundLocalError`` then, which ended the program."""
+    client = SimpleNamespace(nthreads=lambda: {"tcp://127.0.0.1:1": 1})
+    assert Dask(client)._result(InterruptedOnce([{"case": 0}])) == [{"case": 0}]
 
 
 def test_worker_that_is_no_copy_is_refused(tmp_path):

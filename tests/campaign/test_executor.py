@@ -9,8 +9,8 @@ import pytest
 
 import edl6dof
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import NotApplied
 from edl6dof.campaign.executor import CaseRunner, fly_cases, in_threads
-from edl6dof.campaign.readback import NotApplied, applied
 
 GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed=7"]
 CASES = [
@@ -122,25 +122,15 @@ def test_caller_may_not_hide_a_figure(loaded):
         fly_cases(loaded, CASES[:1], collect=lambda flight: {"touchdown_s": 0.0})
 
 
-@pytest.mark.parametrize("known", [False, True], ids=["first case", "later case"])
-def test_value_that_did_not_arrive_is_noticed(loaded, known):
+def test_value_that_did_not_arrive_is_noticed(loaded):
     """The classic failure: a dispersion that nobody applies."""
-    variant, places = CaseRunner(loaded).variants.build(CASES[0]), {}
-    if known:
-        applied(variant, CASES[0].truth, CASES[0].told, places)
-        assert list(places) == ["vehicle.mass.entry_kg"]
-    assert applied(variant, CASES[0].truth, CASES[0].told, places) == {
-        "truth.vehicle.mass.entry_kg": 1290.0,
-        "profile": 0,
-    }
-    variant.parts.case["vehicle"]["mass"]["entry"] = 1285.0
-    with pytest.raises(NotApplied, match="its record holds 1285"):
-        applied(variant, CASES[0].truth, CASES[0].told, places)
+    variant = CaseRunner(loaded).variants.build(CASES[0])
+    assert variant.applied(CASES[0]) == {"truth.vehicle.mass.entry_kg": 1290.0, "profile": 0}
     with pytest.raises(NotApplied, match=r"should be 1200.0 and is 1290.0"):
-        applied(variant, {"vehicle.mass.entry_kg": 1200.0}, {}, places)
+        variant.applied(Case(0, truth={"vehicle.mass.entry_kg": 1200.0}))
 
 
-def test_readback_reaches_list_elements_in_their_units(loaded):
+def test_changes_of_list_elements_reach_the_record_in_its_units(loaded):
     case = Case(
         0,
         truth={
@@ -149,17 +139,11 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
             "vehicle.engines.main.misalignment_y_deg": 0.1,
         },
     )
-    variant, places = CaseRunner(loaded).variants.build(case), {}
-    for _ in range(2):
-        assert applied(variant, case.truth, {}, places) == {
-            f"truth.{path}": value for path, value in case.truth.items()
-        }
+    variant = CaseRunner(loaded).variants.build(case)
+    assert variant.applied(case) == {f"truth.{path}": value for path, value in case.truth.items()}
     record = variant.parts.case[0]["vehicle"]
     assert record["rcs"]["thrusters"][2]["thrust"] == 240.0
     assert record["engines"][0]["misalignment_y"] == pytest.approx(np.radians(0.1))
-    record["rcs"]["thrusters"][2]["thrust"] = 250.0
-    with pytest.raises(NotApplied, match="D3"):
-        applied(variant, case.truth, {}, places)
 
 
 def test_whole_sections_and_values_of_unlike_shape_make_a_column(loaded):

@@ -16,14 +16,13 @@ from campaign_run import write_drop
 from forked import Forked
 
 import edl6dof
-from edl6dof.app.faults import flight
-from edl6dof.app.faults.choice import matrix_of
-from edl6dof.app.faults.command import Wanted
-from edl6dof.app.faults.moments import moments_at
+from edl6dof.api import fault_matrix
+from edl6dof.api.fault_matrix import matrix_of, moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
-from edl6dof.campaign.faults import matrix_plan
+from edl6dof.campaign.fault_kinds import matrix_plan
 from edl6dof.campaign.storage.store import Store
+from edl6dof.cli.campaign_flight import require_no_values
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario
 
@@ -59,7 +58,7 @@ def tianwen1():
 
 def plan(wanted, scenario="tianwen1", sets=(), vehicles=None, seed=None):
     loaded = load_scenario(scenario, sets)
-    return matrix_plan(scenario, matrix_of(wanted, loaded), sets, vehicles, seed)
+    return matrix_plan(scenario, matrix_of(loaded, **wanted), sets, vehicles, seed)
 
 
 def test_moments_are_times_intervals_and_events_of_the_nominal_flight(tianwen1, nominal):
@@ -86,7 +85,7 @@ def test_an_event_that_does_not_happen_is_refused():
 
 
 def test_every_two_thrusters_make_a_cell_that_names_both():
-    pairs = plan(Wanted(pairs=True, kinds="stuck_off,degraded", at="450,500"))
+    pairs = plan(dict(pairs=True, kinds="stuck_off,degraded", at="450,500"))
     assert pairs.count == 231 * 2 * 2
     cases = list(pairs.cases())
     assert [case.index for case in cases] == list(range(pairs.count))
@@ -102,7 +101,7 @@ def test_every_cell_is_flown_on_the_same_dispersed_vehicles_and_on_no_fault_of_t
     file = tmp_path / "c.yaml"
     lost = "{chance: 1.0, one_of: [{kind: wing_lost, at: {time_s: 0}}]}"
     file.write_text(f"extends: tianwen1_mc\ncampaign:\n  faults: [{lost}]\n")
-    dispersed = plan(Wanted(components="D1,D2", at="60"), str(file), vehicles=3, seed=9)
+    dispersed = plan(dict(components="D1,D2", at="60"), str(file), vehicles=3, seed=9)
     first, second = (
         [{path: value for path, value in case.truth.items() if path != "faults"} for case in cases]
         for cases in (dispersed.cases(0, 3), dispersed.cases(3, 6))
@@ -111,14 +110,14 @@ def test_every_cell_is_flown_on_the_same_dispersed_vehicles_and_on_no_fault_of_t
     assert [case.profile for case in dispersed.cases()] == [0, 1, 2, 0, 1, 2]
     faults = [case.truth["faults"] for case in dispersed.cases()]
     assert [[fault["thruster"] for fault in some] for some in faults] == [["D1"]] * 3 + [["D2"]] * 3
-    other = plan(Wanted(components="D1,D2", at="60"), str(file), vehicles=3, seed=10)
+    other = plan(dict(components="D1,D2", at="60"), str(file), vehicles=3, seed=10)
     assert next(other.cases()).truth != next(dispersed.cases()).truth
-    nominal = plan(Wanted(components="D1,D2", at="60"), str(file))
+    nominal = plan(dict(components="D1,D2", at="60"), str(file))
     assert nominal.count == 2 and set(next(nominal.cases()).truth) == {"faults"}
 
 
 def test_plan_written_out_gives_the_same_cells(tmp_path):
-    first = plan(Wanted(kinds="all", at="60,129.5", pairs=True), "tianwen1_mc", vehicles=2)
+    first = plan(dict(kinds="all", at="60,129.5", pairs=True), "tianwen1_mc", vehicles=2)
     again = parse_plan(first.text, "again")
     assert again.text == first.text and list(again.cases(500, 520)) == list(first.cases(500, 520))
 
@@ -184,7 +183,14 @@ def test_what_flies_another_matrix_does_not_join_a_folder(here):
     assert (here / "m" / "cases.parquet").read_bytes() == before
 
 
-@pytest.mark.parametrize("owner, name", [(flight, "matrix_of"), (executor.CaseRunner, "prepared")])
+@pytest.mark.parametrize("given", [0, 0.0, "D7", ("seed=3",), True])
+def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
+    require_no_values(Path("m"), None, (), "", False)
+    with pytest.raises(ConfigError, match="m: has its plan; it takes no other values"):
+        require_no_values(Path("m"), None, given)
+
+
+@pytest.mark.parametrize("owner, name", [(fault_matrix, "matrix_of"), (executor.CaseRunner, "prepared")])
 def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
     def interrupt(*_, **__):
         raise KeyboardInterrupt

@@ -18,9 +18,9 @@ from edl6dof.campaign import engines, run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.storage import identity as origin
-from edl6dof.campaign.storage.files import StoreError
-from edl6dof.campaign.storage.inputs import input_files
+from edl6dof.campaign.storage.identity import input_files
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import ConfigError
 from edl6dof.environment import profile_file
 
 DATA = ROOT / "edl6dof" / "data"
@@ -137,10 +137,10 @@ def test_table_changed_between_kill_and_resume(tmp_path, thin_air):
         run.fly(plan, store, Changing(stop))
     table.write_text(changed)
     first, second = (hashlib.sha256(text.encode()).hexdigest()[:12] for text in (was, changed))
-    with pytest.raises(StoreError, match=f"file {table}: was {first}, is {second}"):
+    with pytest.raises(ConfigError, match=f"file {table}: was {first}, is {second}"):
         run.resumed_plan(store)
     table.unlink()
-    with pytest.raises(StoreError, match=f"file {table}: was {first}, is gone"):
+    with pytest.raises(ConfigError, match=f"file {table}: was {first}, is gone"):
         run.resumed_plan(store)
     table.write_text(was)
     run.fly(run.resumed_plan(store), store, Threads())
@@ -159,7 +159,7 @@ def test_scenario_edited_between_kill_and_resume(tmp_path, thin_air):
     was = own.read_text()
     assert was.count("speed_m_s: 50.0") == 1
     own.write_text(was.replace("speed_m_s: 50.0", "speed_m_s: 51.0"))
-    with pytest.raises(StoreError, match="campaign.yaml"):
+    with pytest.raises(ConfigError, match="campaign.yaml"):
         run.fly(run.resumed_plan(store), store, Threads())
     own.write_text(was)
     os.utime(own, (0, 0))  # a clock that was set back in between has no say
@@ -171,7 +171,7 @@ def test_table_changed_while_it_flies(tmp_path, thin_air):
     plan, table, was, changed, undisturbed = thin_air
     store = Store(tmp_path / "out")
     run.begin(plan, store, None)
-    with pytest.raises(StoreError, match=f"{table} changed while it was flown"):
+    with pytest.raises(ConfigError, match=f"{table} changed while it was flown"):
         run.fly(plan, store, Changing(lambda: table.write_text(changed)))
     assert len(store.parts.indices()) == 2 and not store.complete
     table.write_text(was)
@@ -185,11 +185,11 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
     run.begin(plan, store, None)
     shutil.copytree(DATA, tmp_path / "edl6dof" / "data")
     monkeypatch.setattr(profile_file, "_DATA", tmp_path / "edl6dof" / "data" / "atmosphere")
-    monkeypatch.setattr(origin, "_PACKAGE", tmp_path / "edl6dof")
+    monkeypatch.setattr(origin, "PACKAGE", tmp_path / "edl6dof")
     copy = tmp_path / "edl6dof" / "data" / "atmosphere" / AIR.name
     copy.write_bytes(AIR.read_bytes() + b"\n")
     with pytest.raises(
-        StoreError, match=(f"file edl6dof/data/atmosphere/{AIR.name}: was [0-9a-f]{{12}}, is [0-9a-f]{{12}}")
+        ConfigError, match=(f"file edl6dof/data/atmosphere/{AIR.name}: was [0-9a-f]{{12}}, is [0-9a-f]{{12}}")
     ):
         run.resumed_plan(store)
 
@@ -200,7 +200,7 @@ def test_other_versions_are_named_each(tmp_path, monkeypatch, library, sampling)
     run.begin(plan, store, None)
     monkeypatch.setattr(getattr(origin, library), "__version__", "0.7")
     monkeypatch.setattr(edl6dof, "__version__", "9.9")
-    with pytest.raises(StoreError, match=rf"edl6dof: was .*, is 9.9; {library}: was .*, is 0.7\)"):
+    with pytest.raises(ConfigError, match=rf"edl6dof: was .*, is 9.9; {library}: was .*, is 0.7\)"):
         run.resumed_plan(store)
 
 
@@ -211,7 +211,7 @@ def test_what_moves_no_bit_is_in_no_identity(tmp_path, monkeypatch):
     for folder in ("fsw", "report"):
         (package / folder).mkdir(parents=True)
         (package / folder / "a.py").write_text("1")
-    monkeypatch.setattr(origin, "_PACKAGE", package)
+    monkeypatch.setattr(origin, "PACKAGE", package)
     hashes = []
     for changed in ("fsw", "report"):
         origin.source_hash.cache_clear()

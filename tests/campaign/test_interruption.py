@@ -12,11 +12,12 @@ import in_process
 import pytest
 from campaign_run import write_drop
 
-from edl6dof.app import campaign_flight
 from edl6dof.campaign import executor, run
+from edl6dof.campaign.design import plan as plans
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.storage import store
 from edl6dof.campaign.storage.store import Store
+from edl6dof.cli import campaign_flight
 
 GO_ON = "interrupted; what has flown is kept; go on with: edl6dof campaign runs/drops --resume\n"
 NOTHING = "interrupted; nothing was written\n"
@@ -51,7 +52,7 @@ def file(tmp_path, monkeypatch):
         pytest.param(run, "differences", marks=pytest.mark.long),
         (run, "parse_plan"),
         pytest.param(store.Store, "tidy", marks=pytest.mark.long),
-        pytest.param(campaign_flight, "announce_compiling", marks=pytest.mark.long),
+        pytest.param(campaign_flight, "count_runs", marks=pytest.mark.long),
         (executor.CaseRunner, "prepared"),
         pytest.param(store.Store, "finish", marks=pytest.mark.long),
     ],
@@ -70,7 +71,7 @@ def test_resume_is_interrupted_while_the_program_loads(file, monkeypatch):
     load = builtins.__import__
 
     def loading(name, *more, **named):
-        return interrupt() if name == "edl6dof.app.campaign_flight" else load(name, *more, **named)
+        return interrupt() if name == "edl6dof.cli.campaign_flight" else load(name, *more, **named)
 
     monkeypatch.setattr(builtins, "__import__", loading)
     assert command("campaign", "runs/drops", "--resume") == (130, GO_ON)
@@ -81,7 +82,7 @@ def test_resume_is_interrupted_while_the_program_loads(file, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "owner, name", [(campaign_flight, "load_plan"), (store.Store, "check_new"), (store, "write_sealed")]
+    "owner, name", [(plans, "load_plan"), (store.Store, "check_new"), (store, "write_sealed")]
 )
 def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, name):
     monkeypatch.setattr(owner, name, interrupt)
@@ -89,9 +90,8 @@ def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, 
     assert not Path("runs").exists()
 
 
-@pytest.mark.parametrize("name", ["announce_compiling", "_progress"])
-def test_new_campaign_is_interrupted_when_it_has_begun(file, monkeypatch, name):
-    monkeypatch.setattr(campaign_flight, name, interrupt)
+def test_new_campaign_is_interrupted_when_it_has_begun(file, monkeypatch):
+    monkeypatch.setattr(campaign_flight, "count_runs", interrupt)
     assert command("campaign", file) == (130, GO_ON)
     assert Store(Path("runs/drops")).plan_text == load_plan(file).text
 

@@ -19,8 +19,8 @@ from forked import Forked, finished, program_with_small_files
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.storage import identity as origin
-from edl6dof.campaign.storage.files import StoreError
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import ConfigError
 from edl6dof.config.plugin_scan import files_naming_plugins
 
 FOLDER = Path("runs/drops")
@@ -143,6 +143,7 @@ from campaign_run import write_drop
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import ConfigError
 
 class NullPlant:
     def rows(self, plan, ranges):
@@ -193,11 +194,11 @@ def test_folder_remembers_its_plugins(tmp_path, monkeypatch):
         (lambda: origin.received.clear() or plugin.unlink(), "is gone"),
     ):
         change()
-        with pytest.raises(StoreError, match=f"plugin {plugin}: was {was[:12]}, {words}"):
+        with pytest.raises(ConfigError, match=f"plugin {plugin}: was {was[:12]}, {words}"):
             run.resumed_plan(store)
     monkeypatch.setattr(origin, "received", [str(plugin), "/other.py"])
     plugin.write_text("x = 1\n")
-    with pytest.raises(StoreError, match="plugin /other.py: was not there, is gone"):
+    with pytest.raises(ConfigError, match="plugin /other.py: was not there, is gone"):
         run.resumed_plan(store)
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import reduce
-from operator import getitem
 
 import numpy as np
 import pytest
@@ -19,8 +17,6 @@ from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
 from edl6dof.scenario.belief import believe
-from edl6dof.scenario.case import CASE, CASE_PARTS
-from edl6dof.scenario.cross_checks import CROSS_CHECKS
 from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.table import FLOWN, AeroInputs, aero_inputs, build_aero_table
@@ -153,31 +149,26 @@ def test_belief_follows_from_what_is_declared_alone(section):
     )
 
 
-@pytest.mark.parametrize("part", CASE_PARTS, ids=lambda part: "-".join(part.fields))
-def test_a_part_of_a_case_follows_from_what_is_declared_alone(part):
-    """What ``CasePart.sections`` promises: cases that share them share the fields."""
-    scenario = edl6dof.load("tianwen1").scenario
-    tables, case = records.build_tables(scenario), np.zeros(1, CASE)
-    others = Scenario.model_fields.keys() - part.sections
-    part.fill(case[0], scenario.model_copy(update=dict.fromkeys(others)), tables[0])
-    expected = records.build_case(scenario, tables)
-    for path in part.fields:
-        mine, own = (reduce(getitem, path.split("."), records) for records in (case, expected))
-        assert mine.tobytes() == own.tobytes()
+@pytest.mark.parametrize("name", ["tianwen1_mc", "msl_mc", "stardust_mc"])
+def test_every_dispersion_alone_changes_what_flies(name):
+    """The classic failure of Monte Carlo tools: a dispersion that nobody applies."""
+    plan = load_plan(name)
+    made, case = Variants(plan.loaded), next(plan.cases(0, 1))
+    nominal = made.nominal
+    for path, value in case.truth.items():
+        alone = made.build(Case(0, truth={path: value}))
+        assert world(alone) != world(nominal), path
+        assert alone.parts.onboard.tobytes() == nominal.parts.onboard.tobytes(), path
+    for path, value in case.belief.items():
+        alone = made.build(Case(0, belief={path: value}))
+        assert alone.parts.onboard.tobytes() != nominal.parts.onboard.tobytes(), path
 
 
-def test_every_field_of_a_case_is_a_part():
-    filled = [path for part in CASE_PARTS for path in part.fields]
-    inner = [f"sensors.{name}" for name in CASE["sensors"].names]
-    assert sorted(filled) == sorted([*(name for name in CASE.names if name != "sensors"), *inner])
-
-
-@pytest.mark.parametrize("check", CROSS_CHECKS, ids=lambda check: "-".join(sorted(check.sections)))
-def test_what_fits_together_follows_from_what_is_declared_alone(check):
-    """What ``CrossCheck.sections`` promises: a case that changes none of them fits too."""
-    scenario = edl6dof.load("tianwen1").scenario
-    others = Scenario.model_fields.keys() - check.sections
-    assert not check.problems(scenario.model_copy(update=dict.fromkeys(others)))
+def world(variant):
+    """What the flight computer is not told: case, tables, and where the flight begins."""
+    case, tables, _ = variant.parts
+    plant = records.initial_plant(variant.loaded.truth, case)
+    return case.tobytes(), tables.tobytes(), plant.tobytes()
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from edl6dof.app.verify import run_verify
+from edl6dof.cli.check_cases import run_cases
 from edl6dof.verify import check
 from edl6dof.verify.outcome import NotInstalledError, Outcome, Result
 
@@ -25,7 +25,7 @@ def absent():
 
 
 def test_json_of_two_cases(capsys):
-    assert run_verify(["kepler", "rotations"], True, None) == 0
+    assert run_cases(["kepler", "rotations"], True, None) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["passed"] and [case["case"] for case in answer["cases"]] == ["kepler", "rotations"]
     result = answer["cases"][0]["results"][0]
@@ -38,25 +38,25 @@ def test_json_of_two_cases(capsys):
 )
 def test_a_case_that_fails_or_breaks_or_proves_nothing_fails_the_command(monkeypatch, capsys, case, text):
     monkeypatch.setitem(check.CASES, "kepler", case)
-    assert run_verify(["kepler", "us76_table"], False, None) == 1
+    assert run_cases(["kepler", "us76_table"], False, None) == 1
     assert text in capsys.readouterr().out
-    assert run_verify(["kepler"], True, None) == 1
+    assert run_cases(["kepler"], True, None) == 1
     json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
 
 
 def test_missing_reference_data_skip_the_case_with_a_line(monkeypatch, capsys):
     monkeypatch.setitem(check.CASES, "nesc", absent)
     assert check.run_case("nesc").skipped
-    assert run_verify(["nesc", "us76_table"], False, None) == 0
+    assert run_cases(["nesc", "us76_table"], False, None) == 0
     assert "skipped: nesc: no data" in capsys.readouterr().out
 
 
 def test_unknown_case_is_refused_with_a_hint(capsys):
-    assert run_verify(["keplr"], False, None) == 2
+    assert run_cases(["keplr"], False, None) == 2
     assert "kepler" in capsys.readouterr().err
 
 
 def test_plots(tmp_path):
     pytest.importorskip("matplotlib")
-    assert run_verify(["kepler", "rotations"], True, tmp_path / "plots") == 0
+    assert run_cases(["kepler", "rotations"], True, tmp_path / "plots") == 0
     assert {path.name for path in (tmp_path / "plots").iterdir()} == {"kepler.png", "made.json"}

@@ -21,7 +21,7 @@ LAYERS = (
         "records",
         "__version__",
     ),
-    ("config", "another_version", "manifest", "registry", "plugins"),
+    ("config", "manifest", "registry", "plugins"),
     ("spatial",),
     ("interface",),
     ("interchange",),
@@ -38,7 +38,7 @@ LAYERS = (
     ("calibration", "design"),
     ("report", "replay"),
     ("verify", "missions"),
-    ("api", "gym", "serve", "studies", "cli", "app", "__init__", "__main__"),
+    ("api", "gym", "serve", "studies", "cli", "__init__", "__main__"),
 )
 HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}
 
@@ -92,11 +92,31 @@ def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str
             )
 
 
-def imports_at_load(source: str, module: str) -> Iterator[tuple[int, str]]:
-    """As :func:`imports`, without what stands inside functions or under ``if TYPE_CHECKING``."""
-    for node in parsed(source).body:
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            yield from imports(ast.unparse(node), module)
+def rings(sources: list[tuple[str, str]]) -> list[tuple[str, ...]]:
+    """Modules that import each other, wherever the statements stand: each ring once, by name."""
+    known = {name.removesuffix(".__init__") for name, _ in sources} - {"edl6dof"}
+    graph = {
+        name.removesuffix(".__init__"): {target for _, target in imports(source, name) if target in known}
+        for name, source in sources
+    }
+    reached = {name: _reached(graph, name) for name in known}
+    found = {
+        tuple(sorted(other for other in reached[name] if name in reached[other]))
+        for name in known
+        if name in reached[name]
+    }
+    return sorted(ring for ring in found if len(ring) > 1)
+
+
+def _reached(graph: dict[str, set[str]], start: str) -> set[str]:
+    """Modules that one imports, by way of others too."""
+    found: set[str] = set()
+    waiting = [start]
+    while waiting:
+        new = graph[waiting.pop()] - found
+        found |= new
+        waiting += new
+    return found
 
 
 def _called(node: ast.Call) -> str:

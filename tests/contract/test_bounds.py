@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 import edl6dof
-from edl6dof.campaign.design.params import CampaignParams, SweepParams
+from edl6dof.campaign.design.sections import CampaignParams, SweepParams
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.introspect import Slot, bounds, field_slot, is_model
 from edl6dof.config.units import DIMENSIONLESS, UNITS

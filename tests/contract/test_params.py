@@ -5,7 +5,7 @@ from typing import get_args
 import pytest
 
 from edl6dof.config.base import Status
-from edl6dof.config.reference import rows
+from edl6dof.config.parameter_table import rows
 from edl6dof.config.units import UNITS, split_unit
 from edl6dof.scenario.schema import Scenario
 

@@ -15,16 +15,14 @@ from edl6dof.config.document.locate import shipped_names
 
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
-    "edl6dof.app.covariance": {"parachute"},  # an event, as in the next two
-    "edl6dof.campaign.covariance.events": {"parachute"},
-    "edl6dof.cli.covariance": {"parachute"},
+    "edl6dof.campaign.covariance.event_figures": {"parachute"},  # an event, as in the next one
+    "edl6dof.cli.campaigns": {"parachute"},
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
-    "edl6dof.scenario.belief": {"lift"},
-    "edl6dof.scenario.believed_aero": {"lift"},
+    "edl6dof.scenario.believed_vehicle": {"lift"},
     "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
     "edl6dof.sim.observing": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
@@ -35,9 +33,7 @@ OTHER_MEANINGS = {
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022": {"landed"},  # column of a table
     "edl6dof.vehicle.faults.component": {"parachute"},  # kind of component
-    "edl6dof.vehicle.mass": {"parachute"},  # key of an older form, as in vehicle
     "edl6dof.vehicle.plant": {"parachute"},  # field of a record
-    "edl6dof.vehicle.vehicle": {"parachute"},
 }
 #: The list of roles, which takes its words from what phases are usually called.
 ROLES = "edl6dof.interface.roles"

@@ -155,7 +155,7 @@ def test_public_docstrings_have_an_entry_for_each_parameter():
 
 
 def test_generated_pages_have_every_parameter_channel_and_figure():
-    from edl6dof.config.reference import rows
+    from edl6dof.config.parameter_table import rows
     from edl6dof.metrics.figures import FIGURES
     from edl6dof.scenario.schema import Scenario
     from edl6dof.telemetry.channels import CHANNELS

@@ -72,7 +72,7 @@ def test_files_with_kernels_know_no_yaml_no_files_and_no_viewer():
     assert importing(with_kernels(), *READERS) == {}
 
 
-@pytest.mark.parametrize("folder", ["runs", "report", "replay", "cli", "app"])
+@pytest.mark.parametrize("folder", ["runs", "report", "replay", "cli", "api"])
 def test_results_and_command_line_know_no_physics(folder):
     found = modules(folder) or [(n, s) for n, s in EVERYTHING if n == f"edl6dof.{folder}"]
     if not found:
@@ -91,7 +91,7 @@ def test_results_and_command_line_know_no_physics(folder):
         "from edl6dof.vehicle.plant import STATE",
         "import edl6dof.environment.atmosphere as a",
         "from edl6dof import environment",
-        "def f():\n    from edl6dof.scenario.case import CASE",
+        "def f():\n    from edl6dof.scenario.truth import CASE",
         "from ..vehicle import mass",
         "from edl6dof.sensors.imu import READINGS",
         "import importlib\nimportlib.import_module('edl6dof.vehicle.mass')",

@@ -5,14 +5,14 @@ import pytest
 from scipy.optimize import brentq
 
 import edl6dof
-from edl6dof.app.design_entry import DesignOptions, run_design_entry
+from edl6dof.cli.designs import design_entry as design_entry_command
 from edl6dof.config.errors import ConfigError
 from edl6dof.design.entry_plan import figures, with_points
 from edl6dof.design.entry_profile import CLOSE, design_entry
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.start import start_of
 
 LIMITS = "flight_software.guidance.entry.limits"
 
@@ -95,15 +95,15 @@ def test_planned_loads_and_misses_are_those_of_the_flight(highest):
     assert highest.before.misses_m[0] == pytest.approx(0.5 * (ends[1] - ends[0]), rel=0.3)
 
 
-def options(out=None, **changes):
-    given = {"scenario": "msl", "sets": (), "points": 3, "reserve_deg": 10.0, "force": False}
-    return DesignOptions(out=out, **(given | {"maximise": None, "minimise": None} | changes))
+def run_design_entry(scenario="msl", **options):
+    """Status of the command."""
+    return design_entry_command(scenario, **({"points": 3} | options))
 
 
 def test_command_writes_a_scenario_whose_plan_is_the_designed_one_with_what_was_set(tmp_path, capsys):
     target = tmp_path / "designed.yaml"
     steeper = ("initial.flight_path_angle_deg=-15.6", "vehicle.rcs.thrusters.0.thrust_n=250.0")
-    assert run_design_entry(options(target, sets=steeper)) == 0
+    assert run_design_entry(out=target, sets=list(steeper)) == 0
     assert "altitude of the parachute" in capsys.readouterr().out
     scenario = load_scenario(str(target)).scenario
     points = scenario.flight_software.guidance.entry.reference_bank.points
@@ -112,12 +112,12 @@ def test_command_writes_a_scenario_whose_plan_is_the_designed_one_with_what_was_
     assert scenario.vehicle.rcs.thrusters[0].thrust_n == 250.0
     assert abs(float(build_onboard(scenario)[0]["reference"]["shift"])) < 0.02
     with pytest.raises(ConfigError, match="exists; name another file"):
-        run_design_entry(options(target))
+        run_design_entry(out=target)
 
 
 def test_a_plan_out_of_reach_says_what_to_change(capsys):
     far = "terrain.site_longitude_deg=140.5"
-    assert run_design_entry(DesignOptions("msl", (far,), None, None, 2, 10.0, None, False)) == 1
+    assert run_design_entry(sets=[far], points=2) == 1
     assert "move the landing site" in capsys.readouterr().out
 
 
@@ -128,14 +128,14 @@ def test_a_plan_out_of_reach_says_what_to_change(capsys):
         ({"maximise": "dispersion"}, "--maximise: must be 'parachute_altitude'"),
         ({"maximise": "parachute_altitude", "minimise": "dispersion"}, "cannot both be given"),
         ({"scenario": "earth_drop"}, "no phase with guidance: entry"),
-        ({"reserve_deg": 46.0}, "leaves nothing between"),
+        ({"reserve": 46.0}, "leaves nothing between"),
     ],
 )
 def test_bad_options_are_refused(changes, message):
     with pytest.raises(ConfigError, match=message):
-        run_design_entry(options(**changes))
+        run_design_entry(**changes)
 
 
 def test_another_ending_is_refused(tmp_path):
     with pytest.raises(ConfigError, match="must end in"):
-        run_design_entry(options(tmp_path / "plan.csv"))
+        run_design_entry(out=tmp_path / "plan.csv")

@@ -30,16 +30,16 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "campaign"))
 
 from campaign_run import write_drop
 
-from edl6dof.api.campaign_flight import EngineChoice
+from edl6dof.api.campaign import EngineChoice
 from edl6dof.api.reports import report_of
-from edl6dof.app import campaign_flight
-from edl6dof.app.campaign import CampaignOptions
-from edl6dof.app.exit_status import INTERRUPTED
+from edl6dof.campaign.design import plan as plans
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.storage.identity import source_hash
 from edl6dof.campaign.storage.store import Store
+from edl6dof.cli import campaigns
+from edl6dof.cli.exit_status import INTERRUPTED
 from edl6dof.config.errors import ConfigError
 from edl6dof.report.campaign import build  # noqa: F401  loaded once, not in every child
 
@@ -122,20 +122,10 @@ def in_child(work: Callable[[], Any]) -> tuple[int, Any]:
 
 def command(file: str, **chosen: Any) -> dict[str, Any]:
     """Status and standard error of ``edl6dof campaign``, as the command line has them."""
-    given = {
-        "scenario": file,
-        "sets": (),
-        "cases": CASES,
-        "seed": None,
-        "engine": "threads",
-        "cluster": None,
-        "workers": None,
-    }
-    given |= {"out": None, "force": False, "resume": False, "until": None, "quiet": True, "as_json": False}
-    options = CampaignOptions(**{**given, **chosen})
+    given = {"cases": CASES, "quiet": True, **chosen}
     with contextlib.redirect_stderr(io.StringIO()) as err, contextlib.redirect_stdout(io.StringIO()):
         try:
-            status = campaign_flight.go_on(options) if options.resume else campaign_flight.fly_new(options)
+            status = campaigns.campaign(file, **given)
         except ConfigError as error:
             status = 2
             print(error, file=err)
@@ -185,7 +175,7 @@ class Harness:
         flown = {seed: CaseRunner(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
         for plan in self.plans.values():
             table_of(flown[plan.campaign.seed]), source_hash(), plan.text  # there for all children
-        campaign_flight.load_plan = lambda file, sets, cases, seed, sampling: self.plans[seed or SEEDS[0]]
+        plans.load_plan = lambda file, sets, cases, seed, sampling: self.plans[seed or SEEDS[0]]
         self._use(Recorded(flown, stops=True))
         for seed in SEEDS:
             assert (

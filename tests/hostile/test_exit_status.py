@@ -10,12 +10,12 @@ import pytest
 from command import PROGRAM, ROOT, SHORT
 from in_process import called
 
-from edl6dof.app import exit_status
+from edl6dof.cli import exit_status
 
 
 def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
     broken = (
-        "import edl6dof.app.params as p; p.run_params = lambda *a: 1 / 0; from edl6dof.cli import main; "
+        "import edl6dof.cli.inspection as p; p.show_params = lambda *a: 1 / 0; from edl6dof.cli import main; "
         "main()"
     )
     done = subprocess.run(

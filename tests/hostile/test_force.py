@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from command import SHORT, refused
 from in_process import called
 
-from edl6dof.manifest import MANIFEST, Manifest, seal
+from edl6dof.config.errors import ConfigError
+from edl6dof.manifest import MANIFEST, Kind, Manifest, seal
+from edl6dof.runs.folder import COMMANDS, atomic_folder
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +52,19 @@ def test_run_and_what_the_program_wrote_into_it_later_is_replaced(run):
         "summary.json",
         "telemetry.parquet",
     ]
+
+
+@pytest.mark.parametrize("kind", get_args(Kind))
+def test_result_of_every_kind_is_replaced_by_one_of_its_own_kind_alone(kind, tmp_path):
+    """Of a calibration too: its manifest was taken for a damaged one."""
+    for text in ("first", "second"):
+        with atomic_folder(tmp_path / "result", kind, force=text == "second") as folder:
+            (folder / "summary.json").write_text(text)
+    assert Manifest.of(tmp_path / "result").read("summary.json") == b"second"
+    other = next(one for one in get_args(Kind) if one != kind)
+    words = f"is a result of 'edl6dof {COMMANDS[kind]}'"
+    with pytest.raises(ConfigError, match=words), atomic_folder(tmp_path / "result", other, force=True):
+        pass
 
 
 def add(run: Path, name: str) -> None:

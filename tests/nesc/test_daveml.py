@@ -12,7 +12,7 @@ from daveml_text import HEAD, calculated, refusal, variable, write
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml import read_daveml
-from edl6dof.interchange.vehicle import static_table, vehicle_part
+from edl6dof.interchange.daveml_vehicle import static_table, vehicle_part
 
 FILES = Path(edl6dof.__file__).parents[1] / "vehicles" / "nesc"
 SLUG, FOOT = 14.593902937206364, 0.3048  # kg, m

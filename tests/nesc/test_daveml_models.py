@@ -11,7 +11,7 @@ from daveml_text import apply, calculated, refusal, table, variable, write
 import edl6dof
 from edl6dof.interchange.daveml import read_daveml
 from edl6dof.interchange.daveml_aero import sampled_model
-from edl6dof.interchange.vehicle import vehicle_part
+from edl6dof.interchange.daveml_vehicle import vehicle_part
 
 LIMITS = ((64, 96, 96), 60_000)
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from made_up import END
 
-from edl6dof.app.exit_status import UNAVAILABLE
-from edl6dof.app.replay import FilmOptions, ReplayOptions, run_replay
+from edl6dof.api.errors import naming_options
+from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.results import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.replay import film, viewer
 from edl6dof.replay.film import Cut, NoFilm
@@ -52,14 +53,21 @@ def encoder(tmp_path, monkeypatch) -> Callable[[str], None]:
     return put
 
 
-def options(recording: Path, video: Path | None, *asked: float | None, force: bool = False) -> ReplayOptions:
-    return ReplayOptions((recording,), False, None, None, None, "", force, video, FilmOptions(*asked))
+def run_replay(recording: Path, video: Path | None, *asked: float | None, force: bool = False) -> int:
+    """Status of the command, whose film has these first and last times, length and frames per second."""
+    with naming_options():
+        return replay(
+            [recording],
+            video=video,
+            force=force,
+            **dict(zip(("start", "end", "length", "fps"), asked, strict=False)),
+        )
 
 
 def test_frames_are_even_in_time_from_first_to_last(recording, tmp_path, drawn, encoder):
     encoder(KEEPS)
     target = tmp_path / "flight.mp4"
-    assert run_replay(options(recording, target, 4.0, 10.0, 1.5, 10.0)) == 0
+    assert run_replay(recording, target, 4.0, 10.0, 1.5, 10.0) == 0
     assert np.allclose(drawn, np.linspace(4.0, 10.0, 15))
     assert target.read_text().split() == [f"{t:.3f}" for t in drawn]
 
@@ -67,7 +75,7 @@ def test_frames_are_even_in_time_from_first_to_last(recording, tmp_path, drawn, 
 @pytest.mark.parametrize(("asked", "length_s"), [((), END), ((2.0,), END - 2.0), ((None, None, 3.0), 3.0)])
 def test_a_film_lasts_as_long_as_the_flight_unless_told(recording, tmp_path, drawn, encoder, asked, length_s):
     encoder(KEEPS)
-    assert run_replay(options(recording, tmp_path / "flight.mp4", *asked)) == 0
+    assert run_replay(recording, tmp_path / "flight.mp4", *asked) == 0
     assert len(drawn) == round(24.0 * length_s)
     assert drawn[-1] == pytest.approx(END)
 
@@ -78,7 +86,7 @@ def test_without_an_encoder_nothing_is_drawn_and_the_remedy_is_said(
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(film, "find_spec", lambda _: None)
     monkeypatch.setattr(viewer, "running", lambda *_: pytest.fail("the viewer was started"))
-    assert run_replay(options(recording, tmp_path / "flight.mp4")) == UNAVAILABLE
+    assert run_replay(recording, tmp_path / "flight.mp4") == UNAVAILABLE
     said = capsys.readouterr().err
     assert "apt-get install ffmpeg" in said and "edl6dof[video]" in said and len(said.splitlines()) == 1
     assert drawn == [] and list(tmp_path.iterdir()) == []
@@ -86,7 +94,7 @@ def test_without_an_encoder_nothing_is_drawn_and_the_remedy_is_said(
 
 def test_an_encoder_that_fails_says_why_and_leaves_nothing(recording, tmp_path, drawn, encoder, capsys):
     encoder(FAILS)
-    assert run_replay(options(recording, tmp_path / "flight.mp4")) == UNAVAILABLE
+    assert run_replay(recording, tmp_path / "flight.mp4") == UNAVAILABLE
     assert "ffmpeg ended with status 1: Unknown encoder" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["bin"]
 
@@ -107,9 +115,9 @@ def test_an_interrupted_film_leaves_the_one_that_was_there(recording, tmp_path, 
     target = tmp_path / "flight.mp4"
     target.write_bytes(b"mine")
     with pytest.raises(ConfigError, match="exists"):
-        run_replay(options(recording, target))
+        run_replay(recording, target)
     with pytest.raises(KeyboardInterrupt):
-        run_replay(options(recording, target, force=True))
+        run_replay(recording, target, force=True)
     assert target.read_bytes() == b"mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bin", "flight.mp4"]
 
@@ -125,19 +133,19 @@ def test_an_interrupted_film_leaves_the_one_that_was_there(recording, tmp_path, 
 def test_times_that_make_no_film_are_refused(recording, tmp_path, drawn, encoder, asked, words):
     encoder(KEEPS)
     with pytest.raises(ConfigError, match=words):
-        run_replay(options(recording, tmp_path / "flight.mp4", *asked))
+        run_replay(recording, tmp_path / "flight.mp4", *asked)
     assert drawn == []
 
 
 def test_another_kind_of_file_is_refused(recording, tmp_path, drawn):
     with pytest.raises(ConfigError, match=r"flight\.mkv: .*\.mp4"):
-        run_replay(options(recording, tmp_path / "flight.mkv"))
+        run_replay(recording, tmp_path / "flight.mkv")
     assert drawn == []
 
 
 def test_times_without_a_film_are_refused(recording):
     with pytest.raises(ConfigError, match="--video FILE"):
-        run_replay(options(recording, None, 3.0))
+        run_replay(recording, None, 3.0)
 
 
 def test_a_real_film_of_five_frames(recording, tmp_path):

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from edl6dof.app.exit_status import UNAVAILABLE
-from edl6dof.app.replay import ReplayOptions, run_replay
+from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.results import replay
 from edl6dof.replay import program, viewer
 from edl6dof.replay.program import HOST, NoViewer, ViewerFailed, free_port, running
 
@@ -119,7 +119,7 @@ def test_no_display_is_said_in_one_line_with_status_1(tmp_path, monkeypatch, cap
         pytest.skip("a window needs no such variable here")
     recording = tmp_path / "replay.rrd"
     recording.write_bytes(b"RRF2")
-    assert run_replay(ReplayOptions((recording,), False, None, None, None, "", False)) == UNAVAILABLE
+    assert replay([recording]) == UNAVAILABLE
     said = capsys.readouterr()
     assert said.out == "" and len(said.err.splitlines()) == 1
     assert "there is no display to open a window on; --web" in said.err

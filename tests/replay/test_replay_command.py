@@ -8,15 +8,17 @@ from types import SimpleNamespace
 import pytest
 
 import edl6dof
-from edl6dof.app import ensemble
-from edl6dof.app import replay as command
-from edl6dof.app.exit_status import UNAVAILABLE
+from edl6dof.api import replays
+from edl6dof.api.errors import naming_options
+from edl6dof.api.flight import RecordedFlight
+from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.results import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.replay import recording, viewer
+from edl6dof.replay import viewer
 from edl6dof.replay.program import NoViewer
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.runs.results import write_run
+from edl6dof.runs.run_writer import write_run
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +31,10 @@ def run(tmp_path_factory) -> Path:
     return folder
 
 
-def options(*runs: Path, **more: object) -> command.ReplayOptions:
-    return command.ReplayOptions(
-        runs,
-        **{"web": False, "html": None, "screenshot": None, "at_s": None, "page": "", "force": False} | more,
-    )
+def run_replay(*runs: Path, **more: object) -> int:
+    """Status of the command."""
+    with naming_options():
+        return replay(list(runs), **more)
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def shown(monkeypatch) -> list[tuple[Path, bytes]]:
 
 
 def test_a_run_without_a_recording_is_drawn_anew_and_leaves_nothing(run, shown):
-    assert command.run_replay(options(run)) == 0
+    assert run_replay(run) == 0
     (path, beginning), before = shown[0], sorted(run.iterdir())
     assert beginning == b"RRF2"
     assert not path.exists()
@@ -60,7 +61,7 @@ def test_what_is_drawn_from_the_folder_is_what_was_drawn_from_the_flight(run, tm
 
     flight = edl6dof.fly("tianwen1", ["simulation.time_limit_s=20"])
     write_replay([history(flight)], tmp_path / "a.rrd")
-    write_replay([history(command.FlownRun(run))], tmp_path / "b.rrd")
+    write_replay([history(RecordedFlight(run))], tmp_path / "b.rrd")
     words = [
         sys.executable,
         "-m",
@@ -76,42 +77,42 @@ def test_what_is_drawn_from_the_folder_is_what_was_drawn_from_the_flight(run, tm
 
 
 def test_several_runs_get_labels_that_tell_them_apart(run):
-    assert command._labels([run, run.parent / "other"]) == ["short", "other"]
-    assert command._labels([Path("/x/a/run"), Path("/x/b/run")]) == ["a/run", "b/run"]
+    assert replays._labels([run, run.parent / "other"]) == ["short", "other"]
+    assert replays._labels([Path("/x/a/run"), Path("/x/b/run")]) == ["a/run", "b/run"]
 
 
 def test_refusals_name_the_file(run, tmp_path):
     with pytest.raises(ConfigError, match="is no result of edl6dof"):
-        command.run_replay(options(tmp_path))
+        run_replay(tmp_path)
     (tmp_path / "there.png").write_bytes(b"mine")
     with pytest.raises(ConfigError, match="exists"):
-        command.run_replay(options(run, screenshot=tmp_path / "there.png"))
+        run_replay(run, screenshot=tmp_path / "there.png")
     assert (tmp_path / "there.png").read_bytes() == b"mine"
 
 
 @pytest.mark.parametrize("at_s", [9999.0, pytest.param(-1.0, marks=pytest.mark.long), float("nan")])
 def test_a_time_that_is_not_in_the_recording_is_refused_with_what_is(run, tmp_path, at_s):
     with pytest.raises(ConfigError, match=r"--at: .* give a time from 0.00 to 20.00 s"):
-        command.run_replay(options(run, screenshot=tmp_path / "x.png", at_s=at_s))
+        run_replay(run, screenshot=tmp_path / "x.png", at=at_s)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_time_without_a_picture_is_refused(run, shown):
     with pytest.raises(ConfigError, match="--screenshot FILE"):
-        command.run_replay(options(run, at_s=5.0))
+        run_replay(run, at=5.0)
     assert shown == []
 
 
 def test_a_campaign_says_which_flight_is_followed_and_why(run, tmp_path, monkeypatch):
     written = []
     plan = SimpleNamespace(loaded="nominal")
-    monkeypatch.setattr(ensemble, "is_campaign", lambda folder: folder == tmp_path)
-    monkeypatch.setattr(ensemble, "campaign_plan", lambda _: plan)
-    monkeypatch.setattr(ensemble, "trajectories", lambda _: [])
-    monkeypatch.setattr("edl6dof.sim.flight.fly", lambda _: command.FlownRun(run))
-    monkeypatch.setattr(recording, "write_replay", lambda *given: written.append(given))
+    (tmp_path / "campaign.json").write_text("{}")
+    monkeypatch.setattr(replays, "resumed_plan", lambda _: plan)
+    monkeypatch.setattr(replays, "trajectories", lambda _: [])
+    monkeypatch.setattr(replays, "fly", lambda _: RecordedFlight(run))
+    monkeypatch.setattr(replays, "write_replay", lambda *given: written.append(given))
     for runs in ((tmp_path,), (tmp_path, run)):
-        with command._recording(options(*runs)):
+        with replays._recording(runs, ""):
             pass
     (_, _, alone, _, told), (_, _, named, _, other) = written
     assert alone == ["nominal flight"] and told.followed.startswith("the nominal flight, in which nothing")
@@ -123,13 +124,13 @@ def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys
         raise NoViewer("no viewer here")
 
     monkeypatch.setattr(viewer, "screenshot", cannot)
-    assert command.run_replay(options(run, screenshot=tmp_path / "x.png")) == UNAVAILABLE
+    assert run_replay(run, screenshot=tmp_path / "x.png") == UNAVAILABLE
     assert capsys.readouterr().err == "no viewer here\n"
     assert list(tmp_path.iterdir()) == []
 
 
 def test_trajectories_of_a_campaign_are_its_cases_flown_again(tmp_path):
-    from edl6dof.app.ensemble import trajectories
+    from edl6dof.api.replays import trajectories
     from edl6dof.campaign.design.plan import plan_of
     from edl6dof.config.document.source import read_document
 

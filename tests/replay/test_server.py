@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from live_page import opened, wait_until_it_plays
 
-from edl6dof.app.replay import _ended_by_signals
+from edl6dof.api.replays import _ended_by_signals
 from edl6dof.replay.page import page
 from edl6dof.replay.server import PageServer
 

@@ -15,9 +15,9 @@ from scipy.io import loadmat, netcdf_file
 from scipy.spatial.transform import Rotation
 
 import edl6dof
-from edl6dof.app.export import FILES, run_export
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment.planet import OrientationParams
+from edl6dof.export.forms import FILES, write_export
 from edl6dof.export.orientation import days_since_j2000, icrf_to_fixed
 from edl6dof.manifest import seal
 from edl6dof.runs.run import Run
@@ -52,7 +52,7 @@ def exported(beginning, tmp_path_factory):
     """Path of each form."""
     folder = tmp_path_factory.mktemp("export")
     for form in ("mat", "nc", "oem", "aem"):
-        run_export(beginning.folder, form, folder / FILES[form], force=False)
+        write_export(beginning.folder, form, folder / FILES[form], force=False)
     return folder
 
 
@@ -67,7 +67,7 @@ def thinned(path, target, keep=200):
 
 def test_csv_keeps_every_digit(run, tmp_path):
     few = part(run, tmp_path / "few", np.arange(0, len(run.t), 499))
-    run_export(few.folder, "csv", tmp_path / "few.csv", force=False)
+    write_export(few.folder, "csv", tmp_path / "few.csv", force=False)
     with open(tmp_path / "few.csv", encoding="utf-8", newline="") as stream:
         header, *rows = csv.reader(stream)
     assert header == list(run) and len(rows) == len(few.t)
@@ -229,5 +229,5 @@ def test_a_scenario_without_a_date_or_a_pole_cannot_become_a_message(run, tmp_pa
     (tmp_path / "scenario.yaml").write_text(run.scenario_text.replace(stated, instead))
     seal(tmp_path, "flight")
     with pytest.raises(ConfigError, match=message):
-        run_export(Run(tmp_path).folder, "oem", None, force=False)
+        write_export(Run(tmp_path).folder, "oem", tmp_path / "orbit.oem", force=False)
     assert not list(tmp_path.glob("*.oem"))

@@ -14,7 +14,7 @@ import pyarrow.compute as pc
 import pytest
 
 import edl6dof
-from edl6dof.campaign.faults import phases_of
+from edl6dof.campaign.fault_kinds import phases_of
 from edl6dof.config.document.locate import resolve_scenario
 from edl6dof.interface.roles import LIFT, PARACHUTE, TRIM, begun, during, span
 from edl6dof.manifest import seal
@@ -22,8 +22,8 @@ from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.views.spatial import TIMELINE
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.page import PLOTLY, page
-from edl6dof.runs.results import write_run
 from edl6dof.runs.run import Run
+from edl6dof.runs.run_writer import write_run
 from edl6dof.studies import hu2022, yan2016
 from edl6dof.telemetry.timeline import first_times
 

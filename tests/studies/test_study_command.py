@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from edl6dof.app.study import StudyOptions, run_study
+from edl6dof.cli.evidence import study as run_study
 from edl6dof.config.errors import ConfigError
 from edl6dof.studies.catalogue import STUDIES
 from edl6dof.studies.frame import SQUARE, Curve, Finding, Grid, Panel, Report, Study
@@ -40,10 +40,6 @@ def of(*findings, grids=()):
     return Study("small", "t", "s", lambda session: Report(findings, [{"x_m": 1.0}], 1, grids))
 
 
-def options(name, runs=None, out=None, force=False, quick=False, as_json=False, only=()):
-    return StudyOptions(name, runs, only, out, force, quick, as_json)
-
-
 @pytest.fixture(autouse=True)
 def registered(monkeypatch):
     monkeypatch.setitem(STUDIES, "small", SMALL)
@@ -56,32 +52,32 @@ def test_every_study_names_itself_its_source_and_its_runs():
 
 
 def test_without_a_name_studies_are_listed(capsys):
-    assert run_study(options(None)) == 0
+    assert run_study(None) == 0
     shown = capsys.readouterr().out
     assert all(name in shown for name in STUDIES)
 
 
 def test_unknown_study_is_refused_with_a_hint(capsys):
-    assert run_study(options("smal")) == 2  # codespell:ignore smal
+    assert run_study("smal") == 2  # codespell:ignore smal
     assert "did you mean 'small'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("runs", [0, -3])
 def test_no_runs_are_refused(runs, tmp_path, capsys):
-    assert run_study(options("small", runs=runs, out=tmp_path / "s")) == 2
+    assert run_study("small", runs=runs, out=tmp_path / "s") == 2
     assert "must be 1 to 1000000" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
 def test_a_fixed_set_of_flights_has_no_number(monkeypatch, capsys):
     monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", small))
-    assert run_study(options("small", runs=4)) == 2
+    assert run_study("small", runs=4) == 2
     assert "fixed set" in capsys.readouterr().err
 
 
 def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     out = tmp_path / "deep" / "s"
-    assert run_study(options("small", out=out)) == 0
+    assert run_study("small", out=out) == 0
     assert sorted(path.name for path in out.iterdir()) == [
         "figure.png",
         "manifest.json",
@@ -93,15 +89,15 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert table.schema.field("truth.mass_kg").metadata[b"unit"] == b"kg"
     assert table.schema.metadata[b"study"] == b"small"
     with pytest.raises(ConfigError, match="exists; choose another folder"):
-        run_study(options("small", out=out))
-    assert run_study(options("small", out=out, quick=True, force=True)) == 0
+        run_study("small", out=out)
+    assert run_study("small", out=out, quick=True, force=True) == 0
     assert pq.read_table(out / "runs.parquet").num_rows == 6
     shown = capsys.readouterr().out
     assert "A remark." in shown and "every requirement is kept" in shown
 
 
 def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
-    assert run_study(options("small", runs=2, out=tmp_path / "s")) == 1
+    assert run_study("small", runs=2, out=tmp_path / "s") == 1
     assert "broken: bound" in capsys.readouterr().out
 
 
@@ -129,7 +125,7 @@ def test_outcome_counts_what_is_reproduced_and_shows_why_the_rest_is_not(monkeyp
     far = Finding("far", "km", 9.0, 2.4, within=0.1, why="thinner air")
     monkeypatch.setitem(STUDIES, "small", of(near, far))
     monkeypatch.setenv("COLUMNS", "120")
-    assert run_study(options("small", out=tmp_path / "s")) == 0
+    assert run_study("small", out=tmp_path / "s") == 0
     shown = capsys.readouterr().out
     assert "every figure that does not hold is explained; 1 of 2 published values reproduced" in shown
     assert "within 5 %" in shown and "not reproduced" in shown and "thinner air" in shown
@@ -139,14 +135,14 @@ def test_experiments_stand_apart(monkeypatch, tmp_path, capsys):
     printed = Finding("miss", "km", 9.5, 10.0, within=0.1, experiment="as printed")
     other = Finding("miss", "km", 3.0, experiment="with gains on [rate, error]")
     monkeypatch.setitem(STUDIES, "small", of(printed, other))
-    assert run_study(options("small", out=tmp_path / "s")) == 0
+    assert run_study("small", out=tmp_path / "s") == 0
     shown = capsys.readouterr().out
     assert shown.index("as printed") < shown.index("within") < shown.index("with gains on [rate, error]")
 
 
 def test_json_is_json_also_where_a_figure_could_not_be_formed(monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(STUDIES, "small", of(Finding("lost", "m", float("nan"), 2.0, "<=")))
-    assert run_study(options("small", out=tmp_path / "s", as_json=True)) == 1
+    assert run_study("small", out=tmp_path / "s", as_json=True) == 1
     answer = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert answer["findings"][0]["computed"] is None and not answer["ok"]
 
@@ -179,7 +175,7 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
         Study("small", "t", "s", lambda session: replace(small(session), grids=(grid,))),
     )
     monkeypatch.setenv("COLUMNS", "80")
-    assert run_study(options("small", out=tmp_path / "s")) == 1
+    assert run_study("small", out=tmp_path / "s") == 1
     lines = capsys.readouterr().out.splitlines()[:7]
     assert max(map(len, lines)) <= 80
     assert lines[4].split() == ["long_name_law", *["12.3"] * 10, "0.12"]
@@ -195,12 +191,12 @@ def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path,
         return small(session)
 
     monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", of_parts, parts=("a", "b", "c")))
-    run_study(options("small", out=tmp_path / "s", only=("c", "a")))
+    run_study("small", out=tmp_path / "s", only=("c", "a"))
     assert flown == [["a", "c"]]
-    assert run_study(options("small", out=tmp_path / "t", only=("a", "d"))) == 2
+    assert run_study("small", out=tmp_path / "t", only=("a", "d")) == 2
     assert "--only d: must be one of a, b, c" in capsys.readouterr().err
     monkeypatch.setitem(STUDIES, "small", SMALL)
-    assert run_study(options("small", out=tmp_path / "t", only=("a",))) == 2
+    assert run_study("small", out=tmp_path / "t", only=("a",)) == 2
     assert "--only a: must be left out: this study is one whole" in capsys.readouterr().err
     assert not (tmp_path / "t").exists()
 
@@ -208,7 +204,7 @@ def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path,
 def shown_by(study, monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(STUDIES, "small", study)
     monkeypatch.setenv("COLUMNS", "80")
-    run_study(options("small", out=tmp_path / "s"))
+    run_study("small", out=tmp_path / "s")
     return capsys.readouterr().out.splitlines()
 
 

@@ -11,8 +11,8 @@ from scipy.special import ndtr
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.dispersions import Draw, Target
-from edl6dof.campaign.design.params import Correlated
 from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.design.sections import Correlated
 from edl6dof.config.errors import refusal
 
 #: Standard normal deviates over which moments are summed, and their weights.
@@ -22,14 +22,14 @@ _WEIGHTS = np.exp(-0.5 * _DEVIATES**2) / np.exp(-0.5 * _DEVIATES**2).sum()
 
 @dataclass(frozen=True)
 class Source:
-    """What one line of a campaign's dispersions draws: a parameter, a group, or every item of a list."""
+    """One line of a campaign's dispersions: a parameter, a group, or every item of a list."""
 
     name: str
     draws: tuple[Draw, ...]
 
     @property
     def is_list(self) -> bool:
-        """Whether it stands for the items of a list."""
+        """True if it stands for the items of a list."""
         return "*" in self.name
 
     @property

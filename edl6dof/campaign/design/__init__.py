@@ -1,1 +1,1 @@
-"""What a campaign flies: its cases, what is dispersed, and how the numbers are drawn."""
+"""Design of a campaign: its cases, what is dispersed, and how the numbers are drawn."""

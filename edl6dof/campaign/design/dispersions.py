@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
-from edl6dof.campaign.design.params import CampaignParams, Correlated
+from edl6dof.campaign.design.sections import CampaignParams, Correlated
 from edl6dof.config.base import stated
 from edl6dof.config.document.overrides import make_room
 from edl6dof.config.document.source import Document
@@ -154,7 +154,7 @@ def _check_twice(draws: list[Draw], locator: Locator) -> None:
 
 
 def _check_kind(draw: Draw, locator: Locator) -> bool:
-    """Whether the distribution can be drawn from at all."""
+    """Return whether the distribution can be drawn from at all."""
     for target in draw.targets:
         if getattr(draw.distribution, "alternatives", []):
             continue
@@ -173,7 +173,9 @@ def _check_kind(draw: Draw, locator: Locator) -> bool:
 
 
 def check_values(target: Target, values: np.ndarray, first: int, locator: Locator) -> bool:
-    """Whether all numbers drawn for a parameter are within its bounds; a violation goes to the locator."""
+    """Return whether all numbers drawn for a parameter are within its bounds; a violation goes to the
+    locator.
+    """
     if values.dtype == object:
         return True
     limits = bounds(target.slot)

@@ -18,7 +18,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from edl6dof.campaign.design.dispersions import Locator
-from edl6dof.campaign.design.params import FaultMatrixParams
+from edl6dof.campaign.design.sections import FaultMatrixParams
 from edl6dof.config.wording import counted
 from edl6dof.vehicle.faults.fault import FaultParams, fault_problems
 

@@ -14,9 +14,9 @@ import numpy as np
 from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, Case
 from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_faults, check_values, dispersions
 from edl6dof.campaign.design.fault_matrix import Cell, cells, check_matrix
-from edl6dof.campaign.design.params import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
+from edl6dof.campaign.design.saltelli import Swaps, swaps_of
 from edl6dof.campaign.design.sampling import unit_numbers
-from edl6dof.campaign.design.swaps import Swaps, swaps_of
+from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError

@@ -11,17 +11,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
+from math import isclose
 from typing import Any
 
-from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.case import BELIEF, TRUTH, Case
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import Inconsistent
-from edl6dof.config.model_paths import Keys, overridden, walk
+from edl6dof.config.model_paths import Keys, overridden, value_at, walk
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.loading import LoadedScenario, check_document, truth_problem
-from edl6dof.scenario.records import Built, Records, build_records
+from edl6dof.scenario.records import Records, build_records
 from edl6dof.scenario.schema import Scenario
+
+
+class NotApplied(Exception):
+    """A change of a case did not reach what is flown."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,37 @@ class Variant:
 
     loaded: LoadedScenario
     parts: Records
+
+    def applied(self, case: Case) -> dict[str, Any]:
+        """Return the values of all changes of the case by column name, read back from what flies.
+
+        A dispersion that is silently not applied is the classic failure of Monte Carlo tools; here it stops
+        the case.
+
+        Raises:
+            NotApplied: the validated scenario holds another value.
+        """
+        row = {TRUTH + path: _confirmed(self.loaded.truth, path, value) for path, value in case.truth.items()}
+        for path, value in case.told.items():
+            column = path if path == "profile" else BELIEF + path
+            row[column] = _confirmed(self.loaded.scenario, path, value)
+        return row
+
+
+def _confirmed(scenario: Scenario, path: str, wanted: Any) -> Any:
+    value = value_at(scenario, path)
+    if not _same(value, wanted):
+        raise NotApplied(f"{path} should be {wanted!r} and is {value!r}")
+    return value
+
+
+def _same(value: Any, wanted: Any) -> bool:
+    if isinstance(wanted, list | tuple):
+        return len(value) == len(wanted) and all(map(_same, value, wanted))
+    if isinstance(wanted, float) or isinstance(value, float):
+        # a model may bring a value to its normal form, such as a direction to length one
+        return isclose(value, wanted, rel_tol=1e-3, abs_tol=1e-12)
+    return not isinstance(wanted, bool | int | str) or value == wanted
 
 
 def scenario_of(loaded: LoadedScenario, case: Case) -> LoadedScenario:
@@ -46,8 +83,12 @@ class Variants:
 
     def __init__(self, loaded: LoadedScenario):
         self.base = loaded
-        self.nominal = Built(loaded, build_records(loaded))
         self._keys: dict[str, Keys] = {}
+
+    @cached_property
+    def nominal(self) -> Variant:
+        """The scenario itself, ready to fly."""
+        return Variant(self.base, build_records(self.base))
 
     def build(self, case: Case) -> Variant:
         """Scenario, truth and records of a case.
@@ -56,7 +97,7 @@ class Variants:
             ConfigError: a path does not exist, or its value is not allowed.
         """
         loaded = self._overridden(case) or self._checked(case)
-        return Variant(loaded, build_records(loaded, self.nominal))
+        return Variant(loaded, build_records(loaded))
 
     def _overridden(self, case: Case) -> LoadedScenario | None:
         """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""
@@ -95,13 +136,15 @@ def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:
         ValueError, LookupError: they are not allowed.
     """
     changed = overridden(scenario, values)
-    if problems := section_problems(changed, like=scenario):
+    if problems := section_problems(changed):
         raise Inconsistent(problems)
     return changed
 
 
 def _is_plain(path: str, value: Any) -> bool:
-    """Whether a change is a number, numbers, or the list of faults: it leaves the document as it is built."""
+    """Return whether a change is a number, numbers, or the list of faults: it leaves the document as it is
+    built.
+    """
     if isinstance(value, list | tuple):
         return path == "faults" or all(_is_plain(path, item) for item in value)
     return isinstance(value, int | float)

@@ -1,15 +1,15 @@
-"""Content of the JSON files of a campaign's folder."""
+"""Contents of the JSON files of a campaign's folder, each of which carries its own hash."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any, Literal
 
-from edl6dof.campaign.storage.files import Sealed, digest
+from edl6dof.manifest import Sealed, digest
 
 
 class Identity(Sealed):
-    """What the rows of a campaign follow from.
+    """Everything that the rows of a campaign follow from.
 
     Attributes:
         plan: SHA-256 of the plan.

@@ -1,4 +1,5 @@
-"""What the rows of a campaign follow from: the plan, the code that flies, and every file that it reads.
+"""Identity of a campaign, from which its rows follow: the plan, the code that flies, every file that it
+reads.
 
 Two programs with the same identity give the same table, bit for bit, on any processor and operating system;
 rows of two that differ never stand in one table.  What cannot move a bit is left out: Python's version, and
@@ -8,9 +9,10 @@ makes, scipy for Sobol numbers.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy
@@ -19,12 +21,16 @@ import scipy
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.storage.documents import Identity
-from edl6dof.campaign.storage.files import digest, sha256
-from edl6dof.campaign.storage.inputs import input_files
+from edl6dof.config.document.locate import PACKAGE, find_include
+from edl6dof.config.document.source import INCLUDES, read_document
+from edl6dof.config.model_paths import value_at
 from edl6dof.config.plugin_scan import VARIABLE
+from edl6dof.environment.profile_file import profile_path
+from edl6dof.environment.terrain import MAP
 from edl6dof.kernels.cache import received
+from edl6dof.manifest import digest, sha256
+from edl6dof.scenario.data_files import PROFILES, TABLES
 
-_PACKAGE = Path(edl6dof.__file__).resolve().parent
 #: Folders of the package from which no row follows.
 _ASIDE = frozenset(
     (
@@ -64,7 +70,7 @@ def compared(recorded: Identity, present: Identity) -> list[str]:
 
 def changed_files(recorded: Identity) -> list[str]:
     """Tables, vehicle and planet files that are no longer those of ``recorded``."""
-    return [name for name, value in recorded.files.items() if _hash(_PACKAGE.parent / name) != value]
+    return [name for name, value in recorded.files.items() if _hash(PACKAGE.parent / name) != value]
 
 
 def _present(
@@ -78,15 +84,15 @@ def _present(
         plugins={
             name: _hash(Path(name)) if name in received else _absent(name) for name in sorted(set(plugins))
         },
-        files={name: _hash(_PACKAGE.parent / name) for name in files},
+        files={name: _hash(PACKAGE.parent / name) for name in files},
     )
 
 
 @cache
 def source_hash() -> str:
     """Hash of every source file of the package that a row can follow from."""
-    files = (file.relative_to(_PACKAGE) for file in _PACKAGE.rglob("*.py"))
-    return digest({file.as_posix(): _hash(_PACKAGE / file) for file in files if file.parts[0] not in _ASIDE})
+    files = (file.relative_to(PACKAGE) for file in PACKAGE.rglob("*.py"))
+    return digest({file.as_posix(): _hash(PACKAGE / file) for file in files if file.parts[0] not in _ASIDE})
 
 
 def _absent(plugin: str) -> str:
@@ -102,9 +108,63 @@ def _hash(path: Path) -> str:
 
 def _label(path: Path) -> str:
     """Name of a file in an identity: for those of the package without the place where it is installed."""
-    return path.relative_to(_PACKAGE.parent).as_posix() if path.is_relative_to(_PACKAGE) else str(path)
+    return path.relative_to(PACKAGE.parent).as_posix() if path.is_relative_to(PACKAGE) else str(path)
 
 
 def _shown(value: str | None) -> str:
     """A hash shortened, anything else as it is."""
     return "not there" if value is None else value[:12] if len(value) == 64 else value
+
+
+def input_files(plan: Plan) -> list[Path]:
+    """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases
+    that name them do not fly.
+    """
+    found = {MAP}
+    files = plan.loaded.document.files
+    folder = files[0].resolve().parent if files else Path.cwd()
+    for key, path_of in TABLES.items():
+        found |= {
+            path_of(value_at(model, key))
+            for model in (plan.loaded.scenario, plan.loaded.truth)
+            if value_at(model, key)
+        }
+    for model in (plan.loaded.scenario, plan.loaded.truth):
+        found |= set(_named(PROFILES, model.atmosphere.profiles, folder))
+    exchanged = list(_exchanged(plan))
+    for path, value in exchanged:
+        found |= set(_named(path, value, folder))
+    if exchanged:  # what the new sections leave out takes its default, a table of the package
+        found |= set((PACKAGE / "data").rglob("*"))
+    found |= {path.with_suffix(".yaml") for path in found if path.suffix == ".npy"}  # what a map is of
+    return sorted(path.resolve() for path in found if path.is_file())
+
+
+def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
+    """Dotted path and value of everything but numbers that some cases have instead of what the scenario
+    says.
+    """
+    values = [(target.path, point) for target, points in plan.axes for point in points]
+    values += [
+        (target.path, item)
+        for draw in plan.draws
+        for target in draw.targets
+        for item in getattr(draw.distribution, "alternatives", [])
+    ]
+    yield from ((path, value) for path, value in values if isinstance(value, str | Mapping))
+
+
+def _named(path: str, value: Any, folder: Path) -> Iterator[Path]:
+    """The files that a value at a dotted path names, directly or further inside."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _named(f"{path}.{key}", inner, folder)
+    elif isinstance(value, str) and value and path in TABLES:
+        yield TABLES[path](value)
+    elif isinstance(value, str) and path.startswith(f"{PROFILES}."):
+        yield profile_path(value)
+    elif isinstance(value, str) and path in INCLUDES:
+        included = find_include(value, INCLUDES[path], folder)[0]
+        if included is not None:
+            yield included
+            yield from _named(path, read_document(included, {}).data, folder)

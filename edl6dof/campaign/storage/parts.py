@@ -17,8 +17,9 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from edl6dof.campaign.storage.files import StoreError, content, refused, sha256
+from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.durable import make_folder, write_atomic
+from edl6dof.manifest import read_file, sha256
 
 #: Cases in one part: a few seconds of flying.
 PART = 50
@@ -71,22 +72,22 @@ class Parts:
         """A part, when it is as it was written by this campaign.
 
         Raises:
-            StoreError: it is not, or it cannot be read.
+            ConfigError: it is not, or it cannot be read.
         """
         path = self.path(index)
-        written = content(path)
-        if content(path.with_suffix(".sha256")) != f"{sha256(written)}  {path.name}\n".encode():
-            raise refused(path, "is damaged: it is not as it was written; campaign --resume flies it again")
+        written = read_file(path)
+        if read_file(path.with_suffix(".sha256")) != f"{sha256(written)}  {path.name}\n".encode():
+            raise refusal(path, "is damaged: it is not as it was written; campaign --resume flies it again")
         file = open_parquet(path, pa.BufferReader(written))
         if (file.schema_arrow.metadata or {}).get(_IDENTITY) != self.identity.encode():
-            raise refused(path, "belongs to another campaign; campaign --resume flies it again")
+            raise refusal(path, "belongs to another campaign; campaign --resume flies it again")
         return file
 
     def successes(self, index: int, first: int, last: int) -> int | None:
         """How many cases of a part succeeded; ``None`` when it does not count, or does not hold exactly its
         cases.
         """
-        with suppress(StoreError):
+        with suppress(ConfigError):
             table = self.read(index).read(["case", "success"])
             if table["case"].to_pylist() == list(range(first, last)):
                 return pc.sum(table["success"]).as_py()
@@ -96,7 +97,7 @@ class Parts:
         """The rows of some parts; columns that no case has are left out.
 
         Raises:
-            StoreError: a part does not count.
+            ConfigError: a part does not count.
         """
         indices = list(indices)
         schema = self._schema(indices)
@@ -107,7 +108,7 @@ class Parts:
         """Write the first ``count`` parts as one file, some row groups at a time.
 
         Raises:
-            StoreError: a part does not count.
+            ConfigError: a part does not count.
             OSError: it cannot be written.
         """
         schema = self._schema(range(count))
@@ -133,12 +134,12 @@ def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
     """A Parquet file whose pages are checked as they are read; ``path`` is its name in messages.
 
     Raises:
-        StoreError: it cannot be read.
+        ConfigError: it cannot be read.
     """
     try:
         return pq.ParquetFile(source, page_checksum_verification=True)
     except (OSError, pa.ArrowException) as error:
-        raise refused(path, f"cannot be read: {error}") from None
+        raise refusal(path, f"cannot be read: {error}") from None
 
 
 def _columns(file: pq.ParquetFile, schema: pa.Schema, names: list[str]) -> pa.Table:

@@ -28,9 +28,10 @@ import pyarrow as pa
 from filelock import FileLock, Timeout
 
 from edl6dof.campaign.storage.documents import Info, Summary
-from edl6dof.campaign.storage.files import content, file_sha256, read_sealed, refused, sha256, write_sealed
 from edl6dof.campaign.storage.parts import NAMES, Parts, open_parquet
+from edl6dof.config.errors import refusal
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
+from edl6dof.manifest import hash_of, read_file, read_sealed, sha256, write_sealed
 
 #: Name of a file that a killed program was writing, with the name that it was to get.
 _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
@@ -44,17 +45,15 @@ _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 @dataclass(frozen=True)
 class Store:
-    """A campaign's folder.  What reads it raises :class:`~edl6dof.campaign.storage.files.StoreError` for
-    anything that is not as it was written.
-    """
+    """A campaign's folder.  What reads it raises ``ConfigError`` for anything not as it was written."""
 
     folder: Path
 
     @property
     def info(self) -> Info:
-        """What ``campaign.json`` says."""
+        """Content of ``campaign.json``."""
         if not self.folder.is_dir() or not os.path.lexists(self._info):
-            raise refused(self.folder, "is not the folder of a campaign (no campaign.json)")
+            raise refusal(self.folder, "is not the folder of a campaign (no campaign.json)")
         return read_sealed(self._info, Info)
 
     @property
@@ -62,28 +61,28 @@ class Store:
         """The plan that the folder was begun with."""
         info = self.info
         if self.is_half_begun:
-            raise refused(
+            raise refusal(
                 self.folder,
                 (
                     "has no campaign.yaml: the program was stopped while it began or replaced the "
                     "campaign; begin it anew with --force"
                 ),
             )
-        plan = content(self._plan)
+        plan = read_file(self._plan)
         if sha256(plan) != info.identity.plan:
-            raise refused(
+            raise refusal(
                 self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force"
             )
         return plan.decode()
 
     @property
     def is_half_begun(self) -> bool:
-        """Whether a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
+        """True if a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
         return os.path.lexists(self._info) and not os.path.lexists(self._plan)
 
     @property
     def complete(self) -> bool:
-        """Whether all rows are together in one table."""
+        """True if all rows are together in one table."""
         return os.path.lexists(self._summary)
 
     @property
@@ -91,9 +90,9 @@ class Store:
         """How the campaign ended, after its table was found to be as it was written."""
         found, campaign = read_sealed(self._summary, Summary), self.info.identity.digest
         if found.campaign != campaign:
-            raise refused(self._summary, "belongs to another campaign; fly this one anew with --force")
-        if file_sha256(self._cases) != found.cases_sha256:
-            raise refused(
+            raise refusal(self._summary, "belongs to another campaign; fly this one anew with --force")
+        if hash_of(self._cases) != found.cases_sha256:
+            raise refusal(
                 self._cases,
                 "is damaged: it is not as it was written, and its parts are gone; fly it anew with --force",
             )
@@ -128,18 +127,18 @@ class Store:
             make: make the folder when there is none; it goes again when nothing was put into it.
 
         Raises:
-            StoreError: another process works here, or there is no folder.
+            ConfigError: another process works here, or there is no folder.
         """
         made = [path for path in (self.folder, *self.folder.parents) if not path.exists()] if make else []
         if make and not self.folder.exists():
             make_folder(self.folder)
         if not self.folder.is_dir():
-            raise refused(self.folder, "is not a folder" if self.folder.exists() else "no such folder")
+            raise refusal(self.folder, "is not a folder" if self.folder.exists() else "no such folder")
         lock = FileLock(self.folder / _LOCK)
         try:
             lock.acquire(timeout=0.0)
         except (Timeout, FileNotFoundError):  # or its owner has just removed the folder
-            raise refused(self.folder, "another process flies this campaign") from None
+            raise refusal(self.folder, "another process flies this campaign") from None
         try:
             yield
         finally:
@@ -151,26 +150,26 @@ class Store:
                     folder.rmdir()
 
     def _entries(self) -> list[Path]:
-        """What lies in the folder, but for the lock."""
+        """Return what lies in the folder, except the lock."""
         return sorted(path for path in self.folder.iterdir() if path.name != _LOCK)
 
     def check_new(self, force: bool) -> None:
         """See that a campaign may begin here.
 
         Raises:
-            StoreError: there is something already; with ``force``, something that is no campaign's.
+            ConfigError: there is something already; with ``force``, something that is no campaign's.
         """
         entries = self._entries()
         if not entries:
             return
         if not force:
-            raise refused(
+            raise refusal(
                 self.folder,
                 "exists, and a campaign keeps its folder, to be found again: go on with --resume, "
                 "replace it with --force, or choose another with --out",
             )
         if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in entries):
-            raise refused(
+            raise refusal(
                 self.folder, "is not the folder of a campaign; it is not replaced even with --force"
             )
         list(self._own())
@@ -179,7 +178,7 @@ class Store:
         """Put a plan into the folder; with ``force``, in place of the campaign that it holds.
 
         Raises:
-            StoreError: as :meth:`check_new`.
+            ConfigError: as :meth:`check_new`.
         """
         make_folder(self.folder)
         self.check_new(force)
@@ -204,7 +203,7 @@ class Store:
         """Every file in the folder.
 
         Raises:
-            StoreError: one of them is none that this program writes into the folder of a campaign.
+            ConfigError: one of them is none that this program writes into the folder of a campaign.
         """
         for entry in self._entries():
             names = _FOLDERS.get(entry.name)
@@ -225,13 +224,13 @@ class Store:
         """Put the first ``count`` parts together, and remove all.
 
         Raises:
-            StoreError: a part does not count.
+            ConfigError: a part does not count.
             OSError: the table cannot be written.
         """
         partial = self.folder / f".cases.parquet.{os.getpid()}.part"
         try:
             self.parts.concatenate(count, partial)
-            cases = file_sha256(partial)
+            cases = hash_of(partial)
             put_in_place(partial, self._cases)
         finally:
             partial.unlink(missing_ok=True)
@@ -259,7 +258,7 @@ class Store:
             return file.read(names).replace_schema_metadata()
         if indices := self.parts.indices():
             return self.parts.table(indices, columns)
-        raise refused(self.folder, "no case has flown yet")
+        raise refusal(self.folder, "no case has flown yet")
 
 
 def _required(path: Path, names: re.Pattern[str]) -> Path:
@@ -268,6 +267,6 @@ def _required(path: Path, names: re.Pattern[str]) -> Path:
     name = (left["name"] or left["other"]) if left else path.name
     if path.is_file() and names.fullmatch(name):
         return path
-    raise refused(
+    raise refusal(
         path, "is not of the campaign: the folder is not replaced even with --force; move it elsewhere"
     )

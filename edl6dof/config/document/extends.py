@@ -77,7 +77,7 @@ def _require_single_names(top: Document, path: Path, items: list[Any]) -> None:
 
 
 def _takes(below: Any, above: Any) -> bool:
-    """Whether a mapping or list changes what stands below, in place of replacing it."""
+    """Return whether a mapping or list changes what stands below, in place of replacing it."""
     if isinstance(above, list):
         return _all_named(above) and _all_named(below)
     if not isinstance(above, dict):
@@ -87,7 +87,7 @@ def _takes(below: Any, above: Any) -> bool:
 
 
 def _all_named(items: Any) -> bool:
-    """Whether a value is a list of items that all have a name."""
+    """Return whether a value is a list of items that all have a name."""
     return isinstance(items, list) and bool(items) and all(_has_name(item) for item in items)
 
 

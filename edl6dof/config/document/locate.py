@@ -1,10 +1,11 @@
 """Where scenarios, vehicles and planets are found: beside the user's files, in the repository, or in the
-installed package.
+installed package; and which names do as those of folders on every system.
 """
 
 from __future__ import annotations
 
 import difflib
+import re
 
 # unlike pathlib's, these take names that the system cannot look up
 from os.path import exists, isdir, isfile, normpath
@@ -15,6 +16,11 @@ from edl6dof.config.errors import ConfigError, Problem
 PACKAGE = Path(__file__).resolve().parents[2]
 KINDS = ("scenarios", "vehicles", "planets")
 SUFFIX = ".yaml"
+
+_FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
+#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark
+#: of what is unfinished.
+_LONGEST_NAME = 150
 
 
 def shipped_folders(kind: str) -> list[Path]:
@@ -113,3 +119,15 @@ def shown(path: Path) -> str:
         return str(path.resolve().relative_to(Path.cwd()))
     except (ValueError, OSError):
         return normpath(path)
+
+
+def why_no_folder(name: str) -> str | None:
+    """Why a name does not do as that of a folder; ``None`` when it does."""
+    if not _FOLDER_NAME.fullmatch(name):
+        return (
+            "must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the "
+            f"ends (got {name!r})"
+        )
+    if (length := len(name.encode())) > _LONGEST_NAME:
+        return f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})"
+    return None

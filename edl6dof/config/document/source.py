@@ -15,11 +15,17 @@ from typing import Any
 
 from edl6dof.config.document import yamltree
 from edl6dof.config.document.extends import EXTENDS, lay_over, refuse_replacing
-from edl6dof.config.document.locate import find_include, find_shipped, near_names, resolve_scenario, shown
+from edl6dof.config.document.locate import (
+    find_include,
+    find_shipped,
+    near_names,
+    resolve_scenario,
+    shown,
+    why_no_folder,
+)
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.yamltree import Mark, dotted, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.folder_name import why_no_folder
 from edl6dof.config.plugin_scan import LARGEST
 from edl6dof.config.wording import got
 

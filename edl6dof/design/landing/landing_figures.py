@@ -1,4 +1,4 @@
-"""What a powered landing took and how near it came to its limits, whoever flew it."""
+"""Figures of a powered landing, whoever flew it: what it took, and how near it came to its limits."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ class RigidLanding:
 
     @property
     def starts_full(self) -> bool:
-        """Whether the engine begins at full level."""
+        """True if the engine begins at full level."""
         return self.full_time > 0.0
 
 

@@ -32,7 +32,7 @@ AGAIN = 1e-4
 
 @dataclass(frozen=True)
 class Converged:
-    """What successive convexification ended with.
+    """Result of successive convexification.
 
     Attributes:
         nodes: the last flight.

@@ -17,8 +17,6 @@ crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
@@ -31,7 +29,6 @@ from edl6dof.fsw.control.frames import (
     velocity_axes,
 )
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
-from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap
@@ -40,8 +37,6 @@ from edl6dof.spatial.vector import add, dot, scale, sub, take3
 
 class BankToSteerParams(Params):
     """Bank tracking in four zones; rate damping of angle of attack and sideslip."""
-
-    former: ClassVar = {"wing_patience_s": WING_PATIENCE}
 
     bank: ZoneParams = group(ZoneParams, "bank channel")
     damping: float = param(0.8, "acceleration per rate of angle of attack and sideslip, 1/s", ge=0.0)

@@ -14,8 +14,6 @@ harm.
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
@@ -50,7 +48,6 @@ from edl6dof.fsw.diagnosis.leak import (
     open_leak,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
-from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.kernels import kernel
@@ -63,8 +60,6 @@ KIND_NAMES = {number: name.replace("_", " ") for number, name in enumerate(THRUS
 
 class DiagnosisParams(Params):
     """Diagnosis of thruster faults."""
-
-    former: ClassVar = {"wing_patience_s": WING_PATIENCE}
 
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
     load_noise: float = param(

@@ -7,7 +7,7 @@ A member has one kernel, ``estimate(params, measured, dt, memory, out)``: it bri
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -49,8 +49,6 @@ _Estimators: Any = ESTIMATORS.params_model(
 
 class EstimationParams(_Estimators):
     """Disturbance estimation: the estimator, and what all share."""
-
-    moved: ClassVar = {"disturbance": "flight_software.estimation.first_order"}
 
     valve_lag_s: float = param(
         0.006,

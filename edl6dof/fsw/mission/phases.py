@@ -7,7 +7,7 @@ on both sides.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import field_validator
@@ -102,11 +102,6 @@ SAID_OTHERWISE = {
 
 class Event(Params):
     """Something that is done once inside a phase; two phases may hold the same one, as on branches."""
-
-    former: ClassVar = {
-        "do": "name, action and thing: {name: heat_shield, action: jettison, thing: heat_shield, "
-        "delay_s: 0.013, when: {...}}"
-    }
 
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
     action: Action = param(REQUIRED, "what is done", record=False)

@@ -11,7 +11,7 @@ from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import aeroshell
 from edl6dof.replay.scene.aeroshell import canopy
 from edl6dof.replay.scene.mesh import Mesh
-from edl6dof.replay.scene.motion import Flown
+from edl6dof.replay.scene.motion import OpenParachute
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Descent(Recorder):
             if (part := self.vehicle.showing(shown_as)) is not None:
                 self._discarded(name, place, part.name, part.centre_m, mesh(shape))
 
-    def _parachute(self, flown: Flown) -> None:
+    def _parachute(self, flown: OpenParachute) -> None:
         rr = self.rr
         rows, place, turn, scale = self.motion.parachute(flown)
         if len(rows) == 0:

@@ -19,7 +19,7 @@ from edl6dof.spatial import rotations as turns
 _LONGEST_STROKE = 0.4
 
 
-class Flown(NamedTuple):
+class OpenParachute(NamedTuple):
     """Number of a parachute in the vehicle file, and the rows from which on and before which it is the one
     that flies.
     """
@@ -75,7 +75,7 @@ class Motion:
         upright = max(-turns.rotate(turn, np.array([1.0, 0.0, 0.0]))[2], 0.5)
         return np.clip(below / upright, 0.0, _LONGEST_STROKE)
 
-    def parachutes(self) -> list[Flown]:
+    def parachutes(self) -> list[OpenParachute]:
         """The parachutes that fly, one after the other: each from its deployment on, the last to the end."""
         out = self.released(self.canopy)
         if out is None or not self.vehicle.parachutes:
@@ -89,10 +89,12 @@ class Motion:
         found = found or [(out, len(chutes) - 1)]
         ends = [first for first, _ in found[1:]] + [len(self.t)]
         return [
-            Flown(number, first, end) for (first, number), end in zip(found, ends, strict=True) if first < end
+            OpenParachute(number, first, end)
+            for (first, number), end in zip(found, ends, strict=True)
+            if first < end
         ]
 
-    def parachute(self, flown: Flown) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def parachute(self, flown: OpenParachute) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Rows, confluence points, quaternions and scales of a canopy: x from the confluence to the canopy.
 
         After release the backshell hangs under the last canopy, whose own position is no longer computed: it

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import pi, sqrt
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
 from pydantic import model_validator
 
@@ -24,11 +24,6 @@ class CapsuleParams(Hardware):
     """Sphere-cone capsule: static table, shape for angles beyond the table, damping, uncertainty
     multipliers.
     """
-
-    moved: ClassVar = {
-        "molecular_diameter_m": "planet.gas.molecular_diameter_m",
-        "molecular_mass_kg": "planet.gas.molecular_mass_kg",
-    }
 
     coefficients: Literal["table", "newtonian"] = param(
         "table",

@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.config.document.regular import read_regular
 from edl6dof.interchange.aero_table import read_aero_csv
-from edl6dof.interchange.vehicle import static_table
+from edl6dof.interchange.daveml_vehicle import static_table
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams

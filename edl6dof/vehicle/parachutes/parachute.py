@@ -13,7 +13,7 @@ rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: it
 from __future__ import annotations
 
 from math import pi, sqrt
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -26,7 +26,6 @@ from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import clamp, cross, dot
 from edl6dof.vehicle.parachutes.bridle import LEGS
 from edl6dof.vehicle.parachutes.mach_table import MachTable, tabulated
-from edl6dof.vehicle.parachutes.models.disk_gap_band import DiskGapBandParams
 from edl6dof.vehicle.parachutes.models.registry import (
     ParachuteChoice,
     efficiency_of_model,
@@ -40,11 +39,6 @@ PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 
 class ParachuteParams(ParachuteChoice, Hardware):
     """Geometry, inflation, aerodynamics and suspension of a parachute, of which one flies at a time."""
-
-    former: ClassVar = {
-        "mortar_delay_s": "delay_s of the event that deploys the parachute",
-        **{key: f"disk_gap_band: {{{key}: ...}}" for key in DiskGapBandParams.model_fields},
-    }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
     diameter_m: float = param(

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, param
 
-if TYPE_CHECKING:
-    from edl6dof.vehicle.propulsion.rcs import Thruster
+
+class Jet(Protocol):
+    """What a branch needs to know of a thruster."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def full_flow_kg_s(self) -> float:
+        """What it uses while it fires, kg/s."""
 
 
 class Branch(Hardware):
@@ -41,7 +50,7 @@ def branch_problems(branches: Sequence[Branch], thrusters: Sequence[str]) -> dic
     return problems
 
 
-def fill_branches(record: np.void, branches: Sequence[Branch], thrusters: Sequence[Thruster]) -> None:
+def fill_branches(record: np.void, branches: Sequence[Branch], thrusters: Sequence[Jet]) -> None:
     """Fill a ``BRANCHES`` record of zeros; each thruster lies on one of the ``branches``."""
     record["count"] = len(branches)
     for i, jet in enumerate(thrusters):

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
@@ -20,16 +18,10 @@ from edl6dof.vehicle.propulsion.engine_models.registry import (
     rate_of_model,
     specific_impulse_of_model,
 )
-from edl6dof.vehicle.propulsion.engine_models.throttled import ThrottledParams
 
 
 class EngineParams(EngineChoice, Hardware):
     """A landing engine."""
-
-    former: ClassVar = {
-        "ignition_delay_s": "delay_s of the event that ignites the engine",
-        **{key: f"throttled: {{{key}: ...}}" for key in ThrottledParams.model_fields},
-    }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
     group: Key | None = param(

@@ -27,7 +27,7 @@ HEAVY = (
 #: What a flight has no use for; numba itself loads scipy.linalg.
 UNUSED_BY_A_FLIGHT = (
     *("scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask"),
-    *("pandas", "pyarrow.compute", "pyarrow._s3fs"),
+    *("pandas", "pyarrow.compute"),
 )
 
 IMPORTS = f"""

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 from cli_run import environment
 
-from edl6dof.api.blocked_imports import blocked_imports
-from edl6dof.api.run_files import write_files
+from edl6dof.api.flight import Flight
 
 LINUX = Path("/proc/self/status").exists()
 BUDGET_B = 400e6
@@ -22,10 +21,8 @@ PROGRAM = [sys.executable, "-c", "from edl6dof.cli import main; main()"]
 
 @pytest.mark.skipif(not LINUX, reason="needs Linux's account of memory")
 def test_a_flight_with_all_its_files_keeps_within_the_memory_budget(nominal, tmp_path):
-    """With that of the process that draws the replay; what they share counts once.  The shared flight comes
-    first, and its files: only what compiles may take more.
-    """
-    write_files(nominal, tmp_path, replay=True)
+    """The shared flight comes first, and its files: only what compiles may take more."""
+    Flight.of(nominal).write(tmp_path)
     with subprocess.Popen(
         [*PROGRAM, "fly", "tianwen1", "--quiet"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment(), cwd=tmp_path,
@@ -74,15 +71,3 @@ def children(process: int) -> list[int]:
     with suppress(OSError):
         return [int(one) for one in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
     return []
-
-
-def test_a_module_is_missing_inside_the_block_only(monkeypatch):
-    monkeypatch.delitem(sys.modules, "colorsys", raising=False)
-    with pytest.raises(ModuleNotFoundError, match="colorsys"), blocked_imports("colorsys", "json"):
-        import json  # imported before, and so still there
-
-        assert json.dumps(1) == "1"
-        import colorsys
-    import colorsys
-
-    assert colorsys.rgb_to_hls(0.0, 0.0, 0.0) == (0.0, 0.0, 0.0)

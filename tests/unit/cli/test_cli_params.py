@@ -7,7 +7,7 @@ import json
 import pytest
 from cli_run import run
 
-from edl6dof.app.inspect import scenario_schema
+from edl6dof.api.schema_files import scenario_schema
 
 
 def test_section_shows_everything_about_its_parameters(capsys, monkeypatch):

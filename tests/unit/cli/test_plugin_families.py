@@ -116,13 +116,44 @@ def test_each_mistake_is_refused_in_one_line(tmp_path):
     assert "uses a field that its records do not have" in lines[1]
 
 
+def resolved(name):
+    """A shipped scenario as a run with a plugin holds it."""
+    given = edl6dof.load(name).scenario.model_dump(mode="json", exclude_none=True)
+    return given | {"plugins": ["skirt.py"]}
+
+
+def viewed(given):
+    return viewed_scenario(json.dumps(given), "received.yaml").scenario
+
+
+@pytest.mark.parametrize("name", ["tianwen1_hazards", "msl_landing", "titan_probe"])
+def test_result_whose_plugin_brings_nothing_is_shown_whole(name):
+    assert viewed(resolved(name)) == edl6dof.load(name).scenario
+
+
 def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():
-    given = edl6dof.load("tianwen1").scenario.model_dump(mode="json", exclude_none=True)
-    given["plugins"] = ["skirt.py"]
+    given = resolved("tianwen1")
     given["vehicle"]["parachutes"][0] |= {"model": "skirt", "skirt": {"filling_exponent": 2.0}}
     given["vehicle"]["engines"][0] |= {"model": "bang_bang", "bang_bang": {"period_s": 0.2}}
-    vehicle = viewed_scenario(json.dumps(given), "received.yaml").scenario.vehicle
-    assert (vehicle.parachutes[0].model, vehicle.engines[0].model) == ("disk_gap_band", "throttled")
+    software = given["flight_software"]
+    software["guidance"]["entry"] |= {"law": "mine", "mine": {"gain": 1.0}}
+    software["guidance"]["powered"] |= {"law": "mine", "mine": {"gain": 1.0}}
+    software["control"]["mine"] = {"gain": 1.0}
+    software["navigation"] |= {"filter": "mine", "mine": {"gain": 1.0}}
+    given["atmosphere"] |= {"model": "mine", "mine": {"density": 1.0}}
+    given["wind"] |= {"model": "mine", "mine": {"east_m_s": 1.0}}
+    given["sensors"] |= {"carried": [*given["sensors"]["carried"], "mine"], "mine": {"noise": 1.0}}
+    given["mission"]["phases"][1]["control"] = "mine"
+    given["faults"] = [{"kind": "mine", "thruster": "D7", "at": {"time_s": 1.0}, "mine": {"share": 1.0}}]
+    shown, own = viewed(given), edl6dof.load("tianwen1").scenario
+    assert (shown.vehicle.parachutes[0].model, shown.vehicle.engines[0].model) == (
+        "disk_gap_band",
+        "throttled",
+    )
+    assert (shown.atmosphere.model, shown.wind.model) == ("us76", "none")
+    assert shown.mission.phases[1].control == "off" and shown.faults == []
+    assert shown.sensors.carried == type(shown.sensors)().carried
+    assert shown.mission.phases[2:] == own.mission.phases[2:]
 
 
 def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):

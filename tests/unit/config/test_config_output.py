@@ -13,8 +13,8 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.dump import dump_resolved
-from edl6dof.config.reference import rows
-from edl6dof.config.schema import json_schema
+from edl6dof.config.json_schema import json_schema
+from edl6dof.config.parameter_table import rows
 from edl6dof.config.validate import validate
 
 TRICKY = LEAST + (
@@ -124,7 +124,14 @@ def test_a_default_outside_its_own_bounds_is_refused():
 def test_reading_a_configuration_does_not_import_numpy():
     modules = ", ".join(
         f"edl6dof.config.{name}"
-        for name in ("document.source", "document.overrides", "validate", "reference", "schema", "dump")
+        for name in (
+            "document.source",
+            "document.overrides",
+            "validate",
+            "parameter_table",
+            "json_schema",
+            "dump",
+        )
     )
     code = f"import sys, {modules}; sys.exit('numpy' in sys.modules or 'numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

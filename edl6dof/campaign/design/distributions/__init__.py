@@ -1,1 +1,1 @@
-"""What a dispersed parameter may be: one file for each distribution, one line for each in the registry."""
+"""Distributions of a dispersed parameter: one file for each, one line for each in the registry."""

@@ -1,4 +1,4 @@
-"""What all distributions share: each turns numbers in 0..1 into values by its inverse distribution function.
+"""Base of all distributions: each turns numbers in 0..1 into values by its inverse distribution function.
 
 Inverse functions make every sampling plan (random, Latin hypercube, Sobol) serve every distribution.
 """

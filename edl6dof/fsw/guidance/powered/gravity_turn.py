@@ -6,8 +6,6 @@ deceleration needed is taken from the remaining height and speed, v^2 / (2 h), a
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from edl6dof.config.base import Params, param
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
@@ -15,8 +13,6 @@ from edl6dof.registry import Member
 
 class GravityTurnParams(Params):
     """Gravity-turn powered guidance."""
-
-    moved: ClassVar = {"final_height_m": "flight_software.guidance.powered.target.height_m"}
 
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
 

@@ -10,23 +10,14 @@ an estimate (the flown law is published elsewhere).
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.powered.target import meet
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 
-_TARGET = "flight_software.guidance.powered.target"
-
 
 class PolynomialParams(Params):
     """Polynomial powered guidance."""
-
-    moved: ClassVar = {
-        "final_height_m": f"{_TARGET}.height_m",
-        **{key: f"{_TARGET}.{key}" for key in ("time_factor", "drift_share", "divert_m")},
-    }
 
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
     time_floor_s: float = param(2.5, "smallest time to go used in the gains of height", gt=0.0)

@@ -9,7 +9,7 @@ proportional-derivative, an estimate.
 from __future__ import annotations
 
 from math import sqrt
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -24,11 +24,6 @@ from edl6dof.spatial.vector import clamp, put3
 
 class TerminalParams(Params):
     """Hover, hazard avoidance and slow descent."""
-
-    former: ClassVar = {
-        "touchdown_tilt_limit_deg": "nothing: the vehicle comes down upright",
-        "touchdown_settle_gain": "touchdown_velocity_gain: the horizontal thrusters stop lateral motion",
-    }
 
     hover_height_m: float = param(
         100.0, "height of hover and imaging", status="published", source="S1", gt=0.0

@@ -10,7 +10,7 @@ of the drag area, reefing), from memory.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from pydantic import field_validator
 
@@ -54,15 +54,8 @@ def _stages() -> list[ReefingStage]:
     ]
 
 
-_FORMER = "stages: [{drag_area_ratio: 0.1, filling_time_s: 0.5}, {drag_area_ratio: 1, delay_s: 6, ...}]"
-
-
 class ReefedParams(Hardware):
     """Reefed subsonic parachute: fillings one after the other, each when a reefing line is cut."""
-
-    former: ClassVar = dict.fromkeys(
-        ("reefing_ratio", "filling_time_s", "cutter_delay_s", "disreefing_time_s"), _FORMER
-    )
 
     stages: Annotated[list[ReefingStage], Capacity(MAX_STAGES)] = param(
         None, "the fillings, the first from line stretch, the last to the whole drag area",

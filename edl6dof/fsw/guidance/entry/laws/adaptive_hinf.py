@@ -20,8 +20,8 @@ from typing import Self
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import param
+from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import param
+from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking

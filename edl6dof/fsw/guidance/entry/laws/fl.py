@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import group, param
+from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal

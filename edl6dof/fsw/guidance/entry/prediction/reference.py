@@ -11,7 +11,7 @@ Sources: bank profile in segments over speed, Zheng & Cui 2015, section 3.2; wit
 from __future__ import annotations
 
 from math import ceil
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -33,12 +33,6 @@ SMOOTHED = 1.0
 
 class ReferenceBankParams(Params):
     """Open-loop bank profile of the reference trajectory: magnitudes over speed; zero in alignment."""
-
-    former: ClassVar = dict.fromkeys(
-        ("fast_bank_deg", "fast_speed_m_s", "slow_bank_deg", "slow_speed_m_s"),
-        "points, ascending in speed: reference_bank: {points: [{at: 1500, bank_deg: 50}, {at: 3500, "
-        "bank_deg: 75}]}",
-    )
 
     points: Annotated[list[BankPoint], Capacity(MAX_POINTS)] = param(
         None,

@@ -1,0 +1,60 @@
+"""Uncertain parameters of a scenario fitted to its published figures, and the files of what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import count
+from pathlib import Path
+
+from edl6dof.calibration.findings import Findings, find, overlay_text, plain, rounded
+from edl6dof.calibration.fit import DESIGNS
+from edl6dof.calibration.problem import Calibration
+from edl6dof.calibration.surface import TooFew
+from edl6dof.campaign.neighbours import FLIGHTS
+from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.errors import refusal
+from edl6dof.report.numbers import significant
+
+
+def found_by(
+    calibration: Calibration, scenario: str, progress: Callable[[int, int], None] | None = None
+) -> Findings:
+    """Fit a calibration; ``progress`` is called with the flights flown, and with how many there are.
+
+    Raises:
+        ConfigError: too few of its flights came to every figure.
+    """
+    flown, total = count(1), DESIGNS * calibration.params.flights + 2 * FLIGHTS
+    try:
+        return find(calibration, lambda done, row: progress(next(flown), total) if progress else None)
+    except TooFew as error:
+        raise refusal(scenario, str(error)) from error
+
+
+def write_findings(
+    found: Findings, folder: Path, scenario: str, sets: Sequence[str], flights: int | None
+) -> str:
+    """Write ``summary.json`` and the scenario with the values found into a folder; returns the summary."""
+    summary = json_text(plain(found))
+    (folder / "summary.json").write_text(summary, encoding="utf-8")
+    name, marks = found.calibration.loaded.scenario.name, claims(found, scenario, sets, flights)
+    text = overlay_text(f"{name}_calibrated", _extended(scenario), rounded(found), marks)
+    (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
+    return summary
+
+
+def _extended(scenario: str) -> str:
+    """How the overlay names the scenario it extends: by the name of a shipped one, or by its full path."""
+    file = Path(scenario)
+    return str(file.resolve()) if file.is_file() else scenario
+
+
+def claims(found: Findings, scenario: str, sets: Sequence[str], flights: int | None) -> dict[str, str]:
+    """Mark of each value: the command that made it, its standard deviation and its prior."""
+    options = [*(f"--set {text}" for text in sets), *([] if flights is None else [f"-n {flights}"])]
+    command = " ".join(["edl6dof calibrate", scenario, *options])
+    return {
+        path: f"[C] {command}: +- {significant(found.sigmas[path], 2)}; "
+        f"prior {prior.mean:g} +- {prior.sigma:g}"
+        for path, prior in found.calibration.params.parameters.items()
+    }

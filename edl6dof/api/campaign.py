@@ -1,0 +1,316 @@
+"""A campaign: many flights of one scenario, flown into a folder or into memory, and what they came to."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from edl6dof.api.flight import Flight
+from edl6dof.api.optional import library
+from edl6dof.api.results import html_table
+from edl6dof.campaign import run
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.engines import Engine, Threads, dask_engine
+from edl6dof.campaign.executor import CaseRunner
+from edl6dof.campaign.quantiles import SHARES, Quantile, quantile
+from edl6dof.campaign.refly import differences, reflown
+from edl6dof.campaign.statistics import Until
+from edl6dof.campaign.storage.documents import Summary
+from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import UnknownName, refusal
+from edl6dof.sim.compile_ahead import is_compiled
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Engines that may fly a campaign, and as many threads, or processes, at most.
+ENGINES, MOST_WORKERS = ("threads", "dask"), 1024
+
+#: Called with how many flights have flown, and of how many.
+Progress = Callable[[int, int], None]
+
+#: Makes what is called with the standing of a campaign of so many cases.
+Watch = Callable[[int], AbstractContextManager[run.Report | None]]
+
+
+@dataclass(frozen=True, repr=False)
+class CampaignResult:
+    """Result of a campaign, a sweep or a matrix of faults.
+
+    Attributes:
+        summary: successes, causes of failures, what flew them.
+        table: a row for each case: what was drawn, how it ended, figures with unit suffix.
+        folder: where it is kept; ``None`` of one that is in memory only.
+    """
+
+    summary: Summary
+    table: pa.Table
+    folder: Path | None = None
+    _plan: Plan | None = None
+    _columns: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """Scenario, and every case as a function of its number.
+
+        Raises:
+            ConfigError: it was flown by another program or other files, which would fly other cases.
+        """
+        if self._plan is not None:
+            return self._plan
+        assert self.folder is not None, "a campaign in memory has its plan"
+        return run.resumed_plan(Store(self.folder))
+
+    @property
+    def cases(self) -> int:
+        """Cases that have flown."""
+        return self.summary.cases
+
+    @property
+    def successes(self) -> int:
+        """Those that reached their goal within all limits."""
+        return self.summary.successes
+
+    @property
+    def p_success(self) -> float:
+        """Share of successes."""
+        return self.summary.p_success
+
+    @property
+    def p_success_95(self) -> tuple[float, float]:
+        """Bounds of it at 95 %."""
+        low, high = self.summary.p_success_95
+        return low, high
+
+    @cached_property
+    def causes(self) -> dict[str, int]:
+        """Causes of failures, and how many cases failed by each."""
+        return {one.cause: one.cases for one in self.summary.causes}
+
+    def __len__(self) -> int:
+        return self.table.num_rows
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        """A column, shape (cases,); of numbers NaN where a case has none.
+
+        Raises:
+            KeyError: there is no such column; the text says which was probably meant.
+        """
+        if column not in self.table.column_names:
+            raise UnknownName("column", column, self.table.column_names)
+        if column not in self._columns:
+            self._columns[column] = _array(self.table[column])
+        return self._columns[column]
+
+    def quantile(self, column: str, share: float) -> Quantile | None:
+        """Value below which a share of all flights stays, with its bounds at 95 %; ``None`` where the cases
+        are too few to bound it.
+        """
+        return quantile(self[column].astype(float), share)
+
+    def quantiles(self, column: str) -> list[Quantile]:
+        """The quantiles that the cases can bound, of those from 0.13 % to 99.87 %."""
+        found = (self.quantile(column, share) for share in SHARES)
+        return [one for one in found if one is not None]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The rows as a data frame indexed by case.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        columns = {name: self[name] for name in self.table.column_names}
+        return library("pandas", "to_pandas").DataFrame(columns).set_index("case")
+
+    def refly(self, case: int) -> Flight:
+        """Fly a case again with all its telemetry; ``differences`` of the flight names what is not as its
+        row.
+
+        Raises:
+            ConfigError: there is no such case, or it was flown by another program or other files.
+        """
+        return refly_case(self.plan, self.table, self.folder or "campaign", case)
+
+    def __repr__(self) -> str:
+        low, high = (100.0 * one for one in self.p_success_95)
+        share = f"{100.0 * self.p_success:.1f} % ({low:.1f} to {high:.1f} %)"
+        return f"<Campaign {self.summary.name}: {self.successes} of {self.cases} succeed, {share}>"
+
+    def _repr_html_(self) -> str:
+        """Success and causes, for notebooks."""
+        rows = [(cause, str(count)) for cause, count in self.causes.items()]
+        causes = html_table(("cause of failure", "cases"), rows) if rows else ""
+        return f"<div><p>{repr(self)[1:-1]}</p>{causes}</div>"
+
+
+def _array(column: Any) -> np.ndarray:
+    """A column as an array; without arrow's own conversion, which loads pandas."""
+    values = column.to_pylist()
+    if pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
+        if None not in values:
+            return np.array(values)
+        return np.array([np.nan if value is None else value for value in values], dtype=float)
+    return np.array(values)
+
+
+def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Flight:
+    """Fly a case again with all its telemetry, and compare it with its row; ``place`` is whose table it is.
+
+    Raises:
+        ConfigError: there is no such case, or it has no row yet.
+    """
+    flight = Flight.of(reflown(plan, number))
+    flight.differences = tuple(differences(table, place, plan, number, flight))
+    return flight
+
+
+@dataclass(frozen=True)
+class EngineChoice:
+    """An engine, one of :data:`ENGINES`; how many workers, and the address of a scheduler."""
+
+    name: str = "threads"
+    workers: int | None = None
+    cluster: str | None = None
+
+    def check(self) -> None:
+        """See that there is such an engine, with so many workers.
+
+        Raises:
+            ConfigError: there is not.
+        """
+        if self.name not in ENGINES:
+            raise refusal("--engine", f"must be threads or dask (got {self.name!r})")
+        if self.cluster is not None and self.name != "dask":
+            raise refusal("--cluster", "needs --engine dask")
+        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
+            raise refusal("--workers", f"must be 1 .. {MOST_WORKERS} (got {self.workers})")
+
+    @contextmanager
+    def start(self) -> Iterator[Engine]:
+        """The engine, as long as the block lasts."""
+        if self.name == "threads":
+            yield Threads(self.workers)
+            return
+        try:
+            with dask_engine(self.cluster, self.workers) as engine:
+                yield engine
+        except ImportError:
+            raise refusal("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
+
+
+def unwatched(total: int) -> AbstractContextManager[None]:
+    """Tell nobody."""
+    return nullcontext()
+
+
+def check_until(until: str | None, plan: Plan | None = None) -> None:
+    """See that a campaign can stop early so.
+
+    Raises:
+        ConfigError: it cannot.
+    """
+    if until is None:
+        return
+    try:
+        Until.parse(until)
+    except ValueError as error:
+        raise refusal("--until", str(error)) from None
+    if plan is not None and plan.swaps is not None:
+        raise refusal("--until", "sobol_indices flies its whole design: its flights are not independent")
+
+
+def fly_new(
+    plan: Plan,
+    store: Store,
+    engine: EngineChoice,
+    until: str | None = None,
+    force: bool = False,
+    watch: Watch = unwatched,
+) -> None:
+    """Fly a plan from its first case.
+
+    Raises:
+        ConfigError: there is something in the folder that the plan must not replace.
+        OSError: something cannot be written, or the engine has failed.
+    """
+    with store.lock(make=True):
+        store.check_new(force)
+        with engine.start() as started:  # before anything is replaced: it may not be there
+            run.begin(plan, store, until, force)
+            _fly(plan, store, started, watch)
+
+
+def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
+    """Fly what is missing of the plan of a folder; returns the plan.
+
+    Raises:
+        ConfigError: the folder holds none, or one of another program, or is damaged.
+        OSError: something cannot be written, or the engine has failed.
+    """
+    with store.lock():
+        plan = run.resumed_plan(store)
+        store.tidy()
+        if not store.complete:
+            with engine.start() as started:
+                _fly(plan, store, started, watch)
+        return plan
+
+
+def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch) -> None:
+    with watch(plan.count) as report:
+        if not is_compiled():  # before anything flies in parallel: two processes would do the work twice
+            CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
+        run.fly(plan, store, engine, report)
+
+
+def open_campaign(folder: Path) -> CampaignResult:
+    """Return the result of a complete campaign, from its folder.
+
+    Raises:
+        ConfigError: the folder holds none, or it is not complete, or damaged.
+    """
+    store = Store(folder)
+    if store.info and not store.complete:  # reading it says whether there is a campaign
+        raise refusal(folder, "is not complete; go on with edl6dof campaign FOLDER --resume")
+    return CampaignResult(store.summary, store.table(), store.folder)
+
+
+def resumed(folder: Path, engine: EngineChoice, progress: Progress | None) -> CampaignResult:
+    """Go on with the campaign of a folder."""
+    go_on(Store(folder), engine, _watch(progress))
+    return open_campaign(folder)
+
+
+def flown(
+    plan: Plan,
+    engine: EngineChoice,
+    until: str | None,
+    out: str | Path | None,
+    force: bool,
+    progress: Progress | None,
+) -> CampaignResult:
+    """Fly a plan into its folder, or for want of one into memory."""
+    with nullcontext() if out is not None else tempfile.TemporaryDirectory(prefix="edl6dof-") as place:
+        store = Store(Path(out) if out is not None else Path(place or "") / plan.name)
+        fly_new(plan, store, engine, until, force, _watch(progress))
+        return CampaignResult(store.summary, store.table(), store.folder if out is not None else None, plan)
+
+
+def _watch(progress: Progress | None) -> Watch:
+    if progress is None:
+        return unwatched
+    called = progress
+
+    @contextmanager
+    def watch(total: int) -> Iterator[run.Report]:
+        yield lambda tally: called(tally.flown, total)
+
+    return watch

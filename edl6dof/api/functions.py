@@ -1,0 +1,441 @@
+"""The functions of ``import edl6dof``, which the command line calls, too.
+
+They are light: the simulator is loaded when one is called, after the plugins that its flight software has to
+take in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from edl6dof.api.errors import naming_arguments, scenario_name
+from edl6dof.api.overrides import Overrides, texts
+
+if TYPE_CHECKING:
+    from edl6dof.api.campaign import CampaignResult, Progress
+    from edl6dof.api.flight import Flight, RecordedFlight
+    from edl6dof.calibration.findings import Findings
+    from edl6dof.scenario.loading import LoadedScenario
+    from edl6dof.sim.checkpoint import State
+    from edl6dof.sim.flight import Progress as FlightProgress
+    from edl6dof.verify.check import Report
+
+
+def activate(*operands: str | Path | LoadedScenario | None) -> None:
+    """Load the plugins of what is to be flown and of the environment."""
+    from edl6dof.plugins import activate
+
+    activate([one for one in operands if isinstance(one, str | Path)])
+
+
+@naming_arguments()
+def load(name_or_path: str | Path, overrides: Overrides = ()) -> LoadedScenario:
+    """Read and validate a scenario file, or a shipped scenario by name.
+
+    Args:
+        name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
+        overrides: texts ``"dotted.path=value"``; or a mapping of dotted paths, or nested as in a file.
+
+    Raises:
+        ConfigError: with every problem found, each with file, line and key, and what was probably meant.
+        TypeError: an argument is of a wrong kind.
+    """
+    name = scenario_name(name_or_path)
+    activate(name)
+    from edl6dof.scenario.loading import load_scenario
+
+    return load_scenario(name, texts(overrides))
+
+
+@naming_arguments(save_state="save_at_s")
+def fly(
+    scenario: LoadedScenario | str | Path | None = None,
+    overrides: Overrides = (),
+    *,
+    out: str | Path | None = None,
+    replay: bool = True,
+    force: bool = False,
+    start: State | str | Path | None = None,
+    save_at_s: float | None = None,
+    progress: FlightProgress | None = None,
+) -> Flight:
+    """Fly a scenario and return the flight, as ``edl6dof fly`` does.
+
+    Args:
+        scenario: file, name of a shipped one, or what :func:`load` returned; none with ``start``.
+        overrides: as of :func:`load`, of a scenario that is not loaded yet.
+        out: folder to write, as the command does; none if not given.
+        replay: whether the 3D replay is among its files.
+        force: whether a run that is there may be replaced.
+        start: saved state, or its file, to go on from: it brings its scenario.
+        save_at_s: time at which to keep a state, s.
+        progress: called every few seconds of flight; see :func:`edl6dof.sim.flight.fly`.
+
+    Raises:
+        ConfigError: the scenario is wrong, or ``out`` cannot be written.
+        TypeError: an argument is of a wrong kind, or there are overrides of a scenario that is loaded.
+    """
+    if start is None and scenario is None:
+        raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
+    activate(scenario if isinstance(scenario, str | Path) else None)
+    from edl6dof.api.flight import continued, flown_into, fly_loaded, saved_state
+
+    state = None if start is None else saved_state(start)
+    if scenario is not None:
+        loaded = _loaded(scenario, overrides)
+    elif state is not None:
+        loaded = continued(state, overrides)
+
+    def flown() -> Flight:
+        return fly_loaded(loaded, start=state, save_at_s=save_at_s, progress=progress)
+
+    return flown() if out is None else flown_into(Path(out), flown, replay=replay, force=force)
+
+
+def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> LoadedScenario:
+    if isinstance(scenario, str | Path):
+        return load(scenario, overrides)
+    if not hasattr(scenario, "document"):
+        scenario_name(scenario)  # which says what it may be
+    if overrides:
+        raise TypeError("the scenario is loaded already: give the overrides to edl6dof.load")
+    return scenario
+
+
+@naming_arguments()
+def open_run(folder: str | Path) -> RecordedFlight | CampaignResult:
+    """Open the folder of a flight, or of a campaign: what flying it returned, from its files.
+
+    Args:
+        folder: of a run or a campaign.
+
+    Raises:
+        ConfigError: it is neither, or a file is missing or damaged.
+    """
+    if (Path(folder) / "campaign.json").is_file():
+        activate(folder)
+        from edl6dof.api.campaign import open_campaign
+
+        return open_campaign(Path(folder))
+    from edl6dof.api.flight import RecordedFlight
+
+    return RecordedFlight(Path(folder))
+
+
+@naming_arguments()
+def report(
+    run: str | Path | Flight | RecordedFlight | CampaignResult,
+    *,
+    out: str | Path | None = None,
+    pdf: bool = False,
+    png: bool = False,
+    force: bool = False,
+) -> list[Path]:
+    """Write the report of a run or a campaign, as ``edl6dof report`` does; returns what was written.
+
+    Args:
+        run: its folder, or what :func:`open_run` returned, or :func:`fly` with ``out``.
+        out: file to write; ``report.html`` in the folder if not given.
+        pdf: write one PDF for papers instead.
+        png: write a picture of each figure for papers instead.
+        force: whether files that are there may be replaced.
+
+    Raises:
+        ConfigError: there is nothing to report on, or a file must not be replaced.
+    """
+    from edl6dof.api.reports import write_report
+    from edl6dof.runs.needing import needing_channels
+
+    folder = _folder_of(run)
+    with needing_channels(folder):
+        return list(write_report(folder, None if out is None else Path(out), pdf, png, force))
+
+
+@naming_arguments(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})
+def replay(
+    *runs: str | Path | Flight | RecordedFlight | CampaignResult,
+    web: bool = False,
+    html: str | Path | None = None,
+    screenshot: str | Path | None = None,
+    at_s: float | None = None,
+    page: str = "",
+    video: str | Path | None = None,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    length_s: float | None = None,
+    fps: float = 24.0,
+    force: bool = False,
+) -> list[Path]:
+    """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; returns what was written.
+
+    Args:
+        runs: folders, or what :func:`open_run` returned, or :func:`fly` with ``out``; the first may be a
+            campaign's.
+        web: show it in the browser.
+        html: page to write instead.
+        screenshot: picture (PNG) to write instead.
+        at_s: time of the picture, s.
+        page: page in front.
+        video: film (MP4) to write instead.
+        start_s: first time of the film, s.
+        end_s: last time of the film, s.
+        length_s: how long the film is, s; as long as the flight, or 60 s, if not given.
+        fps: its frames per second.
+        force: whether files that are there may be replaced.
+
+    Raises:
+        ConfigError: there is no such replay, or the options do not fit together.
+        TypeError: no run is named.
+    """
+    if not runs:
+        raise TypeError("name a run, such as 'runs/tianwen1'")
+    folders = [_folder_of(run) for run in runs]
+    if folders[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
+        activate(folders[0])
+    from edl6dof.api.replays import show_replay
+    from edl6dof.runs.needing import needing_channels
+
+    page_file, picture, film = (None if path is None else Path(path) for path in (html, screenshot, video))
+    with needing_channels(*folders):
+        return show_replay(
+            folders,
+            web=web,
+            html=page_file,
+            screenshot=picture,
+            at_s=at_s,
+            page=page,
+            video=film,
+            start_s=start_s,
+            end_s=end_s,
+            length_s=length_s,
+            fps=fps,
+            force=force,
+        )
+
+
+def _folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:
+    """Return the folder of what was flown.
+
+    Raises:
+        ValueError: it has none.
+        TypeError: it is nothing that was flown.
+    """
+    if isinstance(run, str | Path):
+        return Path(run)
+    from edl6dof.api.campaign import CampaignResult
+    from edl6dof.api.flight import Flight, RecordedFlight
+
+    if not isinstance(run, Flight | RecordedFlight | CampaignResult):
+        raise TypeError(f"a run is its folder, or what edl6dof.open_run returned (got {run!r})")
+    if run.folder is None:
+        kind = "campaign" if isinstance(run, CampaignResult) else "flight"
+        raise ValueError(f"this {kind} is in memory only; fly it with out=FOLDER")
+    return run.folder
+
+
+@naming_arguments()
+def campaign(
+    scenario: str | Path,
+    overrides: Overrides = (),
+    *,
+    cases: int | None = None,
+    seed: int | None = None,
+    sampling: str | None = None,
+    until: str | None = None,
+    engine: str = "threads",
+    workers: int | None = None,
+    cluster: str | None = None,
+    out: str | Path | None = None,
+    force: bool = False,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> CampaignResult:
+    """Fly many dispersed flights, or a grid of them, as ``edl6dof campaign`` does.
+
+    Args:
+        scenario: campaign file or name; with ``resume`` also the folder of a campaign.
+        overrides: as of :func:`load`.
+        cases: flights (at each point of a sweep) instead of the file's.
+        seed: of the dispersions.
+        sampling: ``monte_carlo``, ``latin_hypercube``, ``sobol`` or ``sobol_indices``.
+        until: when to stop early, such as ``"p_success +- 0.5%"``.
+        engine: ``threads`` or ``dask``.
+        workers: threads or processes; all cores if not given.
+        cluster: address of a Dask scheduler.
+        out: folder to keep it in, which can be gone on with; in memory only if not given.
+        force: whether a campaign that is there may be replaced.
+        resume: go on with a campaign that was interrupted.
+        progress: called with how many cases have flown, and with how many there are.
+
+    Raises:
+        ConfigError: the campaign is wrong, or its folder must not be replaced.
+    """
+    name = scenario_name(scenario)
+    activate(name)
+    from edl6dof.api.campaign import EngineChoice, check_until, flown, resumed
+    from edl6dof.campaign.design.plan import load_plan
+
+    flying = EngineChoice(engine, workers, cluster)
+    flying.check()
+    if resume and (Path(name) / "campaign.json").is_file():
+        return resumed(Path(name), flying, progress)
+    plan = load_plan(name, texts(overrides), cases, seed, sampling)
+    check_until(until, plan)
+    if resume:
+        return resumed(Path(out or Path("runs") / plan.name), flying, progress)
+    return flown(plan, flying, until, out, force, progress)
+
+
+@naming_arguments(after="after_s")
+def faults(
+    scenario: str | Path = "tianwen1",
+    overrides: Overrides = (),
+    *,
+    sensors: bool = False,
+    kinds: str | Iterable[str] = (),
+    components: str | Iterable[str] = (),
+    pairs: bool = False,
+    at: str | float | Iterable[str | float] | None = None,
+    phases: str | Iterable[str] = (),
+    after_s: float | None = None,
+    vehicles: int | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> CampaignResult:
+    """Fail every thruster, or instrument, at every moment, one flight each, as ``edl6dof faults`` does.
+
+    Args:
+        scenario: file, or name of a shipped one.
+        overrides: as of :func:`load`.
+        sensors: fail instruments instead of thrusters.
+        kinds: kinds of fault; ``"all"``.
+        components: what fails; all that can if not given.
+        pairs: fail every two of them together.
+        at: when: times in s, ``"every 10 s"``, or events of the nominal flight.
+        phases: when instead: phases.
+        after_s: time from the start of the phase to the fault, s.
+        vehicles: dispersed vehicles for each fault; the nominal one if not given.
+        seed: of their dispersions.
+        workers: threads; all cores if not given.
+        out: as of :func:`campaign`.
+        force: as of :func:`campaign`.
+        progress: as of :func:`campaign`.
+
+    Raises:
+        ConfigError: everything that is wrong with what is wanted.
+    """
+    name, sets = scenario_name(scenario), texts(overrides)
+    activate(name)
+    from edl6dof.api.campaign import EngineChoice, flown
+    from edl6dof.api.fault_matrix import listed, matrix_of
+    from edl6dof.campaign.fault_kinds import matrix_plan
+    from edl6dof.scenario.loading import load_scenario
+
+    matrix = matrix_of(
+        load_scenario(name, sets),
+        sensors=sensors,
+        kinds=listed(kinds),
+        components=listed(components),
+        pairs=pairs,
+        phases=listed(phases),
+        after_s=after_s,
+        at=None if at is None else listed(at),
+    )
+    flying = EngineChoice(workers=workers)
+    flying.check()
+    plan = matrix_plan(name, matrix, sets, vehicles, seed)
+    return flown(plan, flying, None, out, force, progress)
+
+
+@naming_arguments()
+def refly(
+    campaign: str | Path | CampaignResult,
+    case: int,
+    *,
+    out: str | Path | None = None,
+    replay: bool = True,
+    force: bool = False,
+) -> Flight:
+    """Fly one case of a campaign again with all its telemetry, as ``edl6dof refly`` does.
+
+    Args:
+        campaign: folder, or result, of a campaign.
+        case: its number.
+        out: as of :func:`fly`.
+        replay: as of :func:`fly`.
+        force: as of :func:`fly`.
+
+    Returns:
+        The flight; its ``differences`` name the columns in which it is not as its row, by as much as a bit.
+
+    Raises:
+        ConfigError: there is no such case.
+    """
+    if isinstance(campaign, str | Path):
+        activate(campaign)
+    from edl6dof.api.campaign import CampaignResult, open_campaign
+    from edl6dof.api.flight import flown_into
+
+    result = campaign if isinstance(campaign, CampaignResult) else open_campaign(Path(campaign))
+    if out is None:
+        return result.refly(case)
+    return flown_into(Path(out), lambda: result.refly(case), replay=replay, force=force)
+
+
+@naming_arguments()
+def calibrate(
+    scenario: str | Path,
+    overrides: Overrides = (),
+    *,
+    flights: int | None = None,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Findings:
+    """Fit the uncertain parameters of a scenario to its published figures, as ``edl6dof calibrate`` does.
+
+    Args:
+        scenario: file or name, with a ``calibration`` section.
+        overrides: as of :func:`load`.
+        flights: of each design, instead of the file's.
+        out: folder for what was found; none if not given.
+        force: as of :func:`campaign`.
+        progress: as of :func:`campaign`.
+
+    Raises:
+        ConfigError: the section is wrong, or too few flights come to the figures.
+    """
+    name, sets = scenario_name(scenario), texts(overrides)
+    activate(name)
+    from edl6dof.api.calibration import found_by, write_findings
+    from edl6dof.calibration.problem import load_calibration
+    from edl6dof.runs.folder import atomic_folder
+
+    calibration = load_calibration(name, sets, flights)
+    if out is None:
+        return found_by(calibration, name, progress)
+    with atomic_folder(Path(out), "calibration", force) as folder:
+        found = found_by(calibration, name, progress)
+        write_findings(found, folder, name, sets, flights)
+    return found
+
+
+def verify(*cases: str) -> list[Report]:
+    """Run check cases against their independent references, as ``edl6dof verify`` does; all if none is named.
+
+    Raises:
+        ValueError: there is no such case.
+    """
+    from edl6dof.config.wording import nearest
+    from edl6dof.verify.check import CASES, run_case
+
+    for name in cases:
+        if name not in CASES:
+            near = nearest(name, CASES)
+            raise ValueError(f"no check case {name!r}" + (f"; did you mean {near!r}?" if near else ""))
+    return [run_case(name) for name in cases or CASES]

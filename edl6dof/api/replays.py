@@ -1,0 +1,231 @@
+"""The 3D replay of flights, or of a campaign: in the viewer, the browser, a file, a picture or a film."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from os.path import lexists
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from edl6dof.api.flight import REPLAY, RecordedFlight
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.executor import fly_rows
+from edl6dof.campaign.run import resumed_plan
+from edl6dof.campaign.storage.store import Store
+from edl6dof.config.errors import refusal
+from edl6dof.config.wording import nearest
+from edl6dof.replay import film, server, viewer
+from edl6dof.replay import page as offline
+from edl6dof.replay.history import thin, vector
+from edl6dof.replay.recording import history, recorded_span, write_replay
+from edl6dof.replay.scene.ensemble import Ensemble, Trajectory
+from edl6dof.replay.views.layout import TITLES
+from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.runs.run import Run
+from edl6dof.sim.flight import Flight, fly
+
+#: Which flight of a campaign is followed where none is named, and why.
+NOMINAL = (
+    "the nominal flight, in which nothing is dispersed and nothing fails: the cases are spread about it. It "
+    "is none of them; to follow another flight, name its run folder after the campaign's."
+)
+
+
+#: Cases of a campaign that are drawn, for more would hide each other, and the rows of each, Hz.
+MOST_CASES, RATE_HZ = 2000, 0.5
+#: Frames of a film per second where nothing else is asked for.
+FPS = 24.0
+
+
+def show_replay(
+    runs: Sequence[Path],
+    *,
+    web: bool = False,
+    html: Path | None = None,
+    screenshot: Path | None = None,
+    at_s: float | None = None,
+    page: str = "",
+    video: Path | None = None,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    length_s: float | None = None,
+    fps: float = FPS,
+    force: bool = False,
+) -> list[Path]:
+    """Show a replay or write it; returns what was written.  See :func:`edl6dof.replay` for the arguments.
+
+    Raises:
+        ConfigError: the options do not fit together, or name no replay.
+        ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run here.
+    """
+    targets = [path for path in (html, screenshot, video) if path is not None]
+    for path in targets:
+        refuse_existing_file(path, force, runs[0])
+    if at_s is not None and screenshot is None:
+        raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
+    if video is not None and video.suffix.lower() != ".mp4":
+        raise refusal(video, "is no name of a film; films are written as .mp4")
+    if video is None and (start_s, end_s, length_s, fps) != (None, None, None, FPS):
+        raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
+    if page and runs[0].is_file():
+        raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
+    if page not in ("", *TITLES):
+        near = nearest(page, TITLES)
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise refusal("--page", f"no page {page!r}{hint} (there are: {', '.join(TITLES)})")
+    for run in runs:
+        if not run.exists():
+            raise refusal(run, "no such replay; name the folder of a run, or its recording")
+    if video is not None:
+        film.encoder()  # or the flight would be drawn in vain
+    with _ended_by_signals(), _recording(runs, page) as recording:
+        title = f"edl6dof replay: {', '.join(_labels(runs))}"
+        if screenshot is not None:
+            with atomic_file(screenshot, force, runs[0]) as partial:
+                viewer.screenshot(recording, partial, _time(recording, "--at", at_s))
+        if video is not None:
+            cut = _cut(recording, start_s, end_s, length_s, fps)
+            with atomic_file(video, force, runs[0]) as partial, _frames() as progress:
+                film.film(recording, partial, cut, progress)
+        if html is not None:
+            with atomic_file(html, force, runs[0]) as partial:
+                partial.write_bytes(offline.page(recording, title))
+        if not targets and web:
+            server.serve(offline.page(recording, title))
+        elif not targets:
+            viewer.show(recording)
+    return targets
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, so that nothing is left behind: no viewer, no
+    temporary file.
+    """
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in (getattr(signal, name) for name in names)}
+    defaults = [
+        number for number, action in before.items() if action is signal.SIG_DFL
+    ]  # nohup ignores SIGHUP
+    for number in defaults:
+        signal.signal(number, interrupt)
+    try:
+        yield
+    finally:
+        for number in defaults:
+            signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
+    """The recording that the flight wrote where that will do, else a new one for the time being.
+
+    A campaign comes first; the flights after it, or its nominal one, fly among its trajectories.
+    """
+    alone = runs[0]
+    if len(runs) == 1 and alone.is_file():
+        yield alone
+        return
+    if len(runs) == 1 and (alone / REPLAY).is_file() and not page:
+        yield Run(alone).file(REPLAY)
+        return
+    plan = resumed_plan(Store(alone)) if lexists(alone / "campaign.json") else None
+    named = runs[1 if plan else 0 :]
+    flights = [history(RecordedFlight(folder)) for folder in named]
+    if not flights and plan is not None:
+        flights = [history(fly(plan.loaded))]
+    if not all(len(flight.t) for flight in flights):
+        raise refusal(alone, "no row of the telemetry can be drawn")
+    labels = _labels(named)
+    ensemble = None
+    if plan is not None:
+        followed = f"{labels[0]}, the first run named after the campaign." if labels else NOMINAL
+        labels, ensemble = labels or ["nominal flight"], Ensemble(trajectories(plan), followed)
+    elif len(flights) == 1:
+        labels = []
+    with TemporaryDirectory(prefix="edl6dof-") as folder:
+        write_replay(flights, Path(folder) / REPLAY, labels, page or "Flight", ensemble)
+        yield Path(folder) / REPLAY
+
+
+def _labels(runs: Sequence[Path]) -> list[str]:
+    """Folder names; with their parents where they are the same."""
+    names = [run.resolve().name for run in runs]
+    return names if len(set(names)) == len(names) else ["/".join(run.resolve().parts[-2:]) for run in runs]
+
+
+def _time(recording: Path, option: str, asked_s: float | None) -> float:
+    """A time of the recording, s: what was asked for, or its end.
+
+    Raises:
+        ConfigError: the recording does not reach so far.
+    """
+    first, last = recorded_span(recording)
+    if asked_s is None:
+        return last
+    if not first <= asked_s <= last:
+        raise refusal(
+            option, f"{asked_s:g} s is not in the recording: give a time from {first:.2f} to {last:.2f} s"
+        )
+    return asked_s
+
+
+def _cut(
+    recording: Path, start_s: float | None, end_s: float | None, length_s: float | None, fps: float
+) -> film.Cut:
+    """Cut the film: the whole flight, in no more than a minute, where nothing else was asked for."""
+    first = recorded_span(recording)[0] if start_s is None else start_s
+    first, last = _time(recording, "--from", first), _time(recording, "--to", end_s)
+    if first >= last:
+        raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
+    return film.Cut(first, last, length_s or min(last - first, film.LENGTH_S), fps)
+
+
+@contextmanager
+def _frames() -> Iterator[Callable[[int, int], None]]:
+    """Show on a terminal how many of how many frames are drawn."""
+    console = Console(stderr=True)
+    columns = (TextColumn("frames"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("frames", total=None)
+        yield lambda done, of: progress.update(task, completed=done, total=of)
+
+
+def trajectories(plan: Plan) -> list[Trajectory]:
+    """Fly the cases of a campaign again for their trajectories, in order; a case that could not fly has none.
+
+    A campaign keeps one row of each case, and every case repeats exactly.
+    """
+    count = min(plan.count, MOST_CASES)
+    found = []
+    for done, row in enumerate(fly_rows(plan.loaded, plan.cases(0, count), collect=_places), start=1):
+        if "places" in row:
+            found.append(Trajectory(row["places"], "" if row["success"] else str(row["cause"])))
+        if sys.stderr.isatty():
+            print(
+                f"\r{done} of {count} cases flown again",
+                end="" if done < count else "\n",
+                file=sys.stderr,
+                flush=True,
+            )
+    return found
+
+
+def _places(flight: Flight) -> Mapping[str, Any]:
+    """Positions in landing-site axes, a row every two seconds, copied: the telemetry belongs to the next
+    case.
+    """
+    rows = thin(np.array(flight.telemetry["t_s"]), RATE_HZ)
+    return {"places": vector(flight.telemetry, "truth.site", "east north up", "_m")[rows].astype(np.float32)}

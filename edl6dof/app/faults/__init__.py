@@ -1,1 +1,0 @@
-"""``edl6dof faults``: the matrix of single faults."""

@@ -1,0 +1,199 @@
+"""The ``campaign:``, ``sweep:`` and ``fault_matrix:`` sections of a scenario file."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from edl6dof.campaign.design.case import Of
+from edl6dof.campaign.design.distributions.registry import Distribution
+from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
+from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.spatial.arrays import cholesky
+from edl6dof.vehicle.faults.component import Component
+from edl6dof.vehicle.faults.fault import FaultStart
+
+
+class Correlated(Params):
+    """Parameters dispersed together: normal, about their nominal values, with a correlation or covariance
+    matrix.
+    """
+
+    of: Of = param("truth", "whose values differ: truth, belief or both")
+    paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
+    three_sigma: list[float] | None = param(None, "three standard deviations of each, with correlation")
+    correlation: list[list[float]] | None = param(None, "correlation matrix")
+    covariance: list[list[float]] | None = param(
+        None, "covariance matrix, instead of three_sigma and correlation"
+    )
+
+    @model_validator(mode="after")
+    def _a_covariance(self) -> Self:
+        given = (self.three_sigma is not None, self.correlation is not None, self.covariance is not None)
+        matrix = self.correlation if self.covariance is None else self.covariance
+        if matrix is None or given not in ((True, True, False), (False, False, True)):
+            raise ValueError("must give three_sigma and correlation, or covariance")
+        size = len(self.paths)
+        if len(matrix) != size or any(len(row) != size for row in matrix):
+            raise ValueError(f"the matrix must have {size} rows of {size} numbers, one for each path")
+        if self.three_sigma is not None and (len(self.three_sigma) != size or min(self.three_sigma) <= 0.0):
+            raise ValueError(f"three_sigma must be {size} positive numbers")
+        if self.correlation is not None and any(self.correlation[i][i] != 1.0 for i in range(size)):
+            raise ValueError("the diagonal of the correlation matrix must be 1")
+        if not np.array_equal(matrix, np.transpose(matrix)):
+            raise ValueError("the matrix must be symmetric")
+        try:
+            cholesky(self.matrix)
+        except ValueError:
+            words = "the matrix must be positive definite: no parameters correlate like this"
+            raise ValueError(words) from None
+        return self
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Covariance matrix."""
+        if self.covariance is not None:
+            return np.asarray(self.covariance)
+        sigma = np.asarray(self.three_sigma) / 3.0
+        return np.asarray(self.correlation) * np.outer(sigma, sigma)
+
+
+class FaultDraw(Params):
+    """Something that breaks in some of the flights."""
+
+    chance: float = param(REQUIRED, "probability in one flight", gt=0.0, le=1.0)
+    one_of: list[dict[str, Any]] = param(
+        REQUIRED, "faults as under faults:, one of which happens, each as likely", min_length=1
+    )
+    later_s: float = param(0.0, "up to this much later than the fault says, uniformly", ge=0.0)
+
+
+class CampaignParams(Params):
+    """How many flights, and how each differs from the scenario."""
+
+    cases: int = param(1000, "number of flights; of rows of a design of Sobol indices", ge=1, le=10_000_000)
+    seed: int = param(1, "seed of the dispersions; the same seed gives the same cases", ge=0)
+    sampling: Literal["monte_carlo", "latin_hypercube", "sobol", "sobol_indices"] = param(
+        "monte_carlo",
+        (
+            "independent random cases, one in each of as many strata of every parameter, a scrambled Sobol "
+            "sequence, or the design of Sobol indices: for each row two cases and one more for each group of "
+            "dispersions"
+        ),
+    )
+    profiles: bool = param(True, "whether each case meets random profiles (density, gusts) of its own")
+    truth: dict[str, Distribution] = param(
+        None,
+        (
+            "dispersions of which the flight computer is not told, by dotted path; * stands for every item "
+            "of a list"
+        ),
+        factory=dict,
+    )
+    belief: dict[str, Distribution] = param(
+        None, "dispersions of what the flight computer is told, the truth staying", factory=dict
+    )
+    both: dict[str, Distribution] = param(
+        None, "dispersions that are known to the flight computer", factory=dict
+    )
+    correlated: list[Correlated] = param(None, "groups of parameters dispersed together", factory=list)
+    faults: list[FaultDraw] = param(None, "faults that happen in some of the flights", factory=list)
+
+    @model_validator(mode="after")
+    def _a_design_of_numbers(self) -> Self:
+        if self.sampling == "sobol_indices" and self.faults:
+            raise ValueError("sampling sobol_indices swaps numbers between flights and takes no faults")
+        return self
+
+
+class Axis(Params):
+    """One axis of a grid."""
+
+    path: str = param(REQUIRED, "dotted path")
+    of: Of = param("both", "whose value it is: truth, belief or both")
+    values: list[Any] | None = param(None, "the values", min_length=1)
+    first: float | None = param(None, "instead of values: the first")
+    last: float | None = param(None, "and the last")
+    count: int | None = param(None, "and how many, evenly spaced", ge=2, le=10_000)
+
+    @model_validator(mode="after")
+    def _values_or_range(self) -> Self:
+        given = [item is not None for item in (self.values, self.first, self.last, self.count)]
+        if given not in ([True, False, False, False], [False, True, True, True]):
+            raise ValueError("must give values, or first, last and count")
+        return self
+
+    @property
+    def points(self) -> list[Any]:
+        """The values along the axis."""
+        if self.values is not None:
+            return list(self.values)
+        first, last, count = stated(self.first), stated(self.last), stated(self.count)
+        return [float(value) for value in np.linspace(first, last, count)]
+
+
+class SweepParams(Params):
+    """A grid over some parameters; with a campaign section, its cases are flown at every point of the
+    grid.
+    """
+
+    axes: list[Axis] = param(
+        REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6
+    )
+
+    @model_validator(mode="after")
+    def _axes_differ(self) -> Self:
+        if len({axis.path for axis in self.axes}) < len(self.axes):
+            raise ValueError("the axes must have different paths")
+        return self
+
+
+class FaultMoment(Params):
+    """A moment at which components fail, and what it is called."""
+
+    name: Title = param(REQUIRED, "what the moment is called: 60 s, mortar, a phase")
+    at: FaultStart = section("when the fault begins")
+
+
+class FaultGroup(Params):
+    """Components of one kind that fail in one way, at every one of some moments."""
+
+    kind: str = param(REQUIRED, "kind of fault")
+    component: Component = param(REQUIRED, "kind of component that fails")
+    names: list[str] = param(REQUIRED, "components that fail, one after the other", min_length=1)
+    moments: list[FaultMoment] = param(REQUIRED, "when they fail", min_length=1)
+
+
+class FaultMatrixParams(Params):
+    """Faults that are flown one by one, or several at once."""
+
+    groups: list[FaultGroup] = param(REQUIRED, "what fails, and when", min_length=1)
+    together: int = param(1, "components that fail at the same moment", ge=1, le=4)
+
+
+class CampaignFile(Params):
+    """Sections of a scenario file about flying it many times."""
+
+    campaign: CampaignParams | None = param(None, "dispersed flights")
+    sweep: SweepParams | None = param(None, "flights on a grid")
+    fault_matrix: FaultMatrixParams | None = param(None, "flights with faults, one for each cell")
+
+    @property
+    def text(self) -> str:
+        """The sections as YAML: one line for each distribution, axis, group and fault draw."""
+        lines = []
+        for name, given in self.model_dump(mode="json", exclude_none=True).items():
+            lines.append(f"{name}:")
+            for key, value in given.items():
+                if isinstance(value, dict) and value:
+                    lines += [
+                        f"  {key}:",
+                        *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()),
+                    ]
+                elif isinstance(value, list) and value:
+                    lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
+                else:
+                    lines.append(f"  {key}: {write_flow(value)}")
+        return "\n".join(lines) + "\n"

@@ -1,0 +1,295 @@
+"""Drivers of a figure: groups of inputs distinguished from chance, and the share of variance each explains.
+
+Made for many inputs and few flights.  Figure and inputs enter by their normal scores, so that a few odd
+flights and the shapes of distributions do not decide.  Groups are taken up one after the other, each time
+that which explains most of what is left, as long as an F test tells it from chance among all that were
+tried.  What those taken up explain together is split among them, each share less what its regressors explain
+by chance alone, so that the shares add up to the adjusted R2.  Their intervals are by the bootstrap.
+
+What only two inputs together do (their interaction) is explained by none and remains.
+
+Sources: van der Waerden, Indag. Math. 14 (1952) 453 (scores); Sidak, J. Am. Stat. Assoc. 62 (1967) 626 (many
+tests); Zuber and Strimmer, Stat. Appl. Genet. Mol. Biol. 10 (2011) 34 (the split, CAR scores: for inputs that
+are independent it is that of Lindeman, Merenda and Gold, the Shapley value, and the first-order index of
+Sobol); Efron, Ann. Stat. 7 (1979) 1 (bootstrap).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.special import betainc, betaincinv, ndtri
+
+#: Chance that inputs that do nothing are called a driver, of a figure or of all figures of a report.
+CHANCE = 0.05
+
+#: Flights of fewer than which nothing is told: ranks of a handful agree by chance.
+FEWEST = 20
+
+#: Flights for each regressor without which a group keeps to straight effects.
+_FLIGHTS_PER_TERM = 10
+
+#: Campaigns drawn again from the flights for the intervals; their ends.
+_REDRAWN, _ENDS = 400, (0.025, 0.975)
+
+#: Flights are drawn again one by one, of more than these in as many blocks.
+_BLOCKS = 300
+
+#: Least singular value of regressors, as a share of the largest, and least eigenvalue of a correlation.
+_DEGENERATE = 1e-6
+
+
+@dataclass(frozen=True)
+class Driver:
+    """A group of inputs that drives a figure.
+
+    Attributes:
+        name: of the group.
+        share: of the variance of the figure's normal scores.
+        low: lower end of the 95 % interval of the share.
+        high: upper end.
+        effect: ``rises`` or ``falls`` with a single input, ``curved``, or empty for a group of several.
+    """
+
+    name: str
+    share: float
+    low: float
+    high: float
+    effect: str
+
+
+@dataclass(frozen=True)
+class Drivers:
+    """Drivers found for a figure.
+
+    Attributes:
+        flights: that have the figure.
+        found: drivers, the largest share first.
+        least: share below which an input cannot be told from chance.
+    """
+
+    flights: int
+    found: tuple[Driver, ...]
+    least: float
+
+    @property
+    def explained(self) -> float:
+        """Share of the variance that all drivers explain together: the adjusted R2."""
+        return sum(driver.share for driver in self.found)
+
+
+@dataclass(frozen=True)
+class _Inputs:
+    """Inputs of the flights that have a figure, formed once for all figures of these flights.
+
+    Attributes:
+        scores: normal scores of each group, shape (n, inputs of the group).
+        regressors: of all groups, orthonormal within each, shape (n, terms).
+        columns: which of them are those of each group that moves, shape (terms of the group,).
+        correlation: of all regressors, shape (terms, terms).
+    """
+
+    scores: dict[str, np.ndarray]
+    regressors: np.ndarray
+    columns: dict[str, np.ndarray]
+    correlation: np.ndarray
+
+    @classmethod
+    def of(cls, groups: Mapping[str, np.ndarray], usable: np.ndarray) -> _Inputs:
+        scores = {name: _scores(values[usable]) for name, values in groups.items()}
+        terms = {name: basis for name, values in scores.items() if (basis := _terms(values)).size}
+        regressors = np.column_stack([np.empty((int(usable.sum()), 0)), *terms.values()])
+        ends = np.cumsum([basis.shape[1] for basis in terms.values()], dtype=int)
+        columns = {
+            name: np.arange(end - basis.shape[1], end)
+            for (name, basis), end in zip(terms.items(), ends, strict=True)
+        }
+        return cls(scores, regressors, columns, regressors.T @ regressors)
+
+
+def drivers(groups: Mapping[str, np.ndarray], figure: np.ndarray, chance: float = CHANCE) -> Drivers:
+    """The groups of inputs that drive a figure.
+
+    Args:
+        groups: inputs that belong together, shape (n, inputs of the group), by name; each group independent
+            of the others.
+        figure: shape (n,), NaN where a flight has none.
+        chance: probability that any group is named where none does anything.
+    """
+    return drivers_of_each(groups, [figure], chance)[0]
+
+
+def drivers_of_each(
+    groups: Mapping[str, np.ndarray], figures: Sequence[np.ndarray], chance: float = CHANCE
+) -> list[Drivers]:
+    """The groups of inputs that drive each of several figures, as :func:`drivers` tells them of one.
+
+    ``chance`` is that of any group being named for any of the figures where none does anything.
+    """
+    level = _of_each(chance, len(figures))
+    known: dict[bytes, _Inputs] = {}
+    found = []
+    for figure in figures:
+        usable = np.isfinite(figure)
+        target = _scores(figure[usable])
+        if len(target) < FEWEST or np.ptp(target) == 0.0:
+            found.append(Drivers(len(target), (), 1.0))
+            continue
+        if usable.tobytes() not in known:
+            known[usable.tobytes()] = _Inputs.of(groups, usable)
+        found.append(_drivers(known[usable.tobytes()], target, level))
+    return found
+
+
+def _drivers(inputs: _Inputs, target: np.ndarray, chance: float) -> Drivers:
+    flights = len(target)
+    names, least = _told_from_chance(inputs, target, chance)
+    if not names:
+        return Drivers(flights, (), least)
+    groups = [inputs.regressors[:, inputs.columns[name]] for name in names]
+    own, redrawn = _shares(groups, target)
+    wider = np.sqrt(flights / max(flights - 1 - sum(basis.shape[1] for basis in groups), 1))
+    low, high = np.clip(own + wider * (np.quantile(redrawn, _ENDS, axis=0) - own), 0.0, 1.0)
+    found = [
+        Driver(
+            name, max(float(own[k]), 0.0), float(low[k]), float(high[k]), _effect(inputs.scores[name], target)
+        )
+        for k, name in enumerate(names)
+    ]
+    return Drivers(flights, tuple(sorted(found, key=lambda driver: -driver.share)), least)
+
+
+def _of_each(chance: float, tries: int) -> float:
+    """Chance of each of several tries with which that of any of them is ``chance`` (Sidak)."""
+    return float(-np.expm1(np.log1p(-chance) / max(tries, 1)))
+
+
+def _scores(values: np.ndarray) -> np.ndarray:
+    """Normal scores: the deviates that a sample of the normal distribution has at the ranks of the values."""
+    ranks = np.apply_along_axis(_ranks, 0, values) if values.size else values
+    return np.asarray(ndtri((ranks - 0.5) / len(values)))
+
+
+def _ranks(values: np.ndarray) -> np.ndarray:
+    """Rank of each value, from 1 on; those that are equal have the mean of theirs."""
+    _, place, equal = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(equal) - 0.5 * (equal - 1))[place])
+
+
+def _terms(scores: np.ndarray) -> np.ndarray:
+    """Orthonormal regressors of a group, shape (n, terms): straight and, if flights suffice, square."""
+    few = 2 * scores.shape[1] * _FLIGHTS_PER_TERM <= len(scores)
+    return _orthonormal(np.hstack([scores, scores**2]) if few else scores)
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """A basis of what the columns do besides a constant."""
+    vectors, values, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
+    return np.asarray(vectors[:, values > _DEGENERATE * np.sqrt(len(columns))])
+
+
+def _told_from_chance(inputs: _Inputs, target: np.ndarray, chance: float) -> tuple[list[str], float]:
+    """Groups taken up, in their order, and the least share that one more would have to explain."""
+    rest = _with_figure(inputs, target)  # of regressors and figure, what those taken up leave unexplained
+    left, free = dict(inputs.columns), len(target) - 1
+    taken, least = [], 1.0
+    while rest[-1, -1] > _DEGENERATE:
+        tried = {name: own for name, own in left.items() if free > len(own)}
+        if not tried:
+            break
+        level = _of_each(chance, len(tried))
+        least = rest[-1, -1] * min(_critical(len(own), free - len(own), level) for own in tried.values())
+        p_values = {
+            name: _p_value(1.0 - _explained(rest, own) / rest[-1, -1], len(own), free - len(own))
+            for name, own in tried.items()
+        }
+        best = min(p_values, key=lambda name: p_values[name])
+        if p_values[best] > level:
+            break
+        taken.append(best)
+        own = left.pop(best)
+        free -= len(own)
+        through = rest[:, own] @ _whitening(rest[np.ix_(own, own)])
+        rest = rest - through @ through.T
+    return taken, float(least)
+
+
+def _with_figure(inputs: _Inputs, target: np.ndarray) -> np.ndarray:
+    """Correlation of all regressors and, the last row and column, the figure."""
+    straight = target - target.mean()
+    aim = straight @ inputs.regressors / np.linalg.norm(straight)
+    return np.block([[inputs.correlation, aim[:, None]], [aim, np.ones(1)]])
+
+
+def _explained(rest: np.ndarray, own: np.ndarray) -> float:
+    """Return the share of the figure, the last row, that some regressors explain."""
+    return float(np.sum((rest[-1, own] @ _whitening(rest[np.ix_(own, own)])) ** 2))
+
+
+def _whitening(covariance: np.ndarray) -> np.ndarray:
+    """Combinations of variables, shape (variables, combinations), that have variance 1 and no correlation;
+    without those that stand still.
+    """
+    values, vectors = np.linalg.eigh(covariance)
+    moving = values > _DEGENERATE
+    return np.asarray(vectors[:, moving] / np.sqrt(values[moving]))
+
+
+def _p_value(unexplained: float, terms: int, free: int) -> float:
+    """Probability that regressors which do nothing leave as little unexplained: the F test, by the beta
+    distribution of that share.
+    """
+    return float(betainc(0.5 * free, 0.5 * terms, min(max(unexplained, 0.0), 1.0)))
+
+
+def _critical(terms: int, free: int, level: float) -> float:
+    """Share of the rest that regressors must explain to be told from chance, less what chance explains."""
+    unexplained = float(betaincinv(0.5 * free, 0.5 * terms, level))
+    return 1.0 - unexplained - terms / free * unexplained
+
+
+def _shares(groups: list[np.ndarray], target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shares of groups, shape (groups,), and those of campaigns drawn again, shape (drawn, groups)."""
+    columns = np.column_stack([*groups, target, np.ones(len(target))])
+    blocks = np.stack([rows.T @ rows for rows in np.array_split(columns, min(len(columns), _BLOCKS))])
+    weights = _weights(len(blocks))
+    sums = (weights @ blocks.reshape(len(blocks), -1)).reshape(-1, *blocks.shape[1:])
+    mean = sums[:, :-1, -1] / sums[:, -1:, -1]
+    covariance = sums[:, :-1, :-1] / sums[:, -1:, -1:] - mean[:, :, None] * mean[:, None, :]
+    shares = _split(covariance, np.array([basis.shape[1] for basis in groups]), len(target))
+    return shares[0], shares[1:]
+
+
+@cache
+def _weights(blocks: int) -> np.ndarray:
+    """How often each block of flights enters: the campaign as flown, and those drawn again, one a row."""
+    evenly = np.full(blocks, 1.0 / blocks)
+    drawn = np.random.default_rng(0).multinomial(blocks, evenly, size=_REDRAWN)
+    return np.vstack([np.ones(blocks), drawn])
+
+
+def _split(covariance: np.ndarray, counts: np.ndarray, flights: int) -> np.ndarray:
+    """Adjusted shares of groups of ``counts`` regressors each, shape (samples, groups).
+
+    ``covariance`` is that of regressors and figure, the figure last, shape (samples, terms + 1, terms + 1).
+    """
+    sigma = np.sqrt(np.maximum(np.einsum("sii->si", covariance), np.finfo(float).tiny))
+    correlation = covariance / (sigma[:, :, None] * sigma[:, None, :])
+    values, vectors = np.linalg.eigh(correlation[:, :-1, :-1])
+    along = np.einsum("skj,sk->sj", vectors, correlation[:, :-1, -1])
+    scores = np.einsum("sij,sj->si", vectors, along / np.sqrt(np.maximum(values, _DEGENERATE)))
+    explained = np.add.reduceat(scores**2, np.cumsum(counts) - counts, axis=1)
+    by_chance = (1.0 - explained.sum(axis=1)) / max(flights - 1 - counts.sum(), 1)
+    return np.asarray(explained - counts * by_chance[:, None])
+
+
+def _effect(scores: np.ndarray, target: np.ndarray) -> str:
+    if scores.shape[1] > 1:
+        return ""
+    straight, square = (np.corrcoef(term, target)[0, 1] for term in (scores[:, 0], scores[:, 0] ** 2))
+    if abs(square) > abs(straight):
+        return "curved"
+    return "rises" if straight > 0.0 else "falls"

@@ -1,0 +1,98 @@
+"""Comparison of two flights, or of two campaigns."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from math import floor, log10
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+
+from edl6dof.api.reports import write_page
+from edl6dof.campaign.compare import Comparison, Difference, compare
+from edl6dof.campaign.storage.store import Store
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.document import Cell, Table, Text
+from edl6dof.report.flight.overlay import comparison_report
+from edl6dof.report.terminal import open_table
+from edl6dof.runs.files import refuse_existing_file
+from edl6dof.runs.run import Run
+
+#: Differences of the scenarios that the terminal shows.
+MOST = 20
+#: Decimals of a number in a table; smaller ones have an exponent.
+_MOST_PLACES = 8
+
+
+def compare_campaigns(first: Path, second: Path, as_json: bool) -> None:
+    """Print two campaigns on common random numbers."""
+    result = compare(Store(first), Store(second))
+    if as_json:
+        print(json.dumps(result.data, indent=1))
+    else:
+        _show_campaigns(result)
+
+
+def compare_flights(first: Path, second: Path, out: Path | None, force: bool) -> None:
+    """Print the tables of two runs and write the page with their plots."""
+    one, two = Run(first), Run(second)
+    target = out or second / f"compared-with-{first.resolve().name}.html"
+    refuse_existing_file(target, force, second)
+    report = comparison_report(one, two)
+    console = Console(highlight=False, soft_wrap=True)
+    for section in report.sections[:4]:
+        for block in section.blocks:
+            if isinstance(block, Text):
+                console.print(block.words, markup=False)
+            elif isinstance(block, Table):
+                rows = [[cell.text if isinstance(cell, Cell) else cell for cell in row] for row in block.rows]
+                if section.key == "differences":
+                    _show_differences(console, section.title, block.columns[1:], rows)
+                    continue
+                table = open_table(section.title, *block.columns)
+                for row in rows:
+                    table.add_row(*map(escape, row))
+                console.print(table)
+    write_page(report, target, force, second)
+    console.print(str(target), markup=False)
+
+
+def _show_differences(
+    console: Console, title: str, names: Sequence[str], rows: Sequence[Sequence[str]]
+) -> None:
+    """A line for each parameter: its path is never broken, and two scenarios may differ in hundreds."""
+    console.print(f"[bold]{title}[/]: parameter: {escape(names[0])} | {escape(names[1])}")
+    for path, one, two in rows[:MOST]:
+        console.print(f"  {path}: {one} | {two}", markup=False)
+    if len(rows) > MOST:
+        console.print(f"  and {len(rows) - MOST} more, listed in the page")
+
+
+def _show_campaigns(result: Comparison) -> None:
+    """Print a comparison of two campaigns."""
+    console = Console(highlight=False, soft_wrap=True)
+    a, b = result.names
+    both, only_a, only_b, neither = result.counts
+    for name, success in zip(result.names, result.success, strict=True):
+        console.print(f"{name}: success {success}", markup=False)
+    console.print(
+        f"both succeed {both}, {a} alone {only_a}, {b} alone {only_b}, neither {neither}", markup=False
+    )
+    console.print(f"probability of a split as uneven by chance: {result.p_value:.3g} (McNemar, exact)")
+    title = f"Paired differences, {b} less {a}, that are clear at 95 %, all figures together"
+    table = open_table(title, "figure", "unit", *(f"{head}>" for head in (a, b, "difference", "95 %")))
+    for one in result.figures:
+        if one.clear:
+            figure = figure_of_merit(one.figure)
+            table.add_row(figure.meaning, figure.unit.label, *_numbers(one))
+    console.print(table if table.row_count else "no figure differs clearly")
+
+
+def _numbers(one: Difference) -> list[str]:
+    """Means, their difference and half its interval, with the decimals that the difference is known to."""
+    places = max(1 - floor(log10(one.half_width)), 0) if one.half_width else 3
+    form = f",.{places}f" if places <= _MOST_PLACES else ".3e"
+    means = (f"{value:{form}}" for value in (one.mean_a, one.mean_b))
+    return [*means, f"{one.difference:+{form}}", f"+-{one.half_width:{form}}"]

@@ -1,0 +1,157 @@
+"""Covariance on standard output and in files: spread of every figure, and the error budget."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from textwrap import wrap
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from edl6dof.campaign.covariance.estimate import Spread
+from edl6dof.campaign.covariance.event_figures import EventFigures
+from edl6dof.campaign.covariance.mirrored_pairs import Covariance
+from edl6dof.campaign.covariance.one_at_a_time import Alone
+from edl6dof.campaign.covariance.sample_covariance import Sampled, along_axes
+from edl6dof.config.wording import counted
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.numbers import significant
+from edl6dof.report.terminal import print_whole
+
+#: Figures beside each other in the budget on a terminal.
+_COLUMNS = 4
+#: Letters of a line of their headings.
+_HEADING = 12
+#: Letters of a line of a figure's name.
+_LABEL = 32
+_AXES = ("long half axis", "short half axis")
+#: Standard errors from which on a source is told from chance.
+_CLEAR = 3.0
+
+
+def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, took_s: float) -> None:
+    """Print the spread of every figure, beside the figures of a campaign's flights if given, and the
+    budget.
+    """
+    console = Console(highlight=False, soft_wrap=True)
+    flights = 2 * len(found.pairs.odd)
+    console.print(f"{name}, {event}: {counted(flights, 'flight')} in {took_s:.1f} s", style="bold")
+    print_whole(_spreads(found, sampled))
+    if sampled is not None:
+        console.print(
+            f"campaign: {counted(len(sampled), 'flight')}, {len(sampled) / flights:.1f} times as many"
+        )
+    if found.event.position:
+        along, towards = (figure_of_merit(name).meaning for name in found.event.position)
+        degrees = np.degrees(np.arctan2(found.axes[1, 0], found.axes[0, 0])) % 180.0
+        console.print(f"long axis {degrees:.0f} deg from '{along}' to '{towards}'", markup=False)
+    print_whole(_budget(found))
+    if found.together:
+        names = ", ".join(source.name for source in found.together)
+        console.print(f"not told from the rest: {names}", markup=False)
+
+
+def _spreads(found: Covariance, sampled: np.ndarray | None) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    heads = ["figure", "unit", "mean", "1 sigma", "+-", "linear"]
+    if sampled is not None:
+        heads += ["campaign", "+-", "its middle 68 %", "difference"]
+    for head in heads:
+        table.add_column(head, justify="left" if head in ("figure", "unit") else "right", header_style="")
+    for label, unit, spread, beside in _rows(found, sampled):
+        cells = [
+            "" if label in _AXES else significant(float(spread.mean[0])),
+            significant(float(spread.deviation[0])),
+            significant(float(spread.error[0]), 2),
+            f"{100.0 * (spread.linear[0] / spread.deviation[0]) ** 2:.0f} %",
+        ]
+        if beside is not None:
+            cells += [
+                significant(float(beside.deviation[0])),
+                significant(float(beside.error[0]), 2),
+                significant(float(beside.core[0])),
+                f"{100.0 * (spread.deviation[0] / beside.deviation[0] - 1.0):+.1f} %",
+            ]
+        table.add_row("\n".join(wrap(label, _LABEL)), unit, *cells)
+    return table
+
+
+def _rows(found: Covariance, sampled: np.ndarray | None) -> Iterator[tuple[str, str, Spread, Sampled | None]]:
+    """Label, unit and spread of the half axes and of every figure, each of one quantity."""
+    event = found.event
+    if size := len(event.position):
+        own = along_axes(sampled, size) if sampled is not None else None
+        unit = figure_of_merit(event.position[0]).unit.label
+        for k, label in enumerate(_AXES):
+            spread = found.pairs.spread(found.axes[:, k : k + 1])
+            yield label, unit, spread, None if own is None else Sampled.of(own[:, k : k + 1])
+    for k, name in enumerate(event.all):
+        figure = figure_of_merit(name)
+        spread = found.pairs.spread(np.eye(len(event.all))[:, k : k + 1])
+        beside = None if sampled is None else Sampled.of(sampled[:, k : k + 1])
+        yield figure.meaning, figure.unit.label, spread, beside
+
+
+def _budget(found: Covariance) -> Table:
+    """Sources by their share in the position, or in all figures where none is told."""
+    names = found.event.all[:_COLUMNS]
+    table = _table("1 sigma of each source", names)
+    floor = _CLEAR * found.pairs.slope_error[: len(names)]
+    hidden = 0
+    for source, values in found.contributions:
+        shown = np.abs(values[: len(names)]) >= floor
+        if not shown.any():
+            hidden += 1
+            continue
+        cells = [significant(float(v), 3) if clear else "-" for v, clear in zip(values, shown, strict=False)]
+        table.add_row(source, *cells)
+    table.add_row("rest: random, second order", *(significant(float(v), 3) for v in found.rest[: len(names)]))
+    table.add_row("all", *(significant(float(v), 3) for v in found.spread.deviation[: len(names)]))
+    table.caption = f"-: less than {_CLEAR:g} standard errors; so are all of {counted(hidden, 'more source')}"
+    return table
+
+
+def show_alone(found: Alone, event: EventFigures) -> None:
+    """Print slope and bend of each source alone, those that are bent more than steep marked."""
+    names = event.all[:_COLUMNS]
+    table = _table("parameter", names)
+    targets = [target for source in found.found for draw in source.draws for target in draw.targets]
+    for target, slopes, bends in zip(targets, found.slopes, found.bends, strict=True):
+        cells = map(_slope_and_bend, slopes[: len(names)], bends[: len(names)])
+        table.add_row(target.path, *cells)
+    print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
+    print_whole(table)
+
+
+def _table(first: str, names: Sequence[str]) -> Table:
+    """An empty table with a column for each figure, headed by its meaning and unit, word below word."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="", padding=(0, 1, 0, 0))
+    table.add_column(first, no_wrap=True, vertical="bottom")
+    for figure in map(figure_of_merit, names):
+        heading = wrap(f"{figure.meaning} ({figure.unit.label or '1'})", _HEADING, break_long_words=False)
+        table.add_column("\n".join(heading), justify="right", no_wrap=True, vertical="bottom")
+    return table
+
+
+def _slope_and_bend(slope: float, bend: float) -> str:
+    mark = "*" if abs(bend) > abs(slope) else " "
+    return f"{significant(float(slope), 2)}, {significant(float(bend), 2)}{mark}"
+
+
+def write_budget(found: Covariance, path: Path) -> None:
+    """Write the error budget as CSV: one row for each source, the rest, and all."""
+    rows = [
+        *found.contributions,
+        ("rest", found.rest),
+        ("all", found.spread.deviation),
+        ("standard error of a source", found.pairs.slope_error),
+        ("standard error of all", found.spread.error),
+    ]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow(["source", *found.event.all])
+        out.writerows([name, *(float(value) for value in values)] for name, values in rows)

@@ -1,0 +1,203 @@
+"""Scenario files: their mistakes, parameters, the shipped ones; plugins, and the consent to run them."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from pathlib import Path
+from textwrap import wrap
+
+from rich.console import Console
+from rich.text import Text
+
+from edl6dof.calibration.problem import calibration_of
+from edl6dof.campaign.design.plan import plan_of
+from edl6dof.cli.exit_status import BAD_INPUT, NOT_WITHIN_LIMITS, refuse
+from edl6dof.config.accepted import accept, accepted_file, is_accepted
+from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipped_names, shown
+from edl6dof.config.document.source import parse_document, read_document
+from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.config.parameter_table import Row, rows
+from edl6dof.config.wording import nearest
+from edl6dof.plugins import named_by, plugin_content, source_text
+from edl6dof.report.terminal import open_table
+from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, LoadedScenario, load_document
+from edl6dof.scenario.schema import Scenario
+
+#: Longest default that stands in the table of parameters; a longer one gets a line of its own.
+SHORT = 15
+WIDEST = 100
+
+
+def check_files(files: Sequence[str], sets: Sequence[str]) -> int:
+    """Validate each file and print every problem of every file; returns the exit status."""
+    bad = False
+    for name in files:
+        try:
+            loaded = _loaded(name, tuple(sets))
+        except ConfigError as error:
+            print(error, file=sys.stderr)
+            bad = True
+        else:
+            for warning in loaded.warnings:
+                print(f"warning: {warning}", file=sys.stderr)
+            print(f"{name}: ok ({', '.join(shown(file) for file in loaded.document.files)})")
+    return BAD_INPUT if bad else 0
+
+
+def _loaded(name: str, sets: tuple[str, ...]) -> LoadedScenario:
+    document = read_document(resolve_scenario(name))
+    if any(document.data.get(section) is not None for section in CAMPAIGN_SECTIONS):
+        return plan_of(document, sets).loaded
+    if document.data.get(CALIBRATION) is not None:
+        return calibration_of(document, sets).loaded
+    return load_document(document, sets)
+
+
+def list_scenarios() -> None:
+    """Print the names of the shipped scenarios and what they are."""
+    console = Console(highlight=False)
+    table = open_table("", "scenario", "what it is")
+    for name in shipped_names("scenarios"):
+        path = find_shipped("scenarios", name)
+        data = parse_document(path.read_text(encoding="utf-8"), name).data if path else {}
+        table.add_row(name, Text(str(data.get("description") or "")))
+    console.print(table)
+    console.print("A file of your own: edl6dof scenarios tianwen1 > mine.yaml", style="dim")
+
+
+def show_params(path: str, as_json: bool) -> int:
+    """Print the reference table from ``path`` downwards, or of all parameters whose path contains that
+    text.
+    """
+    table = rows(Scenario)
+    found = select(table, path)
+    if not found:
+        near = nearest(path, known_paths(table))
+        hint = f"; did you mean {near!r}?" if near else ""
+        return refuse(f"{path}: no such parameter{hint} ('edl6dof params' lists all)")
+    if as_json:
+        print(json.dumps([row._asdict() for row in found], indent=1))
+        return 0
+    console = Console(highlight=False, soft_wrap=True)
+    width = min(console.width, WIDEST)
+    for index, (section, members) in enumerate(groupby(found, key=lambda row: row.path.rpartition(".")[0])):
+        if index:
+            console.print()
+        console.print(section or "scenario", style="bold", markup=False)
+        for line, style in _lines(list(members), width):
+            console.print(line, style=style, markup=False)
+    return 0
+
+
+def select(table: list[Row], path: str) -> list[Row]:
+    """Rows at and below a dotted path, written with or without list indices, or else rows whose path contains
+    the text.
+    """
+    wanted = _plain(path)
+    below = [row for row in table if f"{_plain(row.path)}.".startswith(f"{wanted}.")] if wanted else table
+    return below or [row for row in table if path.strip().casefold() in row.path.casefold()]
+
+
+def known_paths(table: list[Row]) -> list[str]:
+    """Dotted paths of all parameters and sections, without list brackets."""
+    paths = [_plain(row.path).split(".") for row in table]
+    return list(
+        dict.fromkeys(".".join(parts[:length]) for parts in paths for length in range(1, len(parts) + 1))
+    )
+
+
+def _plain(path: str) -> str:
+    """``vehicle.rcs.thrusters[].name`` or ``vehicle.rcs.thrusters.0.name`` as
+    ``vehicle.rcs.thrusters.name``.
+    """
+    parts = path.strip().replace("[]", "").split(".")
+    return ".".join(part for part in parts if part and not part.isdecimal())
+
+
+def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
+    """Aligned lines of one section and their style: key, default, unit and bounds; below it meaning, kind and
+    status.
+    """
+    names = [row.path.rpartition(".")[2] for row in members]
+    key_width = max(map(len, names))
+    for name, row in zip(names, members, strict=True):
+        is_short = len(row.default) <= SHORT
+        default = row.default if is_short else ""
+        limits = row.bounds.replace(" and ", ", ")
+        is_range = limits.startswith(("<", ">"))
+        yield (
+            f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  "
+            f"{limits if is_range else ''}".rstrip(),
+            "",
+        )
+        if not is_short:
+            yield from _paragraph(f"default: {row.default}", width)
+        source = f"{row.printed} in {row.source}" if row.printed else row.source
+        claim = ": ".join(part for part in (row.status, source) if part)
+        kind = "" if row.type == "number" else f"; {row.type}"
+        if limits and not is_range:
+            kind += f", {limits}"
+        kind += f"; usually {row.usual}" if row.usual else ""
+        yield from _paragraph(f"{row.meaning}{kind}" + (f" ({claim})" if claim else ""), width)
+
+
+def _paragraph(text: str, width: int) -> Iterator[tuple[str, str]]:
+    indent = " " * 6
+    for line in wrap(text, width, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False):
+        yield line, "dim"
+
+
+def trust_plugins(files: Sequence[str], yes: bool) -> int:
+    """Show each plugin, ask whether it may run, and record the consent to what was shown; returns the exit
+    status.
+    """
+    for path in [path for file in files for path in _plugins(file)]:
+        try:
+            content = plugin_content(path)
+            source = source_text(content)
+        except OSError as error:
+            raise refusal(shown(path), f"cannot be read: {error.strerror or error}") from error
+        except UnicodeDecodeError as error:
+            raise refusal(shown(path), "is not text in UTF-8") from error
+        if is_accepted(content):
+            print(f"{shown(path)}: accepted before")
+            continue
+        print(_printable(source))
+        if not yes and not _consent(path):
+            print(f"{shown(path)}: not accepted")
+            return NOT_WITHIN_LIMITS
+        try:
+            accept(path, content)
+        except OSError as error:
+            raise refusal(shown(accepted_file()), f"cannot be written: {error.strerror or error}") from error
+        print(f"{shown(path)}: accepted")
+    return 0
+
+
+def _plugins(file: str) -> list[Path]:
+    if file.endswith(".py"):
+        return [Path(file).absolute()]
+    if found := list(named_by(file)):
+        return found
+    raise refusal(file, "names no plugins; give a plugin (.py) or a scenario that names some")
+
+
+def _consent(path: Path) -> bool:
+    try:
+        answer = input(f"Run {shown(path)} with your rights? [y/N] ")
+    except EOFError:
+        return False
+    return answer.strip().lower() in ("y", "yes")
+
+
+def _printable(source: str) -> str:
+    """Source text for a terminal: lines as Python counts them, and control characters, which could hide some,
+    as escapes.
+    """
+    text = source.replace("\r\n", "\n").replace("\r", "\n")
+    return "".join(
+        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
+    )

@@ -1,0 +1,233 @@
+"""``edl6dof study``: a paper's experiment flown, and computed values beside published ones."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from math import floor, isfinite, isinf, isnan, log10
+from pathlib import Path
+from statistics import median
+from textwrap import wrap
+
+from rich.console import Console, Group
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from edl6dof.cli.exit_status import refuse
+from edl6dof.cli.progress import count_runs
+from edl6dof.config.wording import counted, nearest
+from edl6dof.manifest import listed
+from edl6dof.report.numbers import significant
+from edl6dof.report.terminal import open_table
+from edl6dof.runs.folder import atomic_folder, default_folder
+from edl6dof.studies.catalogue import STUDIES
+from edl6dof.studies.frame import Finding, Grid, Report, Study, to_json, write_study
+
+#: More flights than any study needs to settle a mean.
+MOST_RUNS = 1_000_000
+#: Letters of a line of a table.
+_WIDE = 80
+#: A number and the space to its unit, or to a percent sign.
+_UNIT, _PERCENT = (
+    re.compile(r"(?<!\S)([+-]?\d[\d.,]*) (?=[%a-zA-Z])"),
+    re.compile(r"(?<!\S)([+-]?\d[\d.,]*) (?=%)"),
+)
+
+
+#: A smaller spread, as a share of the value, is rounding: flights that do not differ in it.
+ROUNDING = 1e-6
+
+
+def run_study(
+    name: str,
+    *,
+    runs: int | None = None,
+    only: Sequence[str] = (),
+    out: Path | None = None,
+    force: bool = False,
+    quick: bool = False,
+    as_json: bool = False,
+) -> int:
+    """Fly a study, write its folder, show what it found; returns the exit status."""
+    study = STUDIES.get(name)
+    if study is None:
+        near = nearest(name, list(STUDIES))
+        hint = f"; did you mean {near!r}?" if near else ""
+        return refuse(f"{name}: no such study{hint} (studies: {', '.join(STUDIES)})")
+    if runs is not None and (not 1 <= runs <= MOST_RUNS or not study.counted):
+        reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
+        return refuse(f"-n {runs}: {reason}")
+    if unknown := sorted(set(only) - set(study.parts)):
+        allowed = f"one of {', '.join(study.parts)}" if study.parts else "left out: this study is one whole"
+        return refuse(f"--only {', '.join(unknown)}: must be {allowed}")
+    target = out or default_folder(f"study-{study.name}", force)
+    count = runs or (study.quick_runs if quick else study.runs)
+    with atomic_folder(target, "study", force) as folder:
+        with count_runs(study.name, quiet=as_json) as progress:
+            report = study.fly(count, only, progress)
+        write_study(study, report, folder)
+    if as_json:
+        print(to_json(study, report), end="")
+    else:
+        _show(study, report, target)
+    return 0 if report.ok else 1
+
+
+def list_studies() -> int:
+    """Print the studies and their papers; returns the exit status."""
+    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 2, 0, 0))
+    for name, study in STUDIES.items():
+        table.add_row(name, f"{study.title} ({study.source})")
+    Console(highlight=False).print(table)
+    return 0
+
+
+def _show(study: Study, report: Report, target: Path) -> None:
+    console = Console(highlight=False, soft_wrap=True)
+    for grid in report.grids:
+        console.print(_grid(grid))
+        console.print()
+    count = f", {counted(report.runs, 'run')}" if study.counted else ""
+    console.print(Text(f"{study.title}{count}", style="bold"))
+    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
+        console.print(_table(experiment, findings))
+    for remark in (*_causes(report), *report.remarks):
+        console.print(remark, markup=False, soft_wrap=False)
+    console.print(f"{target}: {listed(target)}", markup=False)
+    console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
+
+
+def _table(experiment: str, findings: Iterable[Finding]) -> Table:
+    """The findings of one experiment, under its name; a column that none of them fills is left out."""
+    rows = [(finding, (finding.unit, *_numbers(finding), *_compared(finding))) for finding in findings]
+    heads = ("unit", "computed>", "published>", "difference>", ">")
+    filled = [k for k in range(len(heads)) if any(cells[k] for _, cells in rows)]
+    table = open_table(experiment, "figure", *(heads[k] for k in filled))
+    figure = table.columns[0]
+    figure.min_width = max(len(word) for finding, _ in rows for word in finding.label.split())
+    figure.max_width = _WIDE
+    for finding, cells in rows:
+        table.add_row(_figure(finding), *(cells[k] for k in filled))
+    return table
+
+
+def _figure(finding: Finding) -> Group:
+    """Name a figure, and say below it what a reader must know to compare it."""
+    note = [Padding(Text(finding.note, style="dim"), (0, 0, 0, 2))] if finding.note else []
+    return Group(Text(finding.label), *note)
+
+
+def _causes(report: Report) -> list[str]:
+    """A sentence for each cause why published figures do not hold."""
+    causes: dict[str, dict[str, None]] = {}
+    for finding in report.findings:
+        if finding.why:
+            causes.setdefault(finding.why, {})[finding.label] = None
+    return [f"Does not hold ({'; '.join(labels)}): {why}." for why, labels in causes.items()]
+
+
+def _outcome(report: Report) -> str:
+    """Say under the table which figures are not as the study says, else how many hold."""
+    if missed := [finding.label for finding in report.findings if not finding.ok]:
+        return f"broken: {', '.join(missed)}"
+    explained = sum(bool(finding.why) for finding in report.findings)
+    values = [finding for finding in report.findings if finding.within is not None]
+    reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
+    return (
+        "every requirement is kept" if not explained else "every figure that does not hold is explained"
+    ) + (reproduced if values else "")
+
+
+def _grid(grid: Grid) -> Table:
+    """A table of many columns in 80 characters: narrow gaps, the words of a heading below each other, numbers
+    never cut.
+    """
+    table = Table(
+        title=_below_each_other(_bound(grid.title, _PERCENT), _WIDE),
+        title_justify="left",
+        title_style="bold",
+        box=None,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    names, *columns = zip(*grid.rows, strict=True)
+    cells = [names, *(_decimals(column, like) for column, like in zip(columns, _alike(grid), strict=True))]
+    heads, widths = _headings(grid.heads, [max(map(len, column)) for column in cells])
+    for index, (head, width) in enumerate(zip(heads, widths, strict=True)):
+        table.add_column(
+            _below_each_other(head, width),
+            justify="right" if index else "left",
+            header_style="dim",
+            vertical="bottom",
+            no_wrap=True,
+            min_width=width,
+        )
+    for row in zip(*cells, strict=True):
+        table.add_row(*row)
+    return table
+
+
+def _headings(heads: Sequence[str], least: Sequence[int]) -> tuple[list[str], list[int]]:
+    """Headings, and the widths of their columns: numbers stay with their units where the table is not too
+    wide for it.
+    """
+    for together in (_UNIT, _PERCENT):
+        bound = [_bound(head, together) for head in heads]
+        widths = [max(most, *map(len, head.split(" "))) for head, most in zip(bound, least, strict=True)]
+        if sum(widths) + len(widths) - 1 <= _WIDE:
+            break
+    return bound, widths
+
+
+def _bound(text: str, together: re.Pattern[str]) -> str:
+    """A text with no-break spaces between numbers and their units."""
+    return together.sub("\\1\u00a0", text)
+
+
+def _below_each_other(text: str, width: int) -> str:
+    """A text broken into lines at its spaces, not at its no-break spaces, which become plain."""
+    return "\n".join(wrap(text, width)).replace("\u00a0", " ")
+
+
+def _alike(grid: Grid) -> Iterator[list[float]]:
+    """For each column of numbers those that have its decimals: its own, and those of its bounds."""
+    of = [head.removesuffix(" from").removesuffix(" to") for head in grid.heads]
+    for name in of[1:]:
+        yield [float(row[k]) for row in grid.rows for k in range(1, len(of)) if of[k] == name]
+
+
+def _decimals(column: Sequence[float], like: Sequence[float]) -> list[str]:
+    """Numbers of a column with as many decimals as give the middle one of those ``like`` it three digits, two
+    at most, none where all are whole; an infinite one is that of a flight that failed.
+    """
+    sizes = [abs(value) for value in like if isfinite(value) and value]
+    whole = all(size.is_integer() for size in sizes)
+    digits = 0 if whole else min(max(2 - floor(log10(median(sizes))), 0), 2)
+    return [
+        f"{value:.{digits}f}" if isfinite(value) else "fails" if isinf(value) else "-" for value in column
+    ]
+
+
+def _numbers(finding: Finding) -> tuple[str, str]:
+    published = (
+        "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
+    )
+    computed = "-" if isnan(finding.computed) else significant(finding.computed)
+    if finding.spread is None:
+        return computed, published
+    spread = finding.spread if finding.spread > ROUNDING * abs(finding.computed) else 0.0
+    return f"{computed} +- {significant(spread, 2)}", published
+
+
+def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
+    """Say if a requirement is kept; of a flown value computed less published, and if that is
+    reproduced.
+    """
+    style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
+    result = Text(finding.result, style=style)
+    if finding.bound or finding.published is None:
+        return result, ""
+    difference = finding.computed - finding.published
+    return f"{'' if difference < 0.0 else '+'}{significant(difference, 2)}", result

@@ -1,0 +1,350 @@
+"""Vehicle data from DAVE-ML files: mass, inertia and aerodynamic coefficients, by their AIAA
+S-119 standard names.
+
+    vehicle:
+      daveml: [brick_inertia.dml, brick_aero.dml]
+
+Three kinds of aerodynamics have a place in a vehicle: a constant drag coefficient with rate damping
+(``aero.constant``), tables of drag, lift and pitching moment over Mach number and angle of attack
+(``aero.capsule.static_table``), and six coefficients over both angles, with what else the model depends on,
+such as deflections, given under ``daveml_inputs`` (``aero.body``).  Whether a file is one of them is found by
+evaluating it; a file that says more than the vehicle can carry is refused, never cut down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from math import pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from edl6dof.config.base import stated
+from edl6dof.config.document.source import Document, Mark
+from edl6dof.config.errors import ConfigError
+from edl6dof.interchange.daveml import read_daveml
+from edl6dof.interchange.daveml_aero import (
+    AREAS,
+    CHORDS,
+    FLOW,
+    FORCES,
+    SPANS,
+    factor,
+    is_sampled,
+    length_of,
+    settings,
+)
+from edl6dof.interchange.daveml_model import Model
+
+DRAG, LIFT, SIDE = "totalCoefficientOfDrag", "totalCoefficientOfLift", "aeroBodyForceCoefficient_Y"
+ROLL, PITCH, YAW = (f"aeroBodyMomentCoefficient_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
+SPEED, MACH, ALPHA = "trueAirspeed", "mach", "angleOfAttack"
+RATES = tuple(f"bodyAngularRate_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
+AREA, SPAN, CHORD = "referenceWingArea", "referenceWingSpan", "referenceWingChord"
+MASS = "totalMass"
+INERTIA = tuple(f"bodyMomentOfInertia_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
+PRODUCTS = tuple(f"bodyProductOfInertia_{axes}" for axes in ("ZX", "XY", "YZ"))
+CENTRE = tuple(f"bodyPositionOfCmWrtMrc_{axis}" for axis in "XYZ")
+#: Station of the centre of mass aft of the nose, in place of the first of them.
+STATION = "vrsPositionOfCM_X"
+
+_SUPPORTED = "constant drag, no lift or side force, and Cl = Clp p b/2V, Cm = Cmq q c/2V, Cn = Cnr r b/2V"
+
+#: Airspeed (m/s) and rates p, q, r (rad/s) at which a constant model must agree with its own coefficients.
+_PROBES = (
+    (100.0, 0.0, 0.0, 0.0),
+    (100.0, 1.0, -0.7, 0.4),
+    (250.0, -0.3, 0.5, 2.0),
+    (40.0, 0.9, 0.2, -1.1),
+    (900.0, 0.0, -3.0, 0.0),
+)
+
+
+@dataclass
+class Part:
+    """Values below ``vehicle`` in the form of the YAML file, each with the line of a ``.dml`` file it came
+    from.
+    """
+
+    data: dict[str, Any] = field(default_factory=dict)
+    lines: dict[tuple[str, ...], tuple[Path, int]] = field(default_factory=dict)
+
+    def put(self, path: str, value: Any, model: Model, line: int) -> None:
+        """Set a value at a dotted path."""
+        node: Any = self.data
+        keys = path.split(".")
+        for key in keys[:-1]:
+            node = node.setdefault(key, {})
+        node[keys[-1]] = value
+        self.lines[tuple(keys)] = (model.path, line)
+
+
+def expand_daveml(document: Document) -> Document:
+    """Put the content of the files that ``vehicle.daveml`` names in the vehicle; what the YAML file states
+    itself goes before it.
+
+    Raises:
+        ConfigError: a file is missing, wrong, or says what a vehicle cannot carry.
+    """
+    vehicle = document.data.get("vehicle")
+    if not isinstance(vehicle, dict):
+        return document  # for the validation to refuse
+    names = vehicle.get("daveml")
+    if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
+        return document  # absent, empty, or for the validation to refuse
+    mark = document.mark(("vehicle", "daveml"))
+    folder = Path(mark.file).parent if Path(mark.file).is_file() else Path.cwd()
+    paths = [folder / name for name in names]
+    for index, path in enumerate(paths):
+        if not path.is_file():
+            problem = document.problem(
+                ("vehicle", "daveml", index), f"no such file (got {names[index]!r}; looked for {path})"
+            )
+            raise ConfigError([problem])
+    inputs = vehicle.get("daveml_inputs")
+    numbers = inputs.values() if isinstance(inputs, dict) else ()
+    if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
+        return document  # for the validation to refuse
+    part = vehicle_part(paths, {str(name): float(x) for name, x in inputs.items()} if inputs else {})
+    document.forget(("vehicle", "daveml"))
+    vehicle["daveml"] = []
+    for keys, (path, line) in part.lines.items():
+        _adopt(document, keys, part.data, Mark(str(path), line, 1))
+    document.files += tuple(paths)
+    return document
+
+
+def _adopt(document: Document, keys: tuple[str, ...], data: Any, mark: Mark) -> None:
+    node = document.data["vehicle"]
+    for depth, key in enumerate(keys[:-1]):
+        data = data[key]
+        if key not in node:
+            node[key] = {}
+            document.marks["vehicle", *keys[: depth + 1]] = mark
+        node = node[key]
+        if not isinstance(node, dict):
+            return  # for the validation to refuse
+    if keys[-1] not in node:
+        node[keys[-1]] = data[keys[-1]]
+        document.marks["vehicle", *keys] = mark
+        document.sources[".".join(("vehicle", *keys))] = Path(mark.file).name
+
+
+def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = None) -> Part:
+    """Mass properties and aerodynamics of DAVE-ML files, converted to SI units.
+
+    Args:
+        paths: the files.
+        inputs: what the models are given besides the flow, by name or identifier and in their own units.
+
+    Raises:
+        ConfigError: a file cannot be read, says what a vehicle cannot carry, or no file has such an input.
+    """
+    part, unused, inputs = Part(), set(inputs or ()), inputs or {}
+    model = None
+    for path in paths:
+        model = read_daveml(path)
+        unused -= {name for name in unused if model.named(name) is not None}
+        has_aero = model.named(DRAG) is not None or model.named(FORCES[0]) is not None
+        if model.named(MASS) is not None:
+            _mass(model, part, inputs)
+        if has_aero:
+            _aerodynamics(model, part, inputs)
+        if model.named(MASS) is None and not has_aero:
+            raise model.error(1, f"holds neither mass properties ({MASS}) nor aerodynamics ({DRAG})")
+    if unused and model is not None:
+        raise model.error(1, f"neither it nor another file has an input of this name: {sorted(unused)[0]}")
+    return part
+
+
+def _mass(model: Model, part: Part, inputs: Mapping[str, float]) -> None:
+    mass, line = _constant(model, MASS, "mass", inputs)
+    part.put("mass.entry_kg", mass, model, line)
+    part.put(
+        "mass.entry_inertia_kg_m2",
+        [_constant(model, name, "inertia", inputs)[0] for name in INERTIA],
+        model,
+        _line(model, INERTIA[0]),
+    )
+    centre = [_constant(model, name, "length", inputs)[0] if model.named(name) else 0.0 for name in CENTRE]
+    if model.named(CENTRE[0]) is None and model.named(STATION) is not None:
+        centre[0] = -_constant(model, STATION, "length", inputs)[0]
+    part.put("mass.entry_centre_m", centre, model, line)
+    zx, xy, yz = (
+        _constant(model, name, "inertia", inputs)[0] if model.named(name) else 0.0 for name in PRODUCTS
+    )
+    if zx or xy or yz:
+        part.put("mass.entry_products_kg_m2", [xy, zx, yz], model, _line(model, PRODUCTS[0]))
+
+
+def _aerodynamics(model: Model, part: Part, given: Mapping[str, float]) -> None:
+    if is_sampled(model):
+        _body(model, part, given)
+        return
+    outputs = [
+        variable
+        for name in (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
+        if (variable := model.named(name)) is not None
+    ]
+    inputs = {model.variables[i].name for output in outputs for i in model.inputs_of(output.id)}
+    if unknown := inputs - {SPEED, MACH, ALPHA, *RATES}:
+        name = sorted(unknown)[0]
+        known = ", ".join((SPEED, MACH, ALPHA, *RATES))
+        raise model.error(
+            _line(model, name),
+            f"aerodynamics that depend on {name} are not supported (known: {known})",
+            name,
+        )
+    if inputs & {MACH, ALPHA}:
+        _table(model, part)
+    else:
+        _constants(model, part)
+
+
+def _constants(model: Model, part: Part) -> None:
+    """Constant drag and rate damping: Cl = Clp p b/2V, Cm = Cmq q c/2V, Cn = Cnr r b/2V."""
+    area, line = _constant(model, AREA, "area")
+    span = _constant(model, SPAN, "length")[0] if model.named(SPAN) else None
+    chord = _constant(model, CHORD, "length")[0] if model.named(CHORD) else None
+    drag = _probe(model, DRAG, *_PROBES[0])
+    expected = {DRAG: lambda v, p, q, r: drag, LIFT: lambda v, p, q, r: 0.0, SIDE: lambda v, p, q, r: 0.0}
+    damping = {}
+    for axis, name, length in ((0, ROLL, span), (1, PITCH, chord), (2, YAW, span)):
+        unit = [1.0 if k == axis else 0.0 for k in range(3)]
+        moment = _probe(model, name, 100.0, *unit) if model.named(name) else 0.0
+        if moment != 0.0 and length is None:
+            raise model.error(
+                _line(model, name), f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless", name
+            )
+        damping[name] = moment * 200.0 / length if length else 0.0
+        expected[name] = lambda v, *w, a=axis, d=damping[name], b=length: d * w[a] * (b or 0.0) / (2.0 * v)
+    for name, law in expected.items():
+        for probe in _PROBES if model.named(name) else ():
+            if abs(_probe(model, name, *probe) - law(*probe)) > 1e-9 * max(
+                abs(damping.get(name, 0.0)), abs(drag), 1e-3
+            ):
+                raise model.error(_line(model, name), f"is not of a supported form: {_SUPPORTED}", name)
+    line_of = {name: _line(model, name) if model.named(name) else line for name in expected}
+    part.put("aero.model", "constant", model, line)
+    part.put("aero.constant.reference_area_m2", area, model, line)
+    part.put("aero.constant.drag_coefficient", drag, model, line_of[DRAG])
+    for key, length in (("span_m", span), ("chord_m", chord)):
+        if length is not None:
+            part.put(f"aero.constant.{key}", length, model, _line(model, SPAN if key == "span_m" else CHORD))
+    for key, name in (("roll_damping", ROLL), ("pitch_damping", PITCH), ("yaw_damping", YAW)):
+        part.put(f"aero.constant.{key}", damping[name], model, line_of[name])
+
+
+def _body(model: Model, part: Part, given: Mapping[str, float]) -> None:
+    """Six coefficients over both angles: the body's table is made from the same file."""
+    named = next((found for name in AREAS if (found := model.named(name)) is not None), None)
+    if named is None:
+        raise model.error(1, f"lacks the reference area ({' or '.join(AREAS)})")
+    area, line = _constant(model, named.name, "area", {})
+    settings(model, given, FLOW)
+    part.put("aero.model", "body", model, line)
+    part.put("aero.body.file", str(model.path.resolve()), model, line)
+    part.put("aero.body.inputs", {k: v for k, v in given.items() if model.named(k) is not None}, model, line)
+    part.put("aero.body.reference_area_m2", area, model, line)
+    for key, names in (("chord_m", CHORDS), ("span_m", SPANS)):
+        if (length := length_of(model, names)) is not None:
+            part.put(f"aero.body.{key}", length, model, line)
+
+
+def _table(model: Model, part: Part) -> None:
+    """Tables over Mach and angle of attack: the capsule's static table is read from the same file."""
+    area, line = _constant(model, AREA, "area")
+    static_table(model.path)
+    part.put("aero.model", "capsule", model, line)
+    part.put("aero.capsule.static_table", str(model.path.resolve()), model, line)
+    part.put("aero.capsule.diameter_m", 2.0 * sqrt(area / pi), model, line)
+
+
+def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mach numbers, angles of attack (deg) and [Mach, angle, (CD, CL, Cm)] at the breakpoints of a file.
+
+    Raises:
+        ConfigError: the coefficients depend on something else, or one is missing.
+    """
+    model = read_daveml(path)
+    grids: dict[str, set[float]] = {MACH: set(), ALPHA: set()}
+    coefficients = []
+    for name in (DRAG, LIFT, PITCH):
+        if (variable := model.named(name)) is None:
+            raise model.error(1, f"a table of aerodynamics needs {name}")
+        inputs = {model.variables[identifier].name for identifier in model.inputs_of(variable.id)}
+        if not inputs <= {MACH, ALPHA}:
+            raise model.error(
+                variable.line,
+                f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})",
+                name,
+            )
+        coefficients.append(variable)
+    for function in model.functions.values():
+        for identifier, axis in zip(function.inputs, function.axes, strict=True):
+            variable = model.variables[identifier]
+            if variable.name in grids:
+                degrees = factor(model, variable, "angle") * 180.0 / pi if variable.name == ALPHA else 1.0
+                grids[variable.name].update(np.round(axis * degrees, 9))
+    mach, alpha = (np.array(sorted(grids[name])) for name in (MACH, ALPHA))
+    if len(mach) < 2 or len(alpha) < 2:
+        raise model.error(1, f"has no table over {MACH} and {ALPHA}")
+    given = {variable.id: variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None}
+    table = np.empty((len(mach), len(alpha), 3))
+    for i, j in np.ndindex(len(mach), len(alpha)):
+        point = {
+            key: float(mach[i])
+            if v.name == MACH
+            else float(alpha[j]) * pi / 180.0 / factor(model, v, "angle")
+            for key, v in given.items()
+        }
+        table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
+    return mach, alpha, table
+
+
+def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
+    """A coefficient that the model has, at an airspeed (m/s) and body rates (rad/s)."""
+    values: Mapping[str, tuple[float, str]] = {
+        SPEED: (speed, "speed"),
+        **dict(zip(RATES, ((r, "rate") for r in rates), strict=True)),
+    }
+    given = {
+        v.id: value / factor(model, v, kind)
+        for key, (value, kind) in values.items()
+        if (v := model.named(key)) is not None
+    }
+    variable = stated(model.named(name))
+    factor(model, variable, "number")
+    return model.evaluate(variable.id, given)
+
+
+def _constant(
+    model: Model, name: str, kind: str, inputs: Mapping[str, float] | None = None
+) -> tuple[float, int]:
+    """SI value and line of a variable that depends on nothing but ``inputs``, by name, and on inputs that
+    have an initial value.
+    """
+    if (variable := model.named(name)) is None:
+        raise model.error(1, f"lacks the variable {name}")
+    given = {
+        found.id: value for key, value in (inputs or {}).items() if (found := model.named(key)) is not None
+    }
+    unknown = sorted(
+        identifier
+        for identifier in model.inputs_of(variable.id)
+        if identifier not in given and model.variables[identifier].value is None
+    )
+    if unknown:
+        raise model.error(
+            variable.line,
+            f"depends on {', '.join(unknown)}: give a value under vehicle.daveml_inputs",
+            name,
+        )
+    return model.evaluate(variable.id, given) * factor(model, variable, kind), variable.line
+
+
+def _line(model: Model, name: str) -> int:
+    variable = model.named(name)
+    return variable.line if variable is not None else 1

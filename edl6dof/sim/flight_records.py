@@ -1,0 +1,100 @@
+"""A flight that is over: what it leaves, from which all figures and words about it follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
+from edl6dof.metrics.exclusions import Exclusion, exclusions
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.schema import Scenario
+from edl6dof.sim.checkpoint import State
+from edl6dof.telemetry.columns import Telemetry
+from edl6dof.telemetry.landing_map import LandingMap, landing_map
+
+
+@dataclass(repr=False)
+class FlightRecords:
+    """The records of a flight at its end, and its telemetry.
+
+    Attributes:
+        loaded: scenario and where it came from.
+        case: true parameters, ``CASE`` record array of length one.
+        tables: the arrays that the case reads, ``TABLES``, shared with others.
+        plant: final true state, ``STATE`` record.
+        outputs: what follows from it, ``OUTPUTS`` record.
+        peaks: the largest loads met, ``PEAKS`` record.
+        fsw: final flight-software memory.
+        log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
+        aim_point: latitude and longitude (rad) that entry guidance steered to.
+        code: outcome code of the loop.
+        flown_cycles: base cycles flown by this call.
+        saved: the state that was to be kept, if the flight came so far.
+        not_finite: first quantity that was not finite, if that ended the flight.
+    """
+
+    loaded: LoadedScenario
+    case: np.ndarray
+    tables: np.ndarray
+    plant: np.ndarray
+    outputs: np.ndarray
+    peaks: np.ndarray
+    fsw: np.ndarray
+    log: np.ndarray
+    aim_point: tuple[float, float]
+    code: int
+    flown_cycles: int = 0
+    saved: State | None = field(default=None, repr=False)
+    not_finite: str | None = None
+
+    @property
+    def scenario(self) -> Scenario:
+        """The validated scenario."""
+        return self.loaded.scenario
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.scenario.name
+
+    @property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases; ``guide.phase`` is the index."""
+        return self.scenario.phase_names
+
+    @property
+    def time_s(self) -> float:
+        """Time at the end of the flight."""
+        return float(self.plant["t"][0])
+
+    @property
+    def phase(self) -> str:
+        """Name of the last phase."""
+        names = self.phase_names
+        return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
+
+    @cached_property
+    def telemetry(self) -> Telemetry:
+        """Columns by name, each shape (rows,), in the unit of the name's suffix; see
+        ``edl6dof.telemetry.channels``.
+        """
+        scenario = self.scenario
+        return Telemetry(self.log, scenario.thruster_names, scenario.beam_names, list(scenario.branches))
+
+    @cached_property
+    def isolated_faults(self) -> list[IsolatedFault]:
+        """Thrusters the flight computer took out of use, and why."""
+        return isolated_faults(self.fsw[0], self.scenario.thruster_names)
+
+    @cached_property
+    def exclusions(self) -> list[Exclusion]:
+        """Instruments that the flight computer took out of use and back."""
+        return exclusions(self.fsw[0], self.scenario.components)
+
+    @cached_property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw of the ground and chose on it; ``None`` without a spot chosen from a scan."""
+        return landing_map(self.fsw[0])
