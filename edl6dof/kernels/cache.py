@@ -24,6 +24,8 @@ from typing import Any
 import numba
 from platformdirs import user_cache_path
 
+from edl6dof.kernels.store import COPIES, own_copy, say_once
+
 #: numba's settings: a module whose names it makes when it is imported.
 SETTINGS: Any = numba.config
 # numba also takes settings, among them the folder whose machine code it runs, from a file of the current
@@ -32,7 +34,10 @@ SETTINGS._config_fname = ""
 SETTINGS.reload_config()
 PACKAGE = Path(__file__).resolve().parents[1]
 
-_SHARED = ("config/units.py", "interface", "kernels", "spatial", "records.py", "registry.py")
+_SHARED = (
+    *("config/units.py", "interface", "kernels/functions.py", "kernels/jit.py", "spatial"),
+    *("records.py", "registry.py"),
+)
 _WORLD = ("environment", "vehicle", "sensors", "telemetry")
 #: Rooms and files whose sources the kernels of a room can follow from; members of families only for ``rest``.
 _GROUPS = {
@@ -81,10 +86,16 @@ def folder_of(file: str) -> Path | None:
     return folder
 
 
+def place_of(file: str) -> Path | None:
+    """This process's copy of :func:`folder_of`; ``None`` where there is none."""
+    folder = folder_of(file)
+    return None if folder is None else own_copy(folder)
+
+
 def flight_mark() -> Path | None:
     """File that says that loop and flight software of the present sources have been compiled."""
-    loop, software = (folder_of(str(PACKAGE / name)) for name in ("sim/loop.py", "fsw/cycle.py"))
-    return None if loop is None or software is None else loop / f"with-{software.name}"
+    loop, software = (place_of(str(PACKAGE / name)) for name in ("sim/loop.py", "fsw/cycle.py"))
+    return None if loop is None or software is None else loop / f"with-{software.name}.mark"
 
 
 def _group_of(file: str) -> tuple[str, str]:
@@ -164,19 +175,17 @@ def root() -> Path | None:
         places = [user_cache_path("edl6dof") / "kernels", Path(gettempdir()) / f"edl6dof-{_user()}"]
     found = next(filter(_can_be_written, places), None)
     if found is None:
-        _say(f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}")
+        say_once(
+            f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}"
+        )
     elif found != places[0]:
-        _say(f"machine code is kept in {found} {_ADVICE}")
+        say_once(f"machine code is kept in {found} {_ADVICE}")
     if found is not None:
         _remove_unused(found)
     return found
 
 
 _ADVICE = "(NUMBA_CACHE_DIR can name a better place)"
-
-
-def _say(message: str) -> None:
-    print(f"edl6dof: {message}", file=sys.stderr)
 
 
 def _can_be_written(folder: Path) -> bool:
@@ -202,9 +211,10 @@ def _user() -> int:
 
 def _remove_unused(place: Path) -> None:
     with suppress(OSError):
-        for folder in os.scandir(place):
-            if folder.is_dir(follow_symlinks=False) and time.time() - folder.stat().st_mtime > OLDEST_S:
-                rmtree(folder, ignore_errors=True)
+        for one in os.scandir(place):
+            in_use = one.name.startswith(COPIES) or not one.is_dir(follow_symlinks=False)
+            if not in_use and time.time() - one.stat().st_mtime > OLDEST_S:
+                rmtree(one, ignore_errors=True)
 
 
 class Locator:
@@ -220,12 +230,11 @@ class Locator:
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> Locator | None:
         """The locator of a function in a file; ``None`` where its code cannot be kept."""
-        folder = folder_of(file)
+        folder = place_of(file)
         return None if folder is None else cls(function, file, folder)
 
     def ensure_cache_path(self) -> None:
-        """Make the folder."""
-        self._folder.mkdir(parents=True, exist_ok=True)
+        """Nothing: the folder is there."""
 
     def get_cache_path(self) -> str:
         """The folder."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numba
 
-from edl6dof.kernels.cache import BESIDE, folder_of, in_own_folders
+from edl6dof.kernels.cache import BESIDE, in_own_folders, place_of
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -60,6 +60,6 @@ def _require_same_bits(function: Callable[..., Any]) -> None:
 def compiled(function: Callable[..., Any], *, kept: bool = True, **options: bool) -> Any:
     """A :func:`kernel` with further options of numba; ``kept``: whether its machine code is kept on disk."""
     _require_same_bits(function)
-    kept = kept and folder_of(function.__code__.co_filename) is not None
+    kept = kept and place_of(function.__code__.co_filename) is not None
     with in_own_folders():
         return numba.njit(cache=kept, error_model="numpy", nogil=True, **options)(function)

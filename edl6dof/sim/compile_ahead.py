@@ -23,7 +23,7 @@ from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, compile_members
 from edl6dof.fsw.functions import PLACES as OF_SOFTWARE
-from edl6dof.kernels import cache
+from edl6dof.kernels import cache, store
 from edl6dof.kernels.functions import passed
 from edl6dof.sim.functions import BUNDLE
 from edl6dof.sim.functions import PLACES as OF_PLANT
@@ -54,8 +54,8 @@ def flight_software_beside(scenario: BaseModel) -> Iterator[Sequence[str] | None
     if mark is None or mark.exists():
         yield None
         return
-    mark.parent.mkdir(parents=True, exist_ok=True)
-    with FileLock(mark.with_suffix(".lock")):
+    with FileLock(f"{cache.root()}/{mark.stem}.lock"):
+        store.take()
         if mark.exists():
             yield None
             return
@@ -73,7 +73,9 @@ def flight_software_beside(scenario: BaseModel) -> Iterator[Sequence[str] | None
         finally:
             if other is not None:
                 other.wait()
+        store.take()
         mark.touch()
+        store.keep()
 
 
 def _software_process(members: Sequence[str]) -> subprocess.Popen[bytes]:
