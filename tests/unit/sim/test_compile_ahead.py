@@ -21,7 +21,7 @@ def started(monkeypatch, tmp_path):
         return commands[-1]
 
     popen.body = "raise SystemExit(1)"
-    monkeypatch.setattr(cache, "flight_mark", lambda: tmp_path / "code" / "mark")
+    monkeypatch.setattr(cache, "flight_mark", lambda: tmp_path / "mark")
     monkeypatch.setattr(compile_ahead, "_cores", lambda: 2)
     monkeypatch.setattr(compile_ahead.subprocess, "Popen", popen)
     return commands, popen
