@@ -9,7 +9,8 @@ from instrument_bench import Bench
 from scipy.integrate import trapezoid
 from scipy.spatial.transform import Rotation
 
-from edl6dof.sensors.counters import cone
+from edl6dof.interface.capacities import MAX_GYROS
+from edl6dof.sensors.counters import cone, counter_layout, walk
 
 H = 0.02
 DEG = np.pi / 180.0
@@ -97,7 +98,20 @@ def test_random_walk_of_the_bias_has_its_allan_deviation():
         angle, _, _ = series(bench, 4000)
         found += [allan_variance(angle[:, i], 1000, H) for i in range(3)]
     assert np.mean(found) == pytest.approx(k**2 * 20.0 / 3.0, rel=0.6)
-    assert np.mean(found) > 0.0
+
+
+def test_bias_has_walked_by_its_coefficient_times_the_root_of_the_time():
+    """Standard deviation K sqrt(T) of independent copies, whose last turns to walk are up to 24 cycles old."""
+    bench, dt = unit({"bias_walk_deg_h_sqrt_h": 3.0}), 0.02
+    params, copy = bench.params["gyros"], bench.unit["gyro"]
+    ends = []
+    for key in range(400):
+        copy["key"], memory = 7919 * key, np.zeros(1, counter_layout(MAX_GYROS))[0]
+        for cycle in range(240):
+            walk(params, copy, dt, cycle, memory)
+        ends.append(memory["walk"][:3])
+    k = 3.0 * DEG / 3600.0 / 60.0
+    assert np.std(ends) == pytest.approx(k * np.sqrt(240 * dt), rel=5.0 / np.sqrt(2.0 * 1200))
 
 
 def test_errors_of_the_copies_have_the_given_spread_and_differ_from_case_to_case():
