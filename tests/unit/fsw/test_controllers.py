@@ -321,8 +321,8 @@ def test_bandwidth_of_a_phase_scales_the_natural_frequency(onboard):
 
 @pytest.mark.parametrize("bandwidth", [0.25, 0.7, 1.0])
 def test_compensation_lags_the_disturbance_by_the_pole_and_the_bandwidth(bandwidth):
-    """Behind an estimator of pole l a filter of pole l b / (1 - b): on a ramp the delays 1/l and (1 - b)/(l b)
-    add up to 1/(l b).
+    """Behind an estimator of pole l a filter of pole l b / (1 - b): on a ramp their delays, 1/l and
+    (1 - b)/(l b), add up to 1/(l b).
     """
     pole, dt = 2.0, 0.001
     inputs, own = np.zeros(1, CONTROL_INPUTS)[0], np.zeros(1, THRUST_VECTOR)[0]

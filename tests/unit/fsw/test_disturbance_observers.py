@@ -196,7 +196,7 @@ def test_drag_dynamics_are_those_of_a_flown_trajectory():
     assert (free + per_u * cos(np.radians(60.0)))[1:-1][felt] == pytest.approx(second[felt], abs=1e-3 * scale)
 
 
-# ---- proportional-derivative law -----------------------------------------------------------------------------
+# ---- proportional-derivative law ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("error, error_rate", [(1.5, -0.4), (-2.0, 0.7), (0.6, 0.9)])

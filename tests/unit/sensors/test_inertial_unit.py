@@ -69,10 +69,10 @@ def noisy():
 def test_white_noise_has_the_allan_deviation_of_its_random_walk(noisy, m):
     angle, gain, _ = noisy
     tau, n = m * H, 0.3 * DEG / 60.0
-    for count, walk in ((angle, n), (gain, 50.0 * 9.80665e-6)):
+    for count, density in ((angle, n), (gain, 50.0 * 9.80665e-6)):
         found = np.mean([allan_variance(count[:, i], m, H) for i in range(6)])
         # six records of T / tau independent differences: five standard deviations of their mean square
-        assert found == pytest.approx(walk**2 / tau, rel=5.0 * np.sqrt(2.0 * m / (6 * 45_000)))
+        assert found == pytest.approx(density**2 / tau, rel=5.0 * np.sqrt(2.0 * m / (6 * 45_000)))
 
 
 def test_noise_is_normal_and_independent_in_time_and_from_one_instrument_to_the_next(noisy):
@@ -101,7 +101,7 @@ def test_random_walk_of_the_bias_has_its_allan_deviation():
 
 
 def test_bias_has_walked_by_its_coefficient_times_the_root_of_the_time():
-    """Standard deviation K sqrt(T) of independent copies, whose last turns to walk are up to 24 cycles old."""
+    """Standard deviation K sqrt(T) of independent copies; each of three axes walks every 24 cycles."""
     bench, dt = unit({"bias_walk_deg_h_sqrt_h": 3.0}), 0.02
     params, copy = bench.params["gyros"], bench.unit["gyro"]
     ends = []
