@@ -257,10 +257,12 @@ def test_dust_takes_echoes_and_blurs_the_speed_near_the_ground_under_thrust():
 
 def test_errors_of_range_and_speed_of_all_beams_are_independent():
     """Noise of the radar, of a fault and of the dust together: no correlation beyond that of the sample."""
-    bench = radar(10.0, position_m=(0.0, 0.0, 0.0), range_noise_m=0.5, speed_noise_m_s=0.5)
-    bench.params["dust"]["dropout"], bench.outputs["engine_thrust"] = 0.0, 7500.0
+    dust = {"height_m": 20.0, "speed_noise_m_s": 1.0, "dropout": 0.0}
+    bench = radar(10.0, position_m=(0.0, 0.0, 0.0), range_noise_m=0.5, speed_noise_m_s=0.5, dust=dust)
+    bench.outputs["engine_thrust"] = 7500.0
     faults = bench.plant["instruments"]
     faults["range"]["noise"], faults["speed"]["noise"] = 0.5, 0.5
     rows = bench.series(4000, 0.02, "radar")
     off = np.hstack([rows[name][:, :4] for name in ("range", "speed")])
+    assert off.std(axis=0) == pytest.approx(np.sqrt([0.5] * 4 + [0.75] * 4), rel=5.0 / np.sqrt(8000.0))
     assert np.abs(np.corrcoef(off.T) - np.eye(8)).max() < 5.0 / np.sqrt(4000.0)
