@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from instrument_bench import Bench
 from scipy.integrate import trapezoid
+from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from edl6dof.interface.capacities import MAX_GYROS
 from edl6dof.sensors.counters import cone, counter_layout, walk
+from edl6dof.sensors.vibration import VIBRATION, oscillate
 
 H = 0.02
 DEG = np.pi / 180.0
@@ -287,6 +289,28 @@ def test_random_vibration_has_the_spectrum_of_its_parameters(frequency, width):
             expected = covariance(deviation**2, frequency, width, window, lag * H)
             assert product == pytest.approx(expected, abs=0.04 * whole), (deviation, lag)
         assert np.abs(np.corrcoef(rows.T) - np.eye(3)).max() < 0.05  # each axis by itself
+
+
+def test_random_vibration_is_a_damped_oscillator_that_noise_keeps_in_its_stationary_state():
+    """Place and speed (over the pulsation) in standard deviations: the transition is the matrix exponential,
+    and what it takes from the unit covariance comes back as noise.
+    """
+    dt, pulsation, decay = 0.004, 2.0 * np.pi * 30.0, np.pi * 25.0
+    params = np.zeros(1, [("frequency", "f8"), ("bandwidth", "f8")]).view(np.recarray)[0]
+    params["frequency"], params["bandwidth"] = 30.0, 25.0
+    transition = expm(dt * np.array([[0.0, pulsation], [-pulsation, -2.0 * decay]]))
+    memory, start = np.zeros(1, VIBRATION).view(np.recarray)[0], np.array([[1.5], [-0.7]])
+    noise = []
+    for cycle in range(1000):
+        memory["place"], memory["speed"] = start
+        oscillate.py_func(params, 7, dt, cycle, memory)
+        noise.append(np.array([memory["place"], memory["speed"]]) - transition @ start)
+    drawn = np.hstack(noise)
+    exact = np.eye(2) - transition @ transition.T
+    size = np.sqrt(np.diag(exact))
+    assert np.abs(drawn.mean(axis=1) / size).max() < 5.0 / np.sqrt(drawn.shape[1])
+    off = (np.cov(drawn) - exact) / np.outer(size, size)
+    assert np.abs(off).max() < 5.0 * np.sqrt(2.0 / drawn.shape[1])
 
 
 def test_band_of_random_vibration_wider_than_an_oscillator_has_is_refused():
