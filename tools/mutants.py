@@ -49,6 +49,10 @@ EQUIVALENT: dict[str, str] = {
     "sensors/radar.py read: closing += speed_fault.noise * b - dust * params.dust.speed_noise * c": (
         "the sign of a symmetric random number"
     ),
+    "sensors/vibration.py oscillate: "
+    "memory.speed[i] = (kept - lean) * speed - across * place + both * one - second * other": (
+        "the sign of a symmetric random number"
+    ),
 }
 
 SWAPPED: dict[type, type] = {
