@@ -49,6 +49,18 @@ EQUIVALENT: dict[str, str] = {
     "sensors/radar.py read: closing += speed_fault.noise * b - dust * params.dust.speed_noise * c": (
         "the sign of a symmetric random number"
     ),
+    "sensors/vibration.py tone: "
+    "a, b, c = angle - mount.phase[0], angle + mount.phase[1], angle + mount.phase[2]": (
+        "the sign of a phase that any value of a turn may have"
+    ),
+    "sensors/vibration.py tone: "
+    "a, b, c = angle + mount.phase[0], angle - mount.phase[1], angle + mount.phase[2]": (
+        "the sign of a phase that any value of a turn may have"
+    ),
+    "sensors/vibration.py tone: "
+    "a, b, c = angle + mount.phase[0], angle + mount.phase[1], angle - mount.phase[2]": (
+        "the sign of a phase that any value of a turn may have"
+    ),
     "sensors/vibration.py oscillate: "
     "memory.speed[i] = (kept - lean) * speed - across * place + both * one - second * other": (
         "the sign of a symmetric random number"

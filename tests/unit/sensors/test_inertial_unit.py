@@ -3,6 +3,8 @@
 The Allan variance is computed here, as ``allantools`` would: overlapping, from the count.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from instrument_bench import Bench
@@ -12,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from edl6dof.interface.capacities import MAX_GYROS
 from edl6dof.sensors.counters import cone, counter_layout, walk
-from edl6dof.sensors.vibration import VIBRATION, oscillate
+from edl6dof.sensors.vibration import VIBRATION, oscillate, tone
 
 H = 0.02
 DEG = np.pi / 180.0
@@ -289,6 +291,16 @@ def test_random_vibration_has_the_spectrum_of_its_parameters(frequency, width):
             expected = covariance(deviation**2, frequency, width, window, lag * H)
             assert product == pytest.approx(expected, abs=0.04 * whole), (deviation, lag)
         assert np.abs(np.corrcoef(rows.T) - np.eye(3)).max() < 0.05  # each axis by itself
+
+
+def test_turn_of_the_tone_is_the_integral_of_its_rate_about_every_axis():
+    params = SimpleNamespace(frequency=40.0, rate=0.3, acceleration=5.0)
+    mount, h = SimpleNamespace(phase=(0.4, 1.7, 4.1)), 1e-6
+    for t in (0.0, 0.013, 1.2345):
+        rate, turn, swing = tone.py_func(params, mount, 0.8, t)
+        after, before = (np.array(tone.py_func(params, mount, 0.8, t + s)[1]) for s in (h, -h))
+        assert (after - before) / (2.0 * h) == pytest.approx(rate, abs=1e-6)
+        assert swing == pytest.approx(np.array(turn) * 5.0 / 0.3, rel=1e-12)
 
 
 def test_random_vibration_is_a_damped_oscillator_that_noise_keeps_in_its_stationary_state(monkeypatch):
