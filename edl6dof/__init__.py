@@ -73,7 +73,7 @@ _CLASSES = {
     "Case": "edl6dof.campaign.design.case",
     "ConfigError": "edl6dof.config.errors",
     "Flight": "edl6dof.api.flight",
-    "LoadedScenario": "edl6dof.scenario.loading",
+    "LoadedScenario": "edl6dof.scenario.loaded",
     "RecordedFlight": "edl6dof.api.flight",
     "Simulation": "edl6dof.api.simulation",
     "State": "edl6dof.sim.checkpoint",
