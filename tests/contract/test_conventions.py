@@ -1,4 +1,4 @@
-"""Signs of docs/conventions.md: the kernels have them, and the controller printed there works as it stands."""
+"""The kernels have the signs of docs/conventions.md, and the controller printed there works unchanged."""
 
 from __future__ import annotations
 
@@ -80,10 +80,17 @@ def test_crossrange_is_positive_where_the_course_passes_right_of_the_aim_point(s
 def test_heights_and_the_local_frame(shared_onboard):
     site = shared_onboard[0]["site"]
     nav = nav_state(
-        shared_onboard, site["latitude"] + 1e-5, site["longitude"] + 2e-5, site["altitude"] + 500.0, X, UPRIGHT
+        shared_onboard,
+        site["latitude"] + 1e-5,
+        site["longitude"] + 2e-5,
+        site["altitude"] + 500.0,
+        X,
+        UPRIGHT,
     )
     radius = shared_onboard[0]["planet"]["equatorial_radius"]
-    assert nav["height"] == pytest.approx(500.0) and nav["altitude"] == pytest.approx(site["altitude"] + 500.0)
+    assert nav["height"] == pytest.approx(500.0) and nav["altitude"] == pytest.approx(
+        site["altitude"] + 500.0
+    )
     east, north, up = nav["site_L"]
     assert east == pytest.approx(2e-5 * radius * cos(site["latitude"]), rel=0.02)
     assert north == pytest.approx(1e-5 * radius, rel=0.02) and up == pytest.approx(500.0, abs=0.1)
