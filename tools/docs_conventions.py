@@ -219,9 +219,9 @@ def limits(ax: Any, title: str) -> None:
 def main() -> None:
     """Draw the figure."""
     figure, panels = plt.subplots(2, 4, figsize=(15, 7.8), layout="constrained")
-    shown = (show_planet, show_alpha, show_beta, show_bank)
-    shown += (show_crossrange, show_lander, show_roll, show_heights)
-    for show, ax in zip(shown, panels.flat, strict=True):
+    entry = (show_planet, show_alpha, show_beta, show_bank)
+    landing = (show_crossrange, show_lander, show_roll, show_heights)
+    for show, ax in zip((*entry, *landing), panels.flat, strict=True):
         show(ax)
     figure.savefig(FIGURE, dpi=100, pil_kwargs={"quality": 85})
 
