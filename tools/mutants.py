@@ -72,7 +72,7 @@ SWAPPED: dict[type, type] = {
     ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt,
 }  # fmt: skip
 NAMES = {"min": "max", "max": "min", "sin": "cos", "cos": "sin"}
-SYMBOL = {
+SYMBOL: dict[type, str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/",
     ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
 }  # fmt: skip
@@ -105,9 +105,9 @@ def mutants_of(file: str, source: str) -> Iterator[Mutant]:
     for line in source.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
 
-    def place(node: ast.AST, end: bool = False) -> int:
+    def place(node: ast.expr, end: bool = False) -> int:
         row, column = (node.end_lineno, node.end_col_offset) if end else (node.lineno, node.col_offset)
-        return starts[row - 1] + column
+        return starts[(row or 1) - 1] + (column or 0)
 
     def mutant(kernel: str, start: int, end: int, new: str) -> Mutant:
         line = source.count("\n", 0, start)
@@ -115,7 +115,7 @@ def mutants_of(file: str, source: str) -> Iterator[Mutant]:
         changed = (source[begin:start] + new + source[end:stop]).strip()
         return Mutant(file, kernel, line + 1, start, end, source[start:end], new, changed)
 
-    def between(kernel: str, left: ast.AST, right: ast.AST, operator: ast.AST) -> Iterator[Mutant]:
+    def between(kernel: str, left: ast.expr, right: ast.expr, operator: ast.AST) -> Iterator[Mutant]:
         other = SWAPPED.get(type(operator))
         begin, end = place(left, end=True), place(right)
         old = SYMBOL.get(type(operator), "")
