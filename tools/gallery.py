@@ -66,9 +66,9 @@ PICTURES = (
     tour("entry", "Entry at Mach 24, banked.", "runs/tianwen1", 100.0),
     tour("parachute", "The disk-gap-band parachute, 22 s after the mortar.", "runs/tianwen1", 302.0),
     tour("heat_shield", "The heat shield falls away.", "runs/tianwen1", 311.3),
-    tour("powered", "Powered descent, 420 m above the ground.", "runs/tianwen1", 470.0),
-    tour("touchdown", "Dust under the engine, metres above the ground.", "runs/tianwen1", 536.0),
-    tour("landed", "The lander on its legs.", "runs/tianwen1", 541.9),
+    tour("powered", "Powered descent, 300 m above the ground.", "runs/tianwen1", 470.0),
+    tour("touchdown", "Dust under the engine, metres above the ground.", "runs/tianwen1", 532.2),
+    tour("landed", "The lander on its legs.", "runs/tianwen1", 536.5),
     page(
         "flight", "The whole replay: views, readout, plots, phases, events.", "Flight", 296.0, "runs/tianwen1"
     ),
