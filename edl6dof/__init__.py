@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from edl6dof.campaign.design.case import Case
     from edl6dof.campaign.executor import fly_rows
     from edl6dof.config.errors import ConfigError
-    from edl6dof.scenario.loading import LoadedScenario
+    from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
 
 __version__ = "0.1.0"
@@ -73,7 +73,7 @@ _CLASSES = {
     "Case": "edl6dof.campaign.design.case",
     "ConfigError": "edl6dof.config.errors",
     "Flight": "edl6dof.api.flight",
-    "LoadedScenario": "edl6dof.scenario.loading",
+    "LoadedScenario": "edl6dof.scenario.loaded",
     "RecordedFlight": "edl6dof.api.flight",
     "Simulation": "edl6dof.api.simulation",
     "State": "edl6dof.sim.checkpoint",

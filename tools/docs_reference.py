@@ -1,5 +1,5 @@
 """Generated pages of the documentation: the reference, made from the program itself (parameters, telemetry,
-figures, commands), and the notebooks.
+records, figures, commands), and the notebooks.
 
     python tools/docs_reference.py FOLDER       writes them there; the site makes them as it is built
 """
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from docs_notebooks import pages as notebooks
+from docs_records import INTRODUCTION, RECORDS, fields
 
 from edl6dof.config.parameter_table import Row, rows
 
@@ -65,6 +66,7 @@ _STATUS = (
 def pages() -> dict[str, str]:
     """All generated pages: path inside the site, and Markdown."""
     made = {f"reference/{name}.md": text for name, text in _parameter_pages()}
+    made["reference/records.md"] = records_page()
     made["reference/telemetry.md"] = telemetry_page()
     made["reference/figures.md"] = figures_page()
     made["reference/commands.md"] = commands_page()
@@ -109,6 +111,22 @@ def _parameter(row: Row) -> tuple[str, ...]:
     claim = ": ".join(part for part in (row.status, row.source) if part)
     meaning = f"{row.meaning} ({claim})" if claim and claim != "design" else row.meaning
     return f"`{row.path.rpartition('.')[2]}`", f"`{row.default}`", row.unit, allowed, meaning
+
+
+def records_page() -> str:
+    """Every record that a law, controller, estimator, filter or sensor reads or writes, field by field."""
+    text = ["# Records", INTRODUCTION]
+    for title, members in RECORDS.items():
+        text.append(f"## {title}")
+        for module, name, use in members:
+            body = [
+                (f"`{f.path}{list(f.shape) or ''}`", f.unit, f.frame, f.meaning) for f in fields(module, name)
+            ]
+            text.append(
+                f"### `{name}`\n\n{use[0].upper()}{use[1:]}. Declared in `{module.replace('.', '/')}.py`.\n\n"
+                + table(("field", "unit", "frame", "meaning and sign"), body)
+            )
+    return "\n\n".join(text) + "\n"
 
 
 def telemetry_page() -> str:

@@ -24,7 +24,7 @@ from edl6dof.campaign.executor import fly_rows
 from edl6dof.fsw.modulation import MODULATION, modulate
 from edl6dof.report.figure import GREY, Axis, Figure, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly as fly_cycles

@@ -21,7 +21,7 @@ import numpy as np
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.kernels.cache import SETTINGS
 from edl6dof.scenario import records
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State

@@ -17,7 +17,8 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.rows import Row
 from edl6dof.interface.roles import POWERED_DECELERATION
-from edl6dof.scenario.loading import LoadedScenario, load_scenario
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.hazards import SCENARIO as AMONG_ROCKS
 from edl6dof.studies.landing import POWERED, dispersed, with_law

@@ -4,9 +4,12 @@
 # An entry guidance law is one Python file beside a scenario: parameters with their bounds, and a kernel
 # that is compiled like everything else that flies. This one holds the drag that uses up the energy over the
 # range to go. In a notebook the scenario with the plugin is flown first: what joins a family has to be
-# there before the simulator is loaded.
+# there before the simulator is loaded. A plugin runs with your rights, and only once you have accepted its
+# content: `edl6dof trust` shows it and records your consent.
 
 # %%
+import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -14,11 +17,10 @@ import matplotlib.pyplot as plt
 import edl6dof
 
 Path("constant_drag.py").write_text('''
-from math import acos
-
 from edl6dof.config.base import Params, param
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp
 
 
@@ -47,6 +49,7 @@ name: mine
 plugins: [constant_drag.py]
 flight_software: {guidance: {entry: {law: constant_drag}}}
 """)
+subprocess.run([sys.executable, "-m", "edl6dof", "trust", "--yes", "constant_drag.py"], check=True)
 mine, shipped = edl6dof.fly("mine.yaml"), edl6dof.fly("tianwen1")
 for flight in (mine, shipped):
     miss_km = flight.metrics["parachute_miss_m"] / 1e3

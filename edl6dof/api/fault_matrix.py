@@ -20,7 +20,7 @@ from edl6dof.campaign.fault_kinds import (
 )
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
 from edl6dof.telemetry.timeline import NO_MILESTONE, milestone

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.calibration.findings import Findings
-    from edl6dof.scenario.loading import LoadedScenario
+    from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
     from edl6dof.verify.check import Report

@@ -16,7 +16,8 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
-from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, LoadedScenario, load_scenario
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, load_scenario
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.

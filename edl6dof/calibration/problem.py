@@ -15,11 +15,13 @@ from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import Progress, fly_rows
 from edl6dof.campaign.neighbours import fly_neighbours
 from edl6dof.campaign.rows import Row
-from edl6dof.config.document.source import Document, read_document, resolve_scenario
+from edl6dof.config.document.document import Document
+from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import validate
 from edl6dof.metrics.published import Beside, published_figures
-from edl6dof.scenario.loading import CALIBRATION, LoadedScenario, load_document
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import CALIBRATION, load_document
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import NotApplied, Variant, Variants
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import fly, log_rows
 from edl6dof.telemetry.channels import BRIEF, TICK
 

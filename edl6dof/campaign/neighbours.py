@@ -20,7 +20,7 @@ from edl6dof.campaign.rows import Row
 from edl6dof.metrics.figures import FIGURES
 from edl6dof.metrics.published import Published, published_figures
 from edl6dof.scenario.initial import InitialState
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 
 #: Difference in entry speed of one flight and the next, m/s.
 SPEED_STEP_M_S = 1e-6

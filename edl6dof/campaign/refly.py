@@ -10,7 +10,8 @@ from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.fault_response import collected
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight, fly
 

@@ -15,7 +15,8 @@ from edl6dof.config.errors import refusal
 from edl6dof.design.entry_plan import Plan
 from edl6dof.design.entry_profile import Design, Goal
 from edl6dof.report.terminal import open_table
-from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import resolved_text
 

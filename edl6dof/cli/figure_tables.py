@@ -20,7 +20,7 @@ from edl6dof.missions.comparison import Compared, inside, reached_goal
 from edl6dof.missions.words import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import comparison, open_table, published_table
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 
 
 def plain(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str, SampleMean]) -> dict[str, Any]:

@@ -23,7 +23,8 @@ from edl6dof.config.parameter_table import Row, rows
 from edl6dof.config.wording import nearest
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
-from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, LoadedScenario, load_document
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
 
 #: Longest default that stands in the table of parameters; a longer one gets a line of its own.

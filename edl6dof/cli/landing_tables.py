@@ -20,7 +20,7 @@ from edl6dof.report.figure import GREY, Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import Flight, fly
 
 #: States of each interval in the table of states and in the figure.

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from edl6dof.config.base import stated
-from edl6dof.config.document.source import Document
+from edl6dof.config.document.document import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
 from edl6dof.config.wording import expected, got, in_bounds, in_length, nearest, unknown_key

@@ -193,9 +193,9 @@ class _Thrusters(Params):
 
 CONFIGURATION = np.dtype(
     [
-        ("mass", "f8"),
-        ("centre", "f8", (3,)),
-        ("inertia", "f8", (3,)),
+        ("mass", "f8"),  # kg: believed
+        ("centre", "f8", (3,)),  # m, B: centre of mass, from the nose
+        ("inertia", "f8", (3,)),  # kg m2, B: principal moments about the centre of mass
         ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
     ],
     align=True,
@@ -207,13 +207,13 @@ ONBOARD = np.dtype(
             "planet",
             np.dtype(
                 [
-                    ("mu", "f8"),
-                    ("equatorial_radius", "f8"),
-                    ("flattening", "f8"),
-                    ("rotation_rate", "f8"),
-                    ("j2", "f8"),  # oblateness, not normalised, and the radius that it refers to
-                    ("gravity_radius", "f8"),
-                    ("sutton_graves_constant", "f8"),
+                    ("mu", "f8"),  # m3/s2: gravitational parameter
+                    ("equatorial_radius", "f8"),  # m: of the reference ellipsoid
+                    ("flattening", "f8"),  # of the reference ellipsoid
+                    ("rotation_rate", "f8"),  # rad/s: about z of I and F, positive eastward
+                    ("j2", "f8"),  # oblateness, not normalised
+                    ("gravity_radius", "f8"),  # m: radius that the oblateness refers to
+                    ("sutton_graves_constant", "f8"),  # kg^0.5/m: of the convective heat flux
                 ],
                 align=True,
             ),
@@ -222,14 +222,13 @@ ONBOARD = np.dtype(
             "atmosphere",
             np.dtype(
                 [
-                    ("bottom", "f8"),
-                    ("top", "f8"),
-                    ("spacing", "f8"),
-                    ("ln_density", "f8", (NODES,)),
-                    ("speed_of_sound", "f8", (NODES,)),
-                    # m/s: mean wind that is expected, towards north and east
-                    ("wind_north", "f8", (NODES,)),
-                    ("wind_east", "f8", (NODES,)),
+                    ("bottom", "f8"),  # m: altitude of the first node
+                    ("top", "f8"),  # m: altitude of the last node
+                    ("spacing", "f8"),  # m: between nodes
+                    ("ln_density", "f8", (NODES,)),  # natural logarithm of the density in kg/m3
+                    ("speed_of_sound", "f8", (NODES,)),  # m/s: believed
+                    ("wind_north", "f8", (NODES,)),  # m/s: expected mean wind, towards north
+                    ("wind_east", "f8", (NODES,)),  # m/s: expected mean wind, towards east
                 ],
                 align=True,
             ),
@@ -238,12 +237,12 @@ ONBOARD = np.dtype(
             "site",
             np.dtype(
                 [
-                    ("latitude", "f8"),
-                    ("longitude", "f8"),
-                    ("altitude", "f8"),  # above the ellipsoid
-                    ("aim_latitude", "f8"),
-                    ("aim_longitude", "f8"),
-                    ("frame", LOCAL_FRAME),
+                    ("latitude", "f8"),  # rad: geodetic, of the landing site
+                    ("longitude", "f8"),  # rad: of the landing site, positive east
+                    ("altitude", "f8"),  # m: of the landing site, above the reference ellipsoid
+                    ("aim_latitude", "f8"),  # rad: geodetic, of the aim point of entry guidance
+                    ("aim_longitude", "f8"),  # rad: of the aim point, positive east
+                    ("frame", LOCAL_FRAME),  # frame L of the landing site
                 ],
                 align=True,
             ),
@@ -252,24 +251,24 @@ ONBOARD = np.dtype(
             "vehicle",
             np.dtype(
                 [
-                    ("entry_mass", "f8"),
-                    ("drag_area", "f8"),
-                    ("lift_to_drag", "f8"),
-                    ("airframe", AIRFRAME),
+                    ("entry_mass", "f8"),  # kg: at entry
+                    ("drag_area", "f8"),  # m2: drag coefficient times reference area
+                    ("lift_to_drag", "f8"),  # lift-to-drag ratio at trim
+                    ("airframe", AIRFRAME),  # trim, drag and lift against the Mach number
                     # by the set of the parts that are gone, a bit for each
                     ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
                     ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
-                    ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),
-                    ("n_engines", "i8"),
+                    ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),  # each engine by itself
+                    ("n_engines", "i8"),  # engines that the vehicle has
                     *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
-                    ("branches", BRANCHES),
+                    ("branches", BRANCHES),  # propellant branches
                 ],
                 align=True,
             ),
         ),
         ("rates", dtype_of(RateParams)),
         ("instruments", INSTRUMENTS),
-        ("flow_meters", FLAG),  # whether propellant branches are metered
+        ("flow_meters", FLAG),  # propellant branches are metered
         ("navigation", dtype_of(NavigationParams)),
         ("hazard", dtype_of(HazardParams)),
         ("drifter", DRIFTER),
@@ -277,7 +276,7 @@ ONBOARD = np.dtype(
         ("check_out", CHECK_OUT),
         ("control", dtype_of(ControlParams)),
         ("estimation", dtype_of(EstimationParams)),
-        ("imu_delay", "f8"),
+        ("imu_delay", "f8"),  # s: age of a reading of the inertial unit when it arrives
         ("diagnosis", dtype_of(DiagnosisParams)),
         ("allocation", dtype_of(AllocationParams)),
         ("modulation", dtype_of(ModulationParams)),

@@ -15,10 +15,10 @@ from edl6dof.records import FLAG, whole
 #: What engines can do: one of them, or those that burn taken together.
 ENGINE_ABILITY = np.dtype(
     [
-        ("full_thrust", "f8"),  # N
-        ("throttle_min", "f8"),  # N
-        ("throttle_max", "f8"),  # N
-        ("specific_impulse", "f8"),  # s, at full thrust
+        ("full_thrust", "f8"),  # N: at the full level
+        ("throttle_min", "f8"),  # N: lower end of the throttle band
+        ("throttle_max", "f8"),  # N: upper end of the throttle band
+        ("specific_impulse", "f8"),  # s: at full thrust
         ("by_thrusters", "f8"),  # share of the thrust that the axial thrusters give
         # share of an engine's thrust along -x of B, which the others count; 1 of those together
         ("axial", "f8"),
@@ -30,16 +30,16 @@ VEHICLE_STATE = np.dtype(
     [
         ("requested", FLAG, (MAX_EVENTS,)),  # events that it has requested
         ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
-        ("mass", "f8"),  # kg
+        ("mass", "f8"),  # kg: believed
         ("wing_commanded", FLAG),  # the trim wing was commanded open
-        ("wing_time", "f8"),  # s, flight time: when
+        ("wing_time", "f8"),  # s: flight time of that command
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
         ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
         ("held_thrust", "f8"),  # N: of a throttle that is believed to stand; 0: it moves
         ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
         ("engine", ENGINE_ABILITY),  # of them together, less what is missing
-        ("ignition_time", "f8"),  # s, flight time: when its thrust begins
+        ("ignition_time", "f8"),  # s: flight time at which the thrust of the engine begins
     ],
     align=True,
 )

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.base import stated
-from edl6dof.config.document.source import Document, Mark
+from edl6dof.config.document.document import Document
+from edl6dof.config.document.source import Mark
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml import read_daveml
 from edl6dof.interchange.daveml_aero import (

@@ -24,10 +24,10 @@ COMMAND = np.dtype(
         ("thrust", "f8", (MAX_ENGINES,)),  # N, of each engine
         ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # of edl6dof.interface.engine, of all engines
         # what a vehicle without attitude dynamics follows
-        ("steering", FLAG),  # whether it is to follow the angles below
+        ("steering", FLAG),  # it is to follow the angles below
         ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right
-        ("alpha", "f8"),  # rad, angle of attack
-        ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase, told with the commands
+        ("alpha", "f8"),  # rad: commanded angle of attack, positive nose up
+        ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase
         ("shut", FLAG, (MAX_BRANCHES,)),  # propellant branches whose latch valve is shut
         ("expose", FLAG),  # the landing camera takes an image now
         ("scan", FLAG),  # the lidar begins a scan now, and the stereo cameras take a pair of images

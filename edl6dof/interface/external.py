@@ -37,7 +37,7 @@ EXTERNAL = np.dtype(
         ("v_I", "f8", (3,)),  # m/s, I: its inertial velocity
         ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
         ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
-        ("height_above_ground", "f8"),  # m
+        ("height_above_ground", "f8"),  # m: of the centre of mass
         ("coarse_L", "f8", (2,)),  # m: east and north of the landing site, where powered descent is to end
         ("fine_L", "f8", (2,)),  # m: east and north of the landing site, where the lander is to stand
         ("bank", "f8"),  # rad: bank angle, in the place of entry guidance's

@@ -29,8 +29,8 @@ INERTIAL = np.dtype(
         ("angle", "f8", (MAX_GYROS,)),  # rad: integral of the rate about the axis of each gyro
         ("rate", "f8", (MAX_GYROS,)),  # rad/s: that rate at the time of the reading
         ("gain", "f8", (MAX_ACCELEROMETERS,)),  # m/s: integral of the specific force along each
-        ("gyro_saturated", FLAG, (MAX_GYROS,)),  # whether each met the end of its range
-        ("accelerometer_saturated", FLAG, (MAX_ACCELEROMETERS,)),  # likewise
+        ("gyro_saturated", FLAG, (MAX_GYROS,)),  # each met the end of its range
+        ("accelerometer_saturated", FLAG, (MAX_ACCELEROMETERS,)),  # each met the end of its range
     ],
     align=True,
 )
@@ -39,7 +39,7 @@ INERTIAL = np.dtype(
 STARS = np.dtype(
     [
         ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
-        ("valid", FLAG),  # whether it is of this cycle
+        ("valid", FLAG),  # it is of this cycle
     ],
     align=True,
 )
@@ -49,8 +49,8 @@ RADAR = np.dtype(
     [
         ("range", "f8", (MAX_BEAMS,)),  # m, along each beam from the antenna to the ground
         ("speed", "f8", (MAX_BEAMS,)),  # m/s, along each beam towards the ground, of the antenna
-        ("locked", FLAG, (MAX_BEAMS,)),  # whether the beam has an echo
-        ("fresh", FLAG),  # whether they are of this cycle
+        ("locked", FLAG, (MAX_BEAMS,)),  # the beam has an echo
+        ("fresh", FLAG),  # they are of this cycle
     ],
     align=True,
 )
@@ -58,9 +58,9 @@ RADAR = np.dtype(
 #: What ground tracking sends up: the state of the centre of mass in the cycle in which it arrives.
 TRACKING = np.dtype(
     [
-        ("r_I", "f8", (3,)),  # m, I
+        ("r_I", "f8", (3,)),  # m, I: position
         ("v_I", "f8", (3,)),  # m/s, I: inertial velocity
-        ("fresh", FLAG),  # whether it arrives in this cycle
+        ("fresh", FLAG),  # it arrives in this cycle
     ],
     align=True,
 )
@@ -70,7 +70,7 @@ LIDAR = np.dtype(
     [
         ("range", "f4", (SCAN_BLOCK, SCAN_COLUMNS)),  # m, along each ray; 0: nothing came back
         ("row", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # of the scan: the first of them
-        ("fresh", FLAG),  # whether they are of this cycle
+        ("fresh", FLAG),  # they are of this cycle
     ],
     align=True,
 )
@@ -79,7 +79,7 @@ LIDAR = np.dtype(
 STEREO = np.dtype(
     [
         ("range", "f4", (STEREO_CELLS, STEREO_CELLS)),  # m, along the look of each cell; 0: none was found
-        ("fresh", FLAG),  # whether it is of this cycle
+        ("fresh", FLAG),  # it is of this cycle
     ],
     align=True,
 )
@@ -88,8 +88,8 @@ STEREO = np.dtype(
 CAMERA = np.dtype(
     [
         ("density", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # share of the ground that obstacles take
-        ("seen", FLAG, (CAMERA_CELLS, CAMERA_CELLS)),  # whether each cell shows ground
-        ("fresh", FLAG),  # whether it is of this cycle
+        ("seen", FLAG, (CAMERA_CELLS, CAMERA_CELLS)),  # each cell shows ground
+        ("fresh", FLAG),  # it is of this cycle
     ],
     align=True,
 )

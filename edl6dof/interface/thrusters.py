@@ -23,7 +23,7 @@ STUCK_OFF, STUCK_ON, DEGRADED = range(1, len(THRUSTER_FAILURES) + 1)
 BRANCHES = np.dtype(
     [
         ("of", "i8", (MAX_THRUSTERS,)),  # branch of each thruster
-        ("count", "i8"),
+        ("count", "i8"),  # branches that the vehicle has
         ("full_flow", "f8", (MAX_BRANCHES,)),  # kg/s, with all thrusters of the branch open
     ],
     align=True,

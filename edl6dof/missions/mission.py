@@ -10,8 +10,9 @@ from edl6dof.calibration.section import CalibrationFile
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.rows import Row
+from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import find_shipped, shipped_names
-from edl6dof.config.document.source import Document, parse_document, read_document, resolve_scenario
+from edl6dof.config.document.source import parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
 from edl6dof.metrics.published import Beside, PublishedFigure, published_figures

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.config.document.source import Document, parse_document
+from edl6dof.config.document.document import Document
+from edl6dof.config.document.source import parse_document
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map

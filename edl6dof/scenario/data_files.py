@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.regular import read_regular
-from edl6dof.config.document.source import Document
 from edl6dof.config.errors import Inconsistent
 from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs

@@ -4,46 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 
+from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import apply_overrides, with_values
-from edl6dof.config.document.source import Document, read_document, resolve_scenario
+from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.validate import refuse, steps, validate
+from edl6dof.config.validate import refuse, validate
 from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems, with_whole_paths
-from edl6dof.scenario.plausible import unusual_in
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario
-
-
-@dataclass(frozen=True, repr=False)
-class LoadedScenario:
-    """A validated scenario with where it came from.
-
-    Attributes:
-        scenario: the nominal: what the flight computer was told.
-        truth: the same with the ``truth`` section applied: what the plant is built from.
-        document: the files it was read from, with the place and status of every value.
-    """
-
-    scenario: Scenario
-    truth: Scenario
-    document: Document
-
-    def __repr__(self) -> str:
-        return f"<LoadedScenario {self.scenario.name}: {self.scenario.description}>"
-
-    @cached_property
-    def warnings(self) -> list[str]:
-        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
-        found = unusual_in(self.scenario) | unusual_in(self.truth)
-        return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
-
 
 #: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and
 #: what befalls it.

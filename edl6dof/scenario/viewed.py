@@ -10,7 +10,8 @@ from typing import Any
 
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.introspect import Slot, literal_names, root_slot
-from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 
 #: Models of the air and wind in the place of those that only a plugin has: they need no table.

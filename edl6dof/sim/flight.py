@@ -13,7 +13,7 @@ from edl6dof.config.errors import Named
 from edl6dof.interface.roles import during
 from edl6dof.metrics.evaluation import Check, checks
 from edl6dof.scenario import records
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.figures import figures_of

@@ -9,7 +9,7 @@ import numpy as np
 
 from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.exclusions import Exclusion, exclusions
-from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.telemetry.columns import Telemetry

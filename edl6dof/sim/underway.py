@@ -17,7 +17,8 @@ from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario import records
-from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State

@@ -100,7 +100,13 @@ def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
 #: A local frame L fixed to the planet: its origin in F, and sines and cosines of its geodetic latitude and
 #: longitude.
 LOCAL_FRAME = np.dtype(
-    [("origin_F", "f8", (3,)), ("sin_lat", "f8"), ("cos_lat", "f8"), ("sin_lon", "f8"), ("cos_lon", "f8")],
+    [
+        ("origin_F", "f8", (3,)),  # m, F: origin
+        ("sin_lat", "f8"),  # sine of the geodetic latitude of the origin
+        ("cos_lat", "f8"),  # cosine of that latitude
+        ("sin_lon", "f8"),  # sine of the longitude of the origin
+        ("cos_lon", "f8"),  # cosine of that longitude
+    ],
     align=True,
 )
 

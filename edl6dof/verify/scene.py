@@ -11,7 +11,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from edl6dof.scenario import records
-from edl6dof.scenario.loading import LoadedScenario, load_scenario
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, fly

@@ -74,6 +74,25 @@ def test_relative_links_lead_somewhere(page):
     assert not list(dangling(page, page.read_text(encoding="utf-8")))
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_out_of_docs_lead_to_a_page_of_the_site(page):
+    assert not list(leaving(page, page.read_text(encoding="utf-8")))
+
+
+def leaving(page, text):
+    """Relative links of a page to files outside docs/ that the site does not have."""
+    for link in re.findall(r"\]\(([^)#\s]+)", re.sub(r"```.*?```", "", text, flags=re.DOTALL)):
+        target = (page.parent / link).resolve()
+        copied = target.is_relative_to(ROOT) and str(target.relative_to(ROOT)) in COPIES.values()
+        if "://" not in link and not target.is_relative_to(DOCS) and not copied:
+            yield link
+
+
+def test_links_that_the_site_cannot_follow_are_found():
+    text = "[a](../tools/README.md) [b](../CONTRIBUTING.md#a-release) [c](faq.md) [d](https://example.org)"
+    assert list(leaving(DOCS / "index.md", text)) == ["../tools/README.md"]
+
+
 def command_lines(text):
     """What follows ``edl6dof`` in blocks, quoted in running text, and at the beginning of table cells."""
     text = re.sub(r"\\\n\s*", " ", text)

@@ -248,13 +248,14 @@ def _table(draw: random.Random, folder: Path) -> list[str]:
     head = next(i for i, row in enumerate(rows) if len(row) == len(rows[-1]))
     body, width = rows[head + 1 :], len(rows[-1])
     one, two = draw.randrange(width), draw.randrange(width)
+    whole = [row for row in rows[head:] if len(row) == width]  # others are remarks
     change = draw.randrange(9)
     if change == 0:
-        for row in rows[draw.choice((head, head + 1)) :]:
+        for row in whole[draw.choice((0, 1)) :]:
             row[one], row[two] = row[two], row[one]
     elif change == 1:
         factor = draw.choice(UNITS)
-        for row in body:
+        for row in whole[1:]:
             row[one] = f"{row[one]}e{round(math.log10(factor))}"
     elif change == 2:
         body.reverse()
@@ -263,7 +264,7 @@ def _table(draw: random.Random, folder: Path) -> list[str]:
     elif change == 4:
         body[:] = [row for row in body for _ in range(2)]
     elif change == 5:
-        draw.choice(body)[one] = draw.choice(
+        draw.choice(whole)[one] = draw.choice(
             ("", "1,5", "١", "1e5\u200b", "0x1p3", "1_0", "NaN", "-inf", '"')
         )
     elif change == 6:

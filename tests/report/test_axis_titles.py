@@ -41,8 +41,9 @@ def test_units_stand_in_brackets(path):
 
 
 def test_every_picture_is_drawn_by_one_path():
-    """matplotlib and plotly are spoken to by the report's own modules alone, and by the tool that runs
-    notebooks, which draw for themselves.
+    """Reports use matplotlib and plotly through two modules of their own.  Studies and verification cases,
+    which use the simulator as a user does, draw with matplotlib in one module each, and so do the tools that
+    run notebooks and draw the conventions.
     """
     everywhere = (*PACKAGE.rglob("*.py"), *(PACKAGE.parent / "tools").glob("*.py"))
     found = {
@@ -50,4 +51,11 @@ def test_every_picture_is_drawn_by_one_path():
         for path in everywhere
         if re.search(r"^\s*(import|from) (matplotlib|plotly)", path.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    assert found == {"matplotlib_figure.py", "pdf.py", "docs_notebooks.py"}
+    assert found == {
+        "matplotlib_figure.py",
+        "pdf.py",
+        "frame.py",
+        "check.py",
+        "docs_notebooks.py",
+        "docs_conventions.py",
+    }

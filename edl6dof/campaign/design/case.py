@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from fnmatch import fnmatchcase
+from os.path import commonprefix
+from typing import Any, Literal, get_args
 
 #: Who knows of a change: nature alone, the flight computer alone, or both.
 Of = Literal["truth", "belief", "both"]
@@ -45,3 +47,20 @@ class Case:
     def changes(self, truth: Mapping[str, Any]) -> dict[str, Any]:
         """The values by dotted path that turn a scenario with this ``truth`` section into the case."""
         return {**self.told, "truth": {**truth, **self.truth}}
+
+
+def group_of(column: str, campaign: Mapping[str, Any]) -> str:
+    """Name of the group of a dispersed quantity: those of one path with a wildcard belong together, and those
+    drawn as correlated; groups are independent of each other.  A lone one is its own, by its path.
+
+    Args:
+        column: of the results, such as ``truth.wind.scale``; what the flight computer is told keeps its mark.
+        campaign: the campaign section as plain data.
+    """
+    mark = BELIEF if column.startswith(BELIEF) else ""
+    path = column.removeprefix(BELIEF).removeprefix(TRUTH)
+    for together in campaign.get("correlated", ()):
+        if path in together["paths"]:
+            return f"{mark}{commonprefix(together['paths'])}*"
+    patterns = (pattern for of in get_args(Of) for pattern in campaign.get(of, ()))
+    return mark + next((pattern for pattern in patterns if fnmatchcase(path, pattern)), path)

@@ -14,14 +14,15 @@ from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
 from edl6dof.campaign.design.sections import CampaignParams, Correlated
 from edl6dof.config.base import stated
+from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import make_room
-from edl6dof.config.document.source import Document
 from edl6dof.config.document.yamltree import Path
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, bounds, root_slot
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import in_bounds
-from edl6dof.scenario.loading import LoadedScenario, truth_problem
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import truth_problem
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.arrays import cholesky, product
 from edl6dof.vehicle.faults.fault import FaultParams, fault_problems

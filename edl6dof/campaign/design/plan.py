@@ -17,18 +17,14 @@ from edl6dof.campaign.design.fault_matrix import Cell, cells, check_matrix
 from edl6dof.campaign.design.saltelli import Swaps, swaps_of
 from edl6dof.campaign.design.sampling import unit_numbers
 from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
+from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
-from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
+from edl6dof.config.document.source import Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.validate import validate
-from edl6dof.scenario.loading import (
-    CAMPAIGN_SECTIONS,
-    LoadedScenario,
-    check_document,
-    load_document,
-    truth_problem,
-)
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, check_document, load_document, truth_problem
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import resolved_text
 

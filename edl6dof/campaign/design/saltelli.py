@@ -7,15 +7,13 @@ Analysis: The Primer (2008), 4.6.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
-from os.path import commonprefix
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 
-from edl6dof.campaign.design.case import BELIEF, TRUTH, A, B, Of
+from edl6dof.campaign.design.case import A, B, Of, group_of
 from edl6dof.campaign.design.sampling import sobol_numbers
 from edl6dof.campaign.design.sections import CampaignParams
 
@@ -74,20 +72,3 @@ def swaps_of(campaign: CampaignParams, columns: Sequence[str]) -> Swaps | None:
     for number, column in enumerate(columns):
         groups.setdefault(group_of(column, section), []).append(number)
     return Swaps(groups | ({PROFILES: []} if campaign.profiles else {}), campaign.cases, campaign.seed)
-
-
-def group_of(column: str, campaign: Mapping[str, Any]) -> str:
-    """Name of the group of a dispersed quantity: those of one path with a wildcard belong together, and those
-    drawn as correlated; groups are independent of each other.  A lone one is its own, by its path.
-
-    Args:
-        column: of the results, such as ``truth.wind.scale``; what the flight computer is told keeps its mark.
-        campaign: the campaign section as plain data.
-    """
-    mark = BELIEF if column.startswith(BELIEF) else ""
-    path = column.removeprefix(BELIEF).removeprefix(TRUTH)
-    for together in campaign.get("correlated", ()):
-        if path in together["paths"]:
-            return f"{mark}{commonprefix(together['paths'])}*"
-    patterns = (pattern for of in get_args(Of) for pattern in campaign.get(of, ()))
-    return mark + next((pattern for pattern in patterns if fnmatchcase(path, pattern)), path)

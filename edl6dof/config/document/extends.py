@@ -9,7 +9,7 @@ from edl6dof.config.document.yamltree import REPLACE, Path, dotted
 from edl6dof.config.errors import ConfigError
 
 if TYPE_CHECKING:
-    from edl6dof.config.document.source import Document
+    from edl6dof.config.document.document import Document
 
 EXTENDS = "extends"
 

@@ -10,7 +10,8 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
 from edl6dof.config.base import Params
-from edl6dof.config.document.source import INCLUDES, Document, Mark, include
+from edl6dof.config.document.document import Document
+from edl6dof.config.document.source import INCLUDES, Mark, include
 from edl6dof.config.document.yamltree import REPLACE, Path, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, root_slot

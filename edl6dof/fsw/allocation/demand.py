@@ -14,8 +14,8 @@ from edl6dof.spatial.vector import add, put3, scale, take3
 
 DEMAND = np.dtype(
     [
-        ("attitude_error", "f8", (3,)),  # rad: what the attitude controller works on
-        ("wrench", "f8", (ROWS,)),  # N and N m, B: force and torque
+        ("attitude_error", "f8", (3,)),  # rad: error that the attitude controller works on, as it returned it
+        ("wrench", "f8", (ROWS,)),  # N and N m, B: force x, y, z and torque x, y, z on the vehicle
         ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
         ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
         (

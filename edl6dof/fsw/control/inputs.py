@@ -10,14 +10,15 @@ from edl6dof.spatial.vector import put3, take3
 
 CONTROL_INPUTS = np.dtype(
     [
-        ("phase_time", "f8"),  # s since the mission phase began
+        ("phase_time", "f8"),  # s: since the mission phase began
         ("bandwidth", "f8"),  # wanted in this phase, over that of the controller's gains
         ("hold_alpha", FLAG),  # in this phase thrusters hold the angle of attack
-        ("inertia", "f8", (3,)),  # kg m2, believed principal moments about the axes of B
+        ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
         ("saturated", FLAG),  # the thrusters could not deliver the last demand
         ("wing_commanded", FLAG),  # the trim wing was commanded open
-        ("disturbance_torque", "f8", (3,)),  # N m, B: estimated
-        ("disturbance_pole", "f8"),  # rad/s, convergence speed of that estimate
+        # N m, B: estimated; acts on the vehicle, so a controller subtracts it
+        ("disturbance_torque", "f8", (3,)),
+        ("disturbance_pole", "f8"),  # rad/s: convergence speed of that estimate
         # N m, B: what the valve intervals of the last cycle gave beyond the duties they stand for
         ("modulation_torque", "f8", (3,)),
     ],

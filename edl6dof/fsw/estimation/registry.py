@@ -21,10 +21,10 @@ ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEM
 
 MEASURED = np.dtype(
     [
-        ("inertia", "f8", (3,)),  # kg m2, believed principal moments about the axes of B
-        ("mass", "f8"),  # kg, believed
-        ("rate", "f8", (3,)),  # rad/s, B, at the end of the cycle
-        ("last_rate", "f8", (3,)),  # rad/s, B, at its beginning
+        ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
+        ("mass", "f8"),  # kg: believed
+        ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
+        ("last_rate", "f8", (3,)),  # rad/s, B: at its beginning
         ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
         ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
         ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
@@ -34,9 +34,9 @@ MEASURED = np.dtype(
 
 DISTURBANCE = np.dtype(
     [
-        ("torque", "f8", (3,)),  # N m, B
-        ("force", "f8", (3,)),  # N, B
-        ("pole", "f8"),  # rad/s, convergence speed of the torque
+        ("torque", "f8", (3,)),  # N m, B: on the vehicle, without the commanded thrusters
+        ("force", "f8", (3,)),  # N, B: on the vehicle, without the commanded thrusters and gravity
+        ("pole", "f8"),  # rad/s: convergence speed of the torque
         ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
     ],
     align=True,

@@ -10,35 +10,35 @@ from edl6dof.records import FLAG, whole
 
 GUIDE = np.dtype(
     [
-        ("bank", "f8"),  # commanded bank angle, rad
-        ("alpha", "f8"),  # commanded angle of attack, rad
-        ("thrust_direction_N", "f8", (3,)),  # unit vector, north-east-down
-        ("thrust", "f8"),  # demanded engine thrust, N
+        ("bank", "f8"),  # rad: commanded bank angle, positive right wing down
+        ("alpha", "f8"),  # rad: commanded angle of attack, positive nose up
+        ("thrust_direction_N", "f8", (3,)),  # 1, N: unit vector of the thrust force, north, east, down
+        ("thrust", "f8"),  # N: commanded engine thrust, all engines together
+        # of edl6dof.interface.engine: 0 off, 1 throttled, 2 full level
         ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),
         ("full_wanted", FLAG),  # the law asks for full level now
         ("translating", FLAG),  # lateral force is demanded of the horizontal thrusters
-        ("force_N", "f8", (2,)),  # that force, north and east, N
-        ("reference_drag", "f8"),
-        ("range_to_go", "f8"),
-        ("crossrange", "f8"),
-        ("least_bank", "f8"),  # smallest bank magnitude that entry guidance allows now, rad
-        ("side", "f8"),  # that entry guidance banks to: +1 right, -1 left, 0 before it has begun
-        ("downrange_to_go", "f8"),  # along the course until the aim point lies abeam, m
+        ("force_N", "f8", (2,)),  # N, N: lateral force for the horizontal thrusters, north and east
+        ("reference_drag", "f8"),  # m/s2: drag that the entry law tracks, of those that track one
+        ("range_to_go", "f8"),  # m: great circle to the aim point on the equatorial radius
+        ("crossrange", "f8"),  # m: of the aim point; positive when the velocity points to the right of it
+        ("least_bank", "f8"),  # rad: smallest bank magnitude that entry guidance allows now
+        ("side", "f8"),  # side that entry guidance banks to: +1 right, -1 left, 0 before it has begun
+        ("downrange_to_go", "f8"),  # m: along the course until the aim point lies abeam; negative beyond it
         ("drag_ratio", "f8"),  # measured over believed drag
-        ("drag_trend", "f8"),  # of it with height, 1/m
+        ("drag_trend", "f8"),  # 1/m: change of that ratio with height
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
-        ("time_to_go", "f8"),
+        ("time_to_go", "f8"),  # s: until the powered target is reached
         ("relaxed", whole(0, EVERYTHING)),  # how many constraints powered guidance gives up, in their order
         ("landing_error", "f8"),  # m: how far from rest at the target it then expects to end
         ("stop_height", "f8"),  # m, above ground: where a thrust that is held brings the lander to rest
         ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
-        # inner quantities of the laws that have them
-        ("surface", "f8"),  # sliding surface, m/s3
-        ("virtual", "f8"),  # virtual state of saturation, m/s3
-        ("drag_estimate", "f8"),  # drag acceleration, m/s2
-        ("drag_rate", "f8"),  # and its rate, m/s3
-        ("drag_disturbance", "f8"),  # estimated disturbance of the second derivative of drag, m/s4
-        ("path_disturbance", "f8"),  # estimated disturbance of the flight-path rate, rad/s
+        ("surface", "f8"),  # m/s3: sliding surface
+        ("virtual", "f8"),  # m/s3: virtual state of saturation
+        ("drag_estimate", "f8"),  # m/s2: estimated drag
+        ("drag_rate", "f8"),  # m/s3: estimated rate of drag
+        ("drag_disturbance", "f8"),  # m/s4: estimated disturbance of the second derivative of drag
+        ("path_disturbance", "f8"),  # rad/s: estimated disturbance of the flight-path rate
     ],
     align=True,
 )

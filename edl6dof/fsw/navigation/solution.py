@@ -13,15 +13,15 @@ from edl6dof.records import FLAG, whole
 #: together, less the believed biases, brought to the centre of mass.
 MOTION = np.dtype(
     [
-        ("dt", "f8"),  # s
+        ("dt", "f8"),  # s: of the cycle
         ("angle", "f8", (3,)),  # rad, B: integral of the rate
         ("gain", "f8", (3,)),  # m/s, B: integral of the specific force
         ("last_angle", "f8", (3,)),  # rad, B: of the cycle before
-        ("last_gain", "f8", (3,)),  # m/s, B
-        ("rate", "f8", (3,)),  # rad/s, B: at its end
+        ("last_gain", "f8", (3,)),  # m/s, B: of the cycle before
+        ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
         ("centre", "f8", (3,)),  # m, B: believed centre of mass
-        ("rate_known", FLAG),  # whether enough gyros read within their range
-        ("force_known", FLAG),  # whether enough accelerometers do
+        ("rate_known", FLAG),  # enough gyros read within their range
+        ("force_known", FLAG),  # enough accelerometers do
     ],
     align=True,
 )
@@ -29,32 +29,34 @@ MOTION = np.dtype(
 #: The navigation solution: state of the centre of mass at the time of the last reading.
 SOLUTION = np.dtype(
     [
-        ("t", "f8"),  # s, flight time
-        ("r_I", "f8", (3,)),  # m, I
+        ("t", "f8"),  # s: flight time of the last reading
+        ("r_I", "f8", (3,)),  # m, I: position of the centre of mass
         ("v_I", "f8", (3,)),  # m/s, I: inertial velocity
         ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
         ("gyro_bias", "f8", (3,)),  # rad/s, B: what the rate read is too large by
-        ("accelerometer_bias", "f8", (3,)),  # m/s2, B
+        ("accelerometer_bias", "f8", (3,)),  # m/s2, B: what the specific force read is too large by
         ("terrain", "f8"),  # m: how much higher the ground below is than the landing site
         ("slope", "f8", (2,)),  # rise of the ground below per metre towards north and east
         (
             "turned_anew",
             "f8",
         ),  # rad2: variance about each axis of an attitude just found, for the filter to take up
-        ("started", FLAG),  # whether ground tracking and star tracker have started it
-        # standard deviations that the filter claims
-        ("sigma_r", "f8", (3,)),  # m: north, east, down
-        ("sigma_v", "f8", (3,)),  # m/s: north, east, down, of the velocity relative to the planet
-        ("sigma_attitude", "f8", (3,)),  # rad, about north, east, down
-        ("sigma_height", "f8"),  # m, of the height above the ground
-        # the last look at the radar
-        ("range_innovation", "f8", (MAX_BEAMS,)),  # over its standard deviation; 0 where there was none
+        ("started", FLAG),  # ground tracking and star tracker have started it
+        ("sigma_r", "f8", (3,)),  # m, N: standard deviation claimed, north, east, down
+        # m/s, N: standard deviation claimed of the planet-relative velocity, north, east, down
+        ("sigma_v", "f8", (3,)),
+        ("sigma_attitude", "f8", (3,)),  # rad, N: standard deviation claimed, about north, east, down
+        ("sigma_height", "f8"),  # m: standard deviation claimed of the height above the ground
+        # over its standard deviation, at the last use of the radar; 0 where there was none
+        ("range_innovation", "f8", (MAX_BEAMS,)),
+        # over its standard deviation, at the last use of the radar; 0 where there was none
         ("speed_innovation", "f8", (MAX_BEAMS,)),
-        ("beams_used", whole(0, 2**MAX_BEAMS - 1)),  # a bit for each beam
-        # likewise of those whose range or speed is wrong, excluded or not
+        ("beams_used", whole(0, 2**MAX_BEAMS - 1)),  # beams used at the last use of the radar, a bit for each
+        # beams with a wrong range, excluded or not, a bit for each
         ("ranges_refused", whole(0, 2**MAX_BEAMS - 1)),
+        # beams with a wrong speed, excluded or not, a bit for each
         ("speeds_refused", whole(0, 2**MAX_BEAMS - 1)),
-        ("looked", FLAG),  # whether the filter has looked at the radar in this cycle
+        ("looked", FLAG),  # the filter has looked at the radar in this cycle
     ],
     align=True,
 )
@@ -62,11 +64,11 @@ SOLUTION = np.dtype(
 #: Which instruments are in use, 1, or excluded as failed.
 INSTRUMENT_HEALTH = np.dtype(
     [
-        ("gyro", FLAG, (MAX_GYROS,)),
-        ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),
-        ("beam_range", FLAG, (MAX_BEAMS,)),
-        ("beam_speed", FLAG, (MAX_BEAMS,)),
-        ("star_tracker", FLAG),
+        ("gyro", FLAG, (MAX_GYROS,)),  # in use (1) or excluded as failed (0)
+        ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),  # in use (1) or excluded as failed (0)
+        ("beam_range", FLAG, (MAX_BEAMS,)),  # range of the beam in use (1) or excluded (0)
+        ("beam_speed", FLAG, (MAX_BEAMS,)),  # speed along the beam in use (1) or excluded (0)
+        ("star_tracker", FLAG),  # in use (1) or excluded as failed (0)
     ],
     align=True,
 )
@@ -74,18 +76,17 @@ INSTRUMENT_HEALTH = np.dtype(
 #: What navigation tells the rest of the flight software, brought forward to the time of the cycle.
 ESTIMATE = np.dtype(
     [
-        ("t", "f8"),  # s, flight time
+        ("t", "f8"),  # s: flight time
         ("r_I", "f8", (3,)),  # m, I: position of the centre of mass
         ("v_I", "f8", (3,)),  # m/s, I: its inertial velocity
         ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
         ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
         ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
-        ("height_above_ground", "f8"),  # m, of the centre of mass
-        # as the inertial unit read them, some cycles ago
-        ("imu_rate_B", "f8", (3,)),  # rad/s, B
-        ("imu_gain_B", "f8", (3,)),  # m/s, B: count of the specific force
-        ("footpad_contact", FLAG),
-        ("wing_open", FLAG),
+        ("height_above_ground", "f8"),  # m: of the centre of mass above the ground below
+        ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate as the inertial unit read it, some cycles ago
+        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, of the same age
+        ("footpad_contact", FLAG),  # a footpad touches the ground
+        ("wing_open", FLAG),  # end switch of the trim wing
     ],
     align=True,
 )

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, Vec3, group, param, section
-from edl6dof.config.document.source import Document, parse_document
+from edl6dof.config.document.document import Document
+from edl6dof.config.document.source import parse_document
 from edl6dof.config.validate import validate
 
 

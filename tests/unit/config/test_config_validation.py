@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from config_toy import GOOD, LEAST, Toy, document, load
 
-from edl6dof.config.document.source import Document
+from edl6dof.config.document.document import Document
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import validate
 

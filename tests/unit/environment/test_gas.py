@@ -5,7 +5,15 @@ import pytest
 from pydantic import ValidationError
 from scipy.differentiate import derivative
 
-from edl6dof.environment.gas import GAS, GasParams, fill_gas, pressure_and_sound, ratio_of_specific_heats
+from edl6dof.environment.gas import (
+    GAS,
+    GasParams,
+    fill_gas,
+    inverse_knudsen_number,
+    pressure_and_sound,
+    ratio_of_specific_heats,
+    stagnation_heat_flux,
+)
 
 RIGID = {
     "gas_constant_j_kg_k": 188.92,
@@ -79,3 +87,17 @@ def test_sound_reads_the_ratio_at_every_temperature():
 def test_impossible_vibrations_are_refused(wrong):
     with pytest.raises(ValidationError):
         gas(vibrations=[{"temperature_k": wrong}])
+
+
+def test_heat_flux_of_sutton_and_graves():
+    """1.9e-4 sqrt(4e-4 / 0.25) 5000^3 W/m2; the blunter nose is the cooler."""
+    assert stagnation_heat_flux(gas(), 4e-4, 0.25, 5000.0) == pytest.approx(950e3, rel=1e-12)
+    assert stagnation_heat_flux(gas(), 4e-4, 1.0, 5000.0) == pytest.approx(475e3, rel=1e-12)
+
+
+def test_mean_free_path_is_that_of_hard_spheres():
+    """Boltzmann's k T / (sqrt(2) pi d^2 p) at the pressure of the ideal gas of the same density."""
+    boltzmann, temperature, rho = 1.380649e-23, 210.0, 1e-6
+    pressure = rho / 7.3e-26 * boltzmann * temperature
+    path = boltzmann * temperature / (np.sqrt(2.0) * np.pi * 4.6e-10**2 * pressure)
+    assert inverse_knudsen_number(gas(), rho, 3.4) == pytest.approx(3.4 / path, rel=1e-12)

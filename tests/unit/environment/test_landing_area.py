@@ -14,7 +14,9 @@ from edl6dof.environment.landing_area.census import list_within, within
 from edl6dof.environment.landing_area.craters import DEPTH, EDGE, RIM, WORN_DEPTH, crater_height
 from edl6dof.environment.landing_area.params import CRATER_DIAMETER, LandingAreaParams, landing_area_problems
 from edl6dof.environment.landing_area.plane import geodetic_of, place_of
+from edl6dof.environment.landing_area.population import POPULATION, drawn_in
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
+from edl6dof.environment.landing_area.rocks import rock_height
 from edl6dof.environment.landing_area.surface import corners, relief
 from edl6dof.environment.terrain import (
     TERRAIN,
@@ -203,6 +205,22 @@ def test_rocks_cover_the_share_of_the_ground_that_golombek_says(abundance):
         assert abs(np.sum(areas) / side**2 - abundance * exp(-q * smallest)) < 3.5 * spread
     turned = 2.0 * pi * rocks[:count, :2] / 0.5  # the cells of the smallest do not show
     assert abs(np.exp(1j * turned).mean(axis=0)).max() < 4.0 / sqrt(count)
+
+
+def test_rock_is_the_upper_half_of_a_sphere():
+    """Height half the diameter: the height z at a distance r fulfils r^2 + z^2 = (D/2)^2."""
+    for distance in (0.0, 0.1, 0.25, 0.39):
+        assert rock_height(0.8, distance**2) == pytest.approx(sqrt(0.4**2 - distance**2), rel=1e-12)
+    assert rock_height(0.8, 0.41**2) == 0.0
+
+
+@pytest.mark.parametrize("mean", [0.3, 2.5, 8.0])
+def test_number_in_a_cell_is_the_quantile_of_poisson_at_its_bits(mean):
+    population = np.zeros(1, POPULATION).view(np.recarray)[0]
+    population["mean"][0], population["empty"][0] = mean, exp(-mean)
+    for share in np.random.default_rng(3).uniform(size=200):
+        bits = np.uint64(int(share * 2.0**53) << 11)
+        assert drawn_in(population, 0, bits) == stats.poisson.ppf(share, mean)
 
 
 @pytest.mark.parametrize("exponent, density", [(2.0, 40.0), (3.0, 5.0)])

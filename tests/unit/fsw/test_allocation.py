@@ -15,7 +15,7 @@ from edl6dof.fsw.allocation.least_squares import LeastSquaresParams
 from edl6dof.fsw.allocation.registry import ALLOCATORS, AllocationParams
 from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.interface.thrusters import FINE, THRUSTER_GROUPS
+from edl6dof.interface.thrusters import ATTITUDE, FINE, THRUSTER_GROUPS
 
 ALL = 0b1111
 HEALTHY = np.zeros(1, FSW["health"])[0]
@@ -286,3 +286,14 @@ def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard)
     vehicle["thrusters"][used]["thrust"] = 0.0
     solve(exact(), vehicle["thrusters"], count, centre, demand, memory=memory)
     assert memory["duty"][used] == 0.0
+
+
+def test_of_two_that_turn_alike_the_fine_thruster_gives_all_it_can_first(shared_onboard):
+    """110 N asked of 100 N and 25 N at the same place: the coarse one gets what the fine one leaves."""
+    thrusters = shared_onboard[0]["vehicle"]["thrusters"].copy()
+    for one, group, thrust in zip(thrusters[:2], (ATTITUDE, FINE), (100.0, 25.0), strict=True):
+        one["direction"], one["position"] = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+        one["group"], one["thrust"] = group, thrust
+    effect = wrenches(thrusters, 2, np.zeros(3))
+    duty = solve(params(use_cost=0.0), thrusters, 2, (0.0, 0.0, 0.0), 1.1 * effect[:, 0])["duty"]
+    assert duty[:2] == pytest.approx([0.85, 1.0], abs=1e-9)

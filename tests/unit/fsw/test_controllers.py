@@ -8,7 +8,8 @@ from pyquaternion import Quaternion
 
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
-from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH
+from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH, compensation
+from edl6dof.fsw.control.thrust_vector import MEMORY as THRUST_VECTOR
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
@@ -94,6 +95,18 @@ def test_after_the_trim_wing_bank_torque_turns_about_the_body_axis(onboard):
     torque = demand("bank_to_steer", onboard, flying(alpha_deg=-6.0), commanded(60.0), fsw)
     assert torque[0] > 100.0
     assert torque[1:] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_along_the_velocity_the_axes_after_the_trim_wing_are_those_before(onboard):
+    """At no angle of attack and sideslip the velocity axes are the body axes: one torque, whatever turns."""
+    p = onboard[0]["control"]["bank_to_steer"]
+    p["damping_after_wing"] = p["damping"]
+    nav, goal = flying(0.0, 0.0, 58.0, rate=(0.01, -0.05, 0.04)), commanded(60.0, 0.0)
+    before, after = memory(ENTRY), memory(ENTRY)
+    after.inputs["wing_commanded"] = 1
+    torque = demand("bank_to_steer", onboard, nav, goal, before)
+    assert np.all(np.abs(torque) > 1.0)
+    assert demand("bank_to_steer", onboard, nav, goal, after) == pytest.approx(torque, rel=1e-12)
 
 
 @pytest.mark.parametrize("error_deg", [-14.0, -9.9, 0.0, 9.9, 13.0])
@@ -304,3 +317,27 @@ def test_bandwidth_of_a_phase_scales_the_natural_frequency(onboard):
     )
     slower = demand("thrust_vector", onboard, hanging(rate=(0.01, 0.0, 0.0)), commanded(), memory(LANDER))[0]
     assert slower == pytest.approx(0.5 * damped)
+
+
+@pytest.mark.parametrize("bandwidth", [0.25, 0.7, 1.0])
+def test_compensation_lags_the_disturbance_by_the_pole_and_the_bandwidth(bandwidth):
+    """Behind an estimator of pole l a filter of pole l b / (1 - b): on a ramp their delays, 1/l and
+    (1 - b)/(l b), add up to 1/(l b).
+    """
+    pole, dt = 2.0, 0.001
+    inputs, own = np.zeros(1, CONTROL_INPUTS)[0], np.zeros(1, THRUST_VECTOR)[0]
+    inputs["disturbance_pole"], inputs["bandwidth"] = pole, bandwidth
+    for k in range(12_000):
+        t = k * dt
+        inputs["disturbance_torque"] = (t - (1.0 - exp(-pole * t)) / pole) * np.array([1.0, -2.0, 0.5])
+        found = compensation(inputs, dt, own)
+    lag = t - np.array(found) / (1.0, -2.0, 0.5)
+    assert lag == pytest.approx(1.0 / (pole * bandwidth), abs=2.0 * dt)
+
+
+def test_what_modulation_gave_beyond_its_duties_is_filtered_with_the_pole_of_the_estimator():
+    inputs, own = np.zeros(1, CONTROL_INPUTS)[0], np.zeros(1, THRUST_VECTOR)[0]
+    inputs["disturbance_pole"], inputs["bandwidth"], inputs["modulation_torque"] = 1.5, 1.0, (3.0, -4.0, 5.0)
+    for _ in range(40):
+        found = compensation(inputs, DT, own)
+    assert found == pytest.approx((1.0 - exp(-1.5 * 40 * DT)) * np.array([3.0, -4.0, 5.0]), rel=1e-12)

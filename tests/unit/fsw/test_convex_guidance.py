@@ -16,7 +16,7 @@ from powered_flight import Guided, PointMass
 from edl6dof.fsw.guidance.powered import relaxation
 from edl6dof.fsw.guidance.powered.convex.flight_time import growth
 from edl6dof.fsw.guidance.powered.convex.glide_slope import outside
-from edl6dof.fsw.guidance.powered.convex.grid import lay_grid, shift_controls
+from edl6dof.fsw.guidance.powered.convex.grid import control_at, lay_grid, shift_controls
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS, PLAN
 from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
@@ -69,6 +69,15 @@ def test_nearest_thrust_is_the_cheapest_of_all_that_the_engine_can_give(tilt_deg
         assert size <= high + 1e-12 and u[2] >= cos(tilt) * size - 1e-12
         worth = price * size + 0.5 * np.sum((u - start) ** 2)
         assert least - 0.2 < worth <= least + 1e-9
+
+
+def test_control_at_a_time_is_that_of_its_interval_and_after_the_end_the_last():
+    plan = np.zeros(1, PLAN).view(np.recarray)[0]
+    plan["step"] = np.linspace(0.5, 1.5, CONTROLS)
+    ends = np.cumsum(plan["step"])
+    for end, step, k in zip(ends, plan["step"], range(CONTROLS), strict=True):
+        assert [control_at.py_func(plan, end - share * step) for share in (0.99, 0.01)] == [k, k]
+    assert control_at.py_func(plan, ends[-1] + 5.0) == CONTROLS - 1
 
 
 def test_what_is_outside_the_cone_is_its_polar_part():

@@ -12,7 +12,7 @@ from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, DiagnosisParams, diagnose
 from edl6dof.fsw.diagnosis.flow import NONE
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_stuck_on, weights
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
@@ -418,6 +418,27 @@ def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
     assert evidence(sums, size) == pytest.approx(
         most_likely(residual - size * signature) - most_likely(residual), rel=1e-6
     )
+
+
+def test_weight_is_the_inverse_of_all_variances_and_a_load_hardly_turns_about_its_axis(shared_onboard):
+    p, load = shared_onboard[0]["diagnosis"], 8000.0
+    wrench = np.array([500.0, 30.0, -40.0, 3.0, -4.0, 12.0])  # 50 N across the axis, 13 N m
+    models = p["model_error"] * np.array([50.0, 13.0, 13.0])
+    noise = np.array([p["force_noise"], p["torque_noise"], p["torque_noise"]])
+    unsteady = load * np.array([p["load_noise"], p["load_noise_roll"], p["load_noise"]])
+    assert unsteady[1] < 0.5 * unsteady[2]
+    exact = np.square(models) + np.square(noise) + np.square(unsteady)
+    assert 1.0 / np.array(weights(p, wrench, load)) == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize("size, speaks_for_it", [(1.0, True), (0.6, True), (0.4, False), (-1.0, False)])
+def test_open_valve_is_dropped_when_less_than_half_of_its_thrust_is_found(size, speaks_for_it):
+    """Of a residual x b the signature b leaves (x - 1)^2 b^2: more than x^2 b^2 where x < 1/2."""
+    sums = np.zeros(1, SUMS)[0]
+    for _ in range(10):
+        collect(sums, 1.0, 1.0, size * 30.0, 30.0, size**2 * 30.0)
+    assert (for_stuck_on(sums, 0.0) > 0.0) == speaks_for_it
+    assert (sums["cycles"] > 0.0) == speaks_for_it
 
 
 def test_slow_part_is_the_late_mean_by_numpy():

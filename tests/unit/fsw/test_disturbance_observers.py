@@ -12,6 +12,8 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.guidance.entry.laws.dob_sliding import MEMORY as SLIDING_MEMORY
 from edl6dof.fsw.guidance.entry.laws.dob_sliding import DobSlidingParams, observe
 from edl6dof.fsw.guidance.entry.laws.ftc_dob import power
+from edl6dof.fsw.guidance.entry.laws.pd_dob import MEMBER as PD_DOB
+from edl6dof.fsw.guidance.entry.laws.pd_dob import PdDobParams
 from edl6dof.fsw.guidance.entry.observers.path_observer import PATH_OBSERVER, PathObserverParams, observe_path
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.navigation.derived import NAV
@@ -192,3 +194,21 @@ def test_drag_dynamics_are_those_of_a_flown_trajectory():
     scale = np.max(np.abs(second))
     assert rate[1:-1][felt] == pytest.approx(first[1:-1][felt], abs=1e-4 * np.max(np.abs(first)))
     assert (free + per_u * cos(np.radians(60.0)))[1:-1][felt] == pytest.approx(second[felt], abs=1e-3 * scale)
+
+
+# ---- proportional-derivative law ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("error, error_rate", [(1.5, -0.4), (-2.0, 0.7), (0.6, 0.9)])
+def test_error_of_the_drag_obeys_its_second_order_equation(monkeypatch, error, error_rate):
+    """e'' + k_D e' + k_P e = 0, with e'' = drift + authority cos(bank)."""
+    guide, drift, authority = PD_DOB.kernels["guide"].py_func, 0.3, -4.0
+    found = {
+        "tracking": lambda *_: True,
+        "disturbed_drag": lambda *_: (error, error_rate, drift, authority),
+    }
+    for name, kernel in found.items():
+        monkeypatch.setitem(guide.__globals__, name, kernel)
+    p = params(PdDobParams, error_gain=0.4, rate_gain=0.9).view(np.recarray)
+    bank = guide(p, *[None] * 5)
+    assert drift + authority * cos(bank) == pytest.approx(-0.4 * error - 0.9 * error_rate, abs=1e-12)

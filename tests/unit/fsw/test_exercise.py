@@ -121,7 +121,7 @@ def test_two_of_which_one_let_nothing_through_are_each_tried_alone(vehicle, effe
     bench = Bench(vehicle, effectiveness, sideways=False)
     bench.diagnosis["flow"]["doubtful"][0, [3, 6]] = 1
     tried = [bench.cycle() for _ in range(9)]
-    assert tried == [{3}, set(), set(), set(), {3}, set(), set(), set(), {3}]  # each has to be measured first
+    assert tried == [{3}, set(), set(), set(), {6}, set(), set(), set(), {3}]  # in turn, each measured first
     bench.diagnosis["flow"]["doubtful"][0, 3] = 0
     assert [bench.cycle() for _ in range(4)] == [set(), set(), set(), {6}]
 

@@ -221,3 +221,14 @@ def test_valve_never_closes_for_so_short_a_time_that_thrust_would_not_end(jets):
     for i in range(8):
         edges = np.array(pulses[i])
         assert len(edges) > 50 and np.all(edges[1:, 0] - edges[:-1, 1] >= GAP - 1e-9)
+
+
+def test_of_what_a_valve_gave_too_much_no_more_than_a_shortest_pulse_is_kept(jets):
+    """A gap of 18 ms keeps a valve open for all of a 20 ms cycle; 4 ms are due in each.
+
+    Due at the start of the cycles: 4 (opens), -5 + 4, 3, 7 (opens), -5 + 4, ...: every third cycle.
+    """
+    jets["minimum_pulse"], p = 0.005, settings()
+    p["shortest_gap"] = 0.018
+    on, _ = operate(jets, np.full((12, 8), 0.2), 0.02, p)
+    assert on[:, 0] == pytest.approx(np.tile([0.02, 0.0, 0.0], 4))

@@ -3,13 +3,18 @@
 The Allan variance is computed here, as ``allantools`` would: overlapping, from the count.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from instrument_bench import Bench
 from scipy.integrate import trapezoid
+from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from edl6dof.sensors.counters import cone
+from edl6dof.interface.capacities import MAX_GYROS
+from edl6dof.sensors.counters import cone, counter_layout, walk
+from edl6dof.sensors.vibration import VIBRATION, oscillate, tone
 
 H = 0.02
 DEG = np.pi / 180.0
@@ -68,10 +73,10 @@ def noisy():
 def test_white_noise_has_the_allan_deviation_of_its_random_walk(noisy, m):
     angle, gain, _ = noisy
     tau, n = m * H, 0.3 * DEG / 60.0
-    for count, walk in ((angle, n), (gain, 50.0 * 9.80665e-6)):
+    for count, density in ((angle, n), (gain, 50.0 * 9.80665e-6)):
         found = np.mean([allan_variance(count[:, i], m, H) for i in range(6)])
         # six records of T / tau independent differences: five standard deviations of their mean square
-        assert found == pytest.approx(walk**2 / tau, rel=5.0 * np.sqrt(2.0 * m / (6 * 45_000)))
+        assert found == pytest.approx(density**2 / tau, rel=5.0 * np.sqrt(2.0 * m / (6 * 45_000)))
 
 
 def test_noise_is_normal_and_independent_in_time_and_from_one_instrument_to_the_next(noisy):
@@ -97,7 +102,20 @@ def test_random_walk_of_the_bias_has_its_allan_deviation():
         angle, _, _ = series(bench, 4000)
         found += [allan_variance(angle[:, i], 1000, H) for i in range(3)]
     assert np.mean(found) == pytest.approx(k**2 * 20.0 / 3.0, rel=0.6)
-    assert np.mean(found) > 0.0
+
+
+def test_bias_has_walked_by_its_coefficient_times_the_root_of_the_time():
+    """Standard deviation K sqrt(T) of independent copies; each of three axes walks every 24 cycles."""
+    bench, dt = unit({"bias_walk_deg_h_sqrt_h": 3.0}), 0.02
+    params, copy = bench.params["gyros"], bench.unit["gyro"]
+    ends = []
+    for key in range(400):
+        copy["key"], memory = 7919 * key, np.zeros(1, counter_layout(MAX_GYROS))[0]
+        for cycle in range(240):
+            walk(params, copy, dt, cycle, memory)
+        ends.append(memory["walk"][:3])
+    k = 3.0 * DEG / 3600.0 / 60.0
+    assert np.std(ends) == pytest.approx(k * np.sqrt(240 * dt), rel=5.0 / np.sqrt(2.0 * 1200))
 
 
 def test_errors_of_the_copies_have_the_given_spread_and_differ_from_case_to_case():
@@ -273,6 +291,38 @@ def test_random_vibration_has_the_spectrum_of_its_parameters(frequency, width):
             expected = covariance(deviation**2, frequency, width, window, lag * H)
             assert product == pytest.approx(expected, abs=0.04 * whole), (deviation, lag)
         assert np.abs(np.corrcoef(rows.T) - np.eye(3)).max() < 0.05  # each axis by itself
+
+
+def test_turn_of_the_tone_is_the_integral_of_its_rate_about_every_axis():
+    params = SimpleNamespace(frequency=40.0, rate=0.3, acceleration=5.0)
+    mount, h = SimpleNamespace(phase=(0.4, 1.7, 4.1)), 1e-6
+    for t in (0.0, 0.013, 1.2345):
+        rate, turn, swing = tone.py_func(params, mount, 0.8, t)
+        after, before = (np.array(tone.py_func(params, mount, 0.8, t + s)[1]) for s in (h, -h))
+        assert (after - before) / (2.0 * h) == pytest.approx(rate, abs=1e-6)
+        assert swing == pytest.approx(np.array(turn) * 5.0 / 0.3, rel=1e-12)
+
+
+def test_random_vibration_is_a_damped_oscillator_that_noise_keeps_in_its_stationary_state(monkeypatch):
+    """Place and speed (over the pulsation) in standard deviations: the transition is the matrix exponential,
+    and what it takes from the unit covariance comes back as noise.
+    """
+    dt, pulsation, decay = 0.004, 2.0 * np.pi * 30.0, np.pi * 25.0
+    params = np.zeros(1, [("frequency", "f8"), ("bandwidth", "f8")]).view(np.recarray)[0]
+    params["frequency"], params["bandwidth"] = 30.0, 25.0
+    memory, kernel = np.zeros(1, VIBRATION).view(np.recarray)[0], oscillate.py_func
+
+    def after(place, speed, *normals):
+        monkeypatch.setitem(kernel.__globals__, "normal_pair", lambda *_: normals)
+        memory["place"], memory["speed"] = place, speed
+        kernel(params, 7, dt, 0, memory)
+        return memory["place"][-1], memory["speed"][-1]
+
+    transition = np.column_stack([after(1.0, 0.0, 0.0, 0.0), after(0.0, 1.0, 0.0, 0.0)])
+    root = np.column_stack([after(0.0, 0.0, 1.0, 0.0), after(0.0, 0.0, 0.0, 1.0)])
+    exact = expm(dt * np.array([[0.0, pulsation], [-pulsation, -2.0 * decay]]))
+    assert transition == pytest.approx(exact, rel=1e-12)
+    assert root @ root.T == pytest.approx(np.eye(2) - exact @ exact.T, rel=1e-12)
 
 
 def test_band_of_random_vibration_wider_than_an_oscillator_has_is_refused():

@@ -39,6 +39,19 @@ def test_noise_of_the_specific_force_is_white_and_of_the_given_size():
     assert np.all(np.abs(across) < 5.0 / np.sqrt(1200.0))
 
 
+def test_perfect_instruments_say_the_truth_at_the_centre_of_mass():
+    made, q, w = Bench("perfect", {"end_switch": 0.9}), (0.5, -0.5, 0.5, 0.5), (0.1, 0.2, -0.3)
+    made.put(r=R, v=V, q=q, w=w)
+    made.outputs["specific_force_B"], made.outputs["height"] = FORCE, 123.0
+    for pads, opening, contact, wing in ((0, 0.89, 0, 0), (1, 0.91, 1, 1), (4, 0.0, 1, 0), (0, 1.0, 0, 1)):
+        made.outputs["pads"], made.outputs["wing_opening"] = pads, opening
+        sensed = made.measure()
+        assert (sensed["footpad_contact"], sensed["wing_open"]) == (contact, wing)
+    for name, true in (("r_I", R), ("v_I", V), ("q_I2B", q), ("w_B", w), ("specific_force_B", FORCE)):
+        assert np.array_equal(sensed[name], true), name
+    assert sensed["height_above_ground"] == 123.0
+
+
 def test_the_set_perfect_of_a_point_mass_keeps_it_and_nothing_else():
     named = "sensors.carried=[perfect, imu, star_tracker, navigation_error]"
     assert load_scenario("wu2013", [named]).scenario.sensors_in_flight.flown == [

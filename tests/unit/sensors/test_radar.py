@@ -201,6 +201,45 @@ def test_scale_and_reflectivity_are_drawn_for_each_beam_and_case():
     assert np.std(shifted) == pytest.approx(np.hypot(2.0, 0.01 * ideal[0]), rel=5.0 / np.sqrt(800.0))
 
 
+def test_reading_is_the_truth_times_the_scale_of_the_beam_plus_its_shift():
+    v = 40.0 * EAST - 60.0 * UP
+    ideal = radar(1000.0, v=v).measure()["radar"].copy()
+    bench = radar(1000.0, v=v, range_scale_pct=1.0, speed_scale_pct=2.0, reflectivity_m=3.0)
+    read, unit = bench.measure()["radar"], bench.unit
+    exact = (1.0 + unit["range_scale"][:4]) * ideal["range"][:4] + unit["reflectivity"][:4]
+    assert read["range"][:4] == pytest.approx(exact, rel=1e-12)
+    exact = (1.0 + unit["speed_scale"][:4]) * ideal["speed"][:4]
+    assert read["speed"][:4] == pytest.approx(exact, rel=1e-12)
+    drawn = [
+        radar(1000.0, case=case, range_scale_pct=1.0, speed_scale_pct=2.0)
+        .unit[["range_scale", "speed_scale"]]
+        .tolist()
+        for case in range(100)
+    ]
+    assert np.std(np.array(drawn)[..., :4], axis=(0, 2)) == pytest.approx(
+        [0.01, 0.02], rel=5.0 / np.sqrt(800.0)
+    )
+
+
+def test_faults_add_their_noise_and_offset_to_their_own_beam():
+    """Noise of a fault is independent of that of the radar itself: the variances add."""
+    v = -50.0 * UP
+    ideal = radar(1000.0, v=v).measure()["radar"].copy()
+    bench = radar(1000.0, v=v, range_noise_m=0.5, speed_noise_m_s=0.1, speed_noise_relative_pct=1.0)
+    faults = bench.plant["instruments"]
+    faults["range"]["noise"][1], faults["range"]["offset"][1] = 2.0, 7.0
+    faults["speed"]["noise"][2], faults["speed"]["offset"][2] = 3.0, -5.0
+    rows = bench.series(2000, 0.02, "radar")
+    tolerance = 5.0 / np.sqrt(4000.0)
+    off = rows["range"][:, :4] - ideal["range"][:4]
+    assert off.std(axis=0) == pytest.approx([0.5, np.hypot(0.5, 2.0), 0.5, 0.5], rel=tolerance)
+    assert off.mean(axis=0) == pytest.approx([0.0, 7.0, 0.0, 0.0], abs=5.0 * 2.1 / np.sqrt(2000.0))
+    off = rows["speed"][:, :4] - ideal["speed"][:4]
+    own = 0.1 + 0.01 * abs(ideal["speed"][0])
+    assert off.std(axis=0) == pytest.approx([own, own, np.hypot(own, 3.0), own], rel=tolerance)
+    assert off.mean(axis=0) == pytest.approx([0.0, 0.0, -5.0, 0.0], abs=5.0 * 3.1 / np.sqrt(2000.0))
+
+
 def test_dust_takes_echoes_and_blurs_the_speed_near_the_ground_under_thrust():
     dust = {"dust": {"height_m": 20.0, "speed_noise_m_s": 2.0, "dropout": 0.4}}
     place = {"position_m": (0.0, 0.0, 0.0)}
@@ -214,3 +253,16 @@ def test_dust_takes_echoes_and_blurs_the_speed_near_the_ground_under_thrust():
         found = readings(bench, 500, "speed")
         assert np.nanstd(found) == pytest.approx(noise, rel=5.0 / np.sqrt(2.0 * 1600.0), abs=1e-9)
         assert np.isnan(found).mean() == pytest.approx(lost, abs=0.045 if lost else 0.0)
+
+
+def test_errors_of_range_and_speed_of_all_beams_are_independent():
+    """Noise of the radar, of a fault and of the dust together: no correlation beyond that of the sample."""
+    dust = {"height_m": 20.0, "speed_noise_m_s": 1.0, "dropout": 0.0}
+    bench = radar(10.0, position_m=(0.0, 0.0, 0.0), range_noise_m=0.5, speed_noise_m_s=0.5, dust=dust)
+    bench.outputs["engine_thrust"] = 7500.0
+    faults = bench.plant["instruments"]
+    faults["range"]["noise"], faults["speed"]["noise"] = 0.5, 0.5
+    rows = bench.series(4000, 0.02, "radar")
+    off = np.hstack([rows[name][:, :4] for name in ("range", "speed")])
+    assert off.std(axis=0) == pytest.approx(np.sqrt([0.5] * 4 + [0.75] * 4), rel=5.0 / np.sqrt(8000.0))
+    assert np.abs(np.corrcoef(off.T) - np.eye(8)).max() < 5.0 / np.sqrt(4000.0)

@@ -33,6 +33,14 @@ def test_noise_is_that_about_the_boresight_and_across_it():
     assert np.all(np.abs(about.mean(axis=0)) < 5.0 * about.std(axis=0) / np.sqrt(1200.0))
 
 
+def test_noise_across_the_boresight_does_not_turn_about_it():
+    bench = tracker(noise_arcsec=5.0, boresight_noise_arcsec=0.0, misalignment_arcsec=0.0)
+    for _ in range(20):
+        bench.measure()
+        assert off(bench) @ (0.0, 0.6, 0.8) == pytest.approx(0.0, abs=1e-6)
+        assert np.linalg.norm(off(bench)) > 0.1
+
+
 def test_alignment_is_off_by_the_same_all_through_a_case():
     ideal = {"noise_arcsec": 0.0, "boresight_noise_arcsec": 0.0, "misalignment_arcsec": 20.0}
     errors = []

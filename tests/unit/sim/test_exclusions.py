@@ -3,8 +3,18 @@
 import numpy as np
 import pytest
 
-from edl6dof.fsw.navigation.exclusions import ACCELEROMETERS, BEAMS, GYROS, INERTIAL_UNIT, STAR_TRACKER
-from edl6dof.fsw.onboard import FSW
+from edl6dof.fsw.navigation.exclusions import (
+    ACCELEROMETERS,
+    BEAMS,
+    EXCLUSIONS,
+    GYROS,
+    INERTIAL_UNIT,
+    MAX_CHANGES,
+    STAR_TRACKER,
+    note_changes,
+)
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION
+from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.metrics.exclusions import exclusion_figures, exclusions
 from edl6dof.metrics.figures import FIGURES
 from edl6dof.vehicle.faults.fault import FaultParams
@@ -96,3 +106,39 @@ def test_flow_meters_stand_among_the_others_in_the_order_of_time():
     ]
     named = figures(found, ("reading_outage", "flow_meter", "right", 1.5))
     assert named == {"instrument_false_alarms": 2.0, "time_to_exclude_s": pytest.approx(0.5)}
+
+
+def test_log_holds_each_change_once_and_in_the_order_of_time():
+    """A beam is out of use when its range or its speed is; three cycles after each change add nothing."""
+    instruments, memory = np.zeros(1, ONBOARD["instruments"])[0], np.zeros(1, EXCLUSIONS)[0]
+    health, motion = np.ones(1, INSTRUMENT_HEALTH)[0], np.zeros(1, MOTION)[0]
+    instruments["n_gyros"], instruments["n_accelerometers"], instruments["n_beams"] = 3, 2, 2
+    motion["rate_known"] = 1
+    changes = [
+        (1.0, health["gyro"], 2, 0, GYROS + 2),
+        (2.0, health["accelerometer"], 1, 0, ACCELEROMETERS + 1),
+        (3.0, health["beam_range"], 0, 0, BEAMS),
+        (4.0, health["beam_speed"], 1, 0, BEAMS + 1),
+        (5.0, health["gyro"], 2, 1, GYROS + 2),
+        (6.0, motion, "rate_known", 0, INERTIAL_UNIT),
+        (7.0, health, "star_tracker", 0, STAR_TRACKER),
+        (8.0, motion, "rate_known", 1, INERTIAL_UNIT),
+    ]
+    note_changes(instruments, 0.0, health, motion, memory)
+    assert memory["n_changes"] == 0
+    for t, where, which, in_use, _ in changes:
+        where[which] = in_use
+        for late in (0.0, 0.02, 0.04):
+            note_changes(instruments, t + late, health, motion, memory)
+    found = memory["changes"][: memory["n_changes"]].tolist()
+    assert found == [(t, number, in_use) for t, _, _, in_use, number in changes]
+
+
+def test_log_that_is_full_loses_what_comes_after():
+    instruments, memory = np.zeros(1, ONBOARD["instruments"])[0], np.zeros(1, EXCLUSIONS)[0]
+    health, motion = np.ones(1, INSTRUMENT_HEALTH)[0], np.zeros(1, MOTION)[0]
+    for k in range(MAX_CHANGES + 5):
+        motion["rate_known"] = k % 2
+        note_changes(instruments, float(k), health, motion, memory)
+    assert memory["n_changes"] == MAX_CHANGES
+    assert memory["changes"]["t"].tolist() == list(range(MAX_CHANGES))

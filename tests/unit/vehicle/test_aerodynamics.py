@@ -92,6 +92,9 @@ def test_zero_lateral_velocity_is_finite_and_the_limit(table):
         (3.5, 2.0, 0.2),
         (0, 20.0, -0.1),
         (10, 5.0, -0.135),
+        # between the nodes of both: 5 and 10 deg, Mach 2 and 2.5
+        (7.5, 2.25, 0.25 * (0.10 + 0.05 - 0.20 - 0.20)),
+        (7.25, 2.125, 0.55 * (0.75 * 0.10 + 0.25 * 0.05) + 0.45 * -0.20),
     ],
 )
 def test_damping_table_and_sign_of_the_moment(table, angle, mach, cmq):

@@ -104,3 +104,20 @@ def test_the_canopy_flies_in_the_air_at_its_own_height(points):
     mach = np.linalg.norm(v_air) / gas[3]
     force = canopy_force(chute, 1.0, gas[0], mach, t, tuple(v_air), tuple(-line))
     assert accelerated + out["riser_tension"] * line == pytest.approx(force, rel=1e-9, abs=1e-6)
+
+
+def test_aerodynamic_moment_moves_with_the_centre_of_mass_by_arm_times_force(points):
+    """M(c) = M(0) - c x F: closed capsule, and with the trim wing out."""
+    for case, tables, plant, t, y in (next(p for p in points if p[3] == at) for at in (150.0, 278.5)):
+        found = []
+        for away in ((0.0, 0.0, 0.0), (0.1, 0.05, -0.03)):
+            moved, outputs = duplicate(plant), np.zeros(1, OUTPUTS)
+            moved["dry"]["centre"] += away
+            derivative(case, tables, moved, t, y, outputs)
+            found.append(outputs[0])
+        before, after = found
+        arm = after["centre"] - before["centre"]
+        assert np.abs(arm).min() > 0.01 and np.abs(before["aero_force_B"]).min() > 1e-3
+        assert np.array_equal(before["aero_force_B"], after["aero_force_B"])
+        turned = after["aero_moment_B"] - before["aero_moment_B"]
+        assert turned == pytest.approx(-np.cross(arm, before["aero_force_B"]), rel=1e-6, abs=1e-9)

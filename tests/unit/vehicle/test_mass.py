@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_PARTS, MAX_TANKS
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE, CONFIG_LANDER
 from edl6dof.vehicle.mass import (
     BODY,
     MassParams,
@@ -21,6 +22,8 @@ from edl6dof.vehicle.mass import (
     join,
     lander_problem,
     loaded,
+    shape_of,
+    showing,
 )
 from edl6dof.vehicle.plant import PROPELLANT, STATES
 from edl6dof.vehicle.propulsion.tanks import with_propellant
@@ -235,3 +238,16 @@ def test_a_ballast_mass_is_one_part_more():
     lighter, moved, _ = composed(records, (1, 1, 1, 0))
     assert lighter == pytest.approx(1225.0, rel=1e-15)
     assert moved - centre == pytest.approx(60.0 / 1225.0 * (centre - np.array(ballast.centre_m)), abs=1e-14)
+
+
+def test_air_meets_the_first_attached_part_that_shows_a_shape_and_then_the_lander():
+    slots = np.zeros(3, dtype_of(Part)).view(np.recarray)
+    slots["shape"] = (CONFIG_LANDER, CONFIG_CAPSULE, CONFIG_BACKSHELL)
+    assert [showing(slots, 3, shape) for shape in (CONFIG_CAPSULE, CONFIG_BACKSHELL)] == [1, 2]
+    assert showing(slots, 2, CONFIG_BACKSHELL) == -1
+    for attached, shape in (
+        ((1, 1, 1), CONFIG_CAPSULE),
+        ((1, 0, 1), CONFIG_BACKSHELL),
+        ((1, 0, 0), CONFIG_LANDER),
+    ):
+        assert shape_of(slots, 3, np.array(attached)) == shape

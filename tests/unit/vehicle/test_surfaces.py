@@ -115,3 +115,10 @@ def test_opening_is_monotone_and_takes_the_deploy_time():
     assert opening[times <= 0.0].max() == 0.0 and opening[times >= 0.7].min() == 1.0
     assert np.all(np.diff(opening) >= 0.0)
     assert wing_opening(wing, 0.35) == pytest.approx(0.5)
+
+
+def test_opening_is_a_cubic_that_starts_and_stops_at_rest():
+    """3 s^2 - 2 s^3: 5/32 after a quarter of the time, 27/32 after three."""
+    wing = wing_record()
+    assert wing_opening(wing, 0.25 * 0.7) == pytest.approx(5.0 / 32.0, rel=1e-12)
+    assert wing_opening(wing, 0.75 * 0.7) == pytest.approx(27.0 / 32.0, rel=1e-12)

@@ -51,11 +51,11 @@ class PoweredTargetParams(Params):
 
 POWERED_TARGET = np.dtype(
     [
-        ("set", FLAG),
-        ("arrival", "f8"),  # s, flight time at which the lander is expected there
-        ("point_L", "f8", (2,)),  # m, east and north of the landing site
-        ("height", "f8"),  # m, above ground
-        ("least_height", "f8"),  # m, likewise: to come to rest at where the target cannot be reached
+        ("set", FLAG),  # the target has been chosen
+        ("arrival", "f8"),  # s: flight time at which the lander is expected there
+        ("point_L", "f8", (2,)),  # m, L: east and north of the landing site
+        ("height", "f8"),  # m: above the ground
+        ("least_height", "f8"),  # m: above the ground, to come to rest at where the target cannot be reached
     ],
     align=True,
 )

@@ -114,6 +114,19 @@ def test_scan_waits_for_the_hover_to_settle_but_not_for_ever():
     assert lander.step(elapsed=1.0) == (0, 0)
 
 
+def test_pair_of_images_weighs_by_variance_against_a_lidar_of_at_least_a_millimetre():
+    """Points of 2 mm beside a lidar without noise weigh (1/2)^2, those of 0.5 mm hardly less than its own."""
+    for sigma, weight in ((2e-3, 0.25), (0.5e-3, 1.001**-2)):
+        lander = Lander()
+        eyes, stereo = lander.onboard["instruments"]["eyes"], lander.sensed["stereo"]
+        eyes["lidar"]["sigma"] = 0.0
+        eyes["stereo"]["place"], eyes["stereo"]["tangent"], eyes["stereo"]["sigma"] = EYE, TANGENT, sigma
+        lander.step()
+        stereo["fresh"], stereo["range"][60, 70] = 1, 100.0
+        lander.step(shoot=False)
+        assert lander.fsw["hazard"]["chart"]["weight"].sum() == pytest.approx(weight, rel=1e-6)
+
+
 def test_scan_from_a_moving_tilted_lander_is_a_map_of_the_ground():
     stones = [(SITE[1] + 4.0, SITE[0] - 3.0, 1.2), (SITE[1] - 10.0, SITE[0] + 8.0, 0.8)]
     lander = Lander(stones=stones, slope=np.tan(np.radians(4.0)))

@@ -23,7 +23,8 @@ SPACING = log(LAST_MACH / FIRST_MACH) / (NODES - 1)
 AIRFRAME = np.dtype(
     [
         ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 when it does not, or by speed
-        ("wing_speed", "f8"),  # speed at which it opens, m/s; likewise
+        # m/s: speed at which the trim wing opens; 0 when it does not, or by Mach number
+        ("wing_speed", "f8"),
         ("alpha", "f8", (NODES,)),  # rad: angle of attack at trim
         ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
         ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim

@@ -1,0 +1,35 @@
+"""A validated scenario with the files that it was read from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from edl6dof.config.document.document import Document
+from edl6dof.config.validate import steps
+from edl6dof.scenario.plausible import unusual_in
+from edl6dof.scenario.schema import Scenario
+
+
+@dataclass(frozen=True, repr=False)
+class LoadedScenario:
+    """A validated scenario with where it came from.
+
+    Attributes:
+        scenario: the nominal: what the flight computer was told.
+        truth: the same with the ``truth`` section applied: what the plant is built from.
+        document: the files it was read from, with the place and status of every value.
+    """
+
+    scenario: Scenario
+    truth: Scenario
+    document: Document
+
+    def __repr__(self) -> str:
+        return f"<LoadedScenario {self.scenario.name}: {self.scenario.description}>"
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
+        found = unusual_in(self.scenario) | unusual_in(self.truth)
+        return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
