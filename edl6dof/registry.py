@@ -10,15 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from hashlib import sha256
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numba import types
 from pydantic import create_model
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.kernels.functions import adapted, static
+from edl6dof.kernels.functions import Given, Passed, choice
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
 #: Arguments that hold a section for each member of a family.
@@ -68,7 +69,7 @@ class Member:
     reads: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Family:
     """All members that can stand in one place."""
 
@@ -133,36 +134,45 @@ class Family:
 
         Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
         """
-        kernels = [member.kernels[role] for member in self.members]
-        return static(kernels, arguments, [_own(name, arguments) for name in self.names])
+        return self._choice(role, range(len(self.members)), arguments)
 
     def role(self, role: str, *arguments: str) -> Role:
-        """The ``role`` kernels of the members, to be passed to the loop as functions of ``arguments``.
+        """The ``role`` kernels of the members that a flight carries, as one function of an index and
+        ``arguments`` that is passed to the loop.
 
         Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
         """
         return Role(self, role, arguments)
 
+    def _choice(self, role: str, indices: Collection[int], arguments: Sequence[str]) -> Any:
+        """Kernel that calls one of these members."""
+        names = {index: self.members[index].name for index in sorted(indices)}
+        label = f"{role}_of_{sha256(repr((self.title, names)).encode()).hexdigest()[:12]}"
+        kernels = {index: self.members[index].kernels[role] for index in names}
+        return choice(
+            label, kernels, arguments, {index: _own(name, arguments) for index, name in names.items()}
+        )
 
-class Role:
-    """Kernels of one role of a family's members; a flight passes those that it carries to the loop."""
 
-    def __init__(self, family: Family, role: str, arguments: tuple[str, ...]) -> None:
-        self.family, self.role, self.arguments = family, role, arguments
-        self._functions: dict[int, Any] = {}
+class Role(NamedTuple):
+    """Kernels of one role of a family's members."""
+
+    family: Family
+    role: str
+    arguments: tuple[str, ...]
 
     def __call__(self, index: int, *given: Any) -> Any:
         """Call the kernel of member ``index`` from Python."""
-        return self.function(index)(*given)
+        return self.of(frozenset((index,)))(index, *given)
 
-    def function(self, index: int) -> Any:
-        """The kernel of member ``index`` as a function of the role's arguments."""
-        if index not in self._functions:
-            member = self.family.members[index]
-            passed = _own(member.name, self.arguments)
-            name = f"{self.role}_of_{member.name}"
-            self._functions[index] = adapted(member.kernels[self.role], name, self.arguments, passed)
-        return self._functions[index]
+    def of(self, indices: frozenset[int]) -> Any:
+        """Kernel that calls one of these members by its index; of the first one if there are none."""
+        return _choice_of(self, indices or frozenset((0,)))
+
+
+@cache
+def _choice_of(role: Role, indices: frozenset[int]) -> Any:
+    return role.family._choice(role.role, indices, role.arguments)
 
 
 class Place(NamedTuple):
@@ -170,35 +180,24 @@ class Place(NamedTuple):
 
     Attributes:
         role: which kernel of them.
-        type: of the function, or of a tuple of functions by index of the member.
+        type: of the function.
         path: in a record, to the index of the member, where a flight has one.
     """
 
     role: Role
-    type: types.FunctionType | types.UniTuple
+    type: Passed
     path: tuple[str, ...] = ()
 
-    def functions(self, carried: Collection[int]) -> Any:
-        """What the loop is given for members of these indices.  In a tuple, members that are not carried
-        stand for one that is.
-
-        Raises:
-            ValueError: the family has more members than the tuple has places.
-        """
-        if not isinstance(self.type, types.UniTuple):
-            (index,) = carried
-            return self.role.function(index)
-        first = min(carried, default=0)
-        if max(carried, default=0) >= self.type.count:
-            raise ValueError(f"there may be {self.type.count} members of {self.role.family.title} at most")
-        return tuple(self.role.function(i if i in carried else first) for i in range(self.type.count))
+    def function(self, carried: Collection[int]) -> Given:
+        """What the loop is given for members of these indices."""
+        return Given(self.role.of(frozenset(carried)), self.type)
 
     def compile(self, names: Collection[str]) -> None:
         """Compile the members of these names."""
-        kind = self.type.dtype if isinstance(self.type, types.UniTuple) else self.type
-        for index, name in enumerate(self.role.family.names):
-            if name in names:
-                self.role.function(index).compile(kind.signature)
+        known = self.role.family.names
+        found = frozenset(index for index, name in enumerate(known) if name in names)
+        for indices in map(frozenset, [[one] for one in found]) if self.path else [found]:
+            self.function(indices).compile()
 
 
 def _own(section: str, arguments: Sequence[str]) -> list[str]:

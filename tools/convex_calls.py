@@ -15,7 +15,7 @@ from time import thread_time
 import numpy as np
 
 from edl6dof.campaign.design.variants import Variants
-from edl6dof.fsw.functions import software_functions
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.kernels import kernel
@@ -29,21 +29,21 @@ STRIDE, REPEATS = 5, 3
 
 
 @kernel
-def call(functions, onboards, states, navs, targets, memories, outs):
+def call(law, onboards, states, navs, targets, memories, outs):
     """One call of a powered law."""
     powered = onboards[0].guidance.powered
-    functions.powered_law(powered, onboards[0].vehicle, states[0], navs[0], targets[0], memories[0], outs[0])
+    law(powered.law, powered, onboards[0].vehicle, states[0], navs[0], targets[0], memories[0], outs[0])
 
 
 def milliseconds(flight: Underway, remembered: np.ndarray) -> float:
     """Least time (ms) of the present call, from what the law remembered before."""
-    least, functions = np.inf, software_functions(flight.onboard[0])
+    least, law = np.inf, chosen("powered_law", flight.onboard[0])
     fsw = flight.fsw
     given = [np.array(one) for one in (fsw["vehicle"], fsw["nav"], fsw["guidance"]["target"])]
     for _ in range(REPEATS):
         memory, out = remembered.copy(), np.zeros(1, GUIDE)
         start = thread_time()
-        call(functions, flight.onboard, *given, memory, out)
+        call(law, flight.onboard, *given, memory, out)
         least = min(least, 1e3 * (thread_time() - start))
     return least
 

@@ -84,7 +84,10 @@ def axial_load(unexplained, goal, state):
 
 @kernel
 def run(functions, onboard, sensed, k, fsw):
-    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``; ``functions``: of the members that fly."""
+    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``; ``functions``: of the members that fly
+    (:mod:`edl6dof.fsw.functions`).
+    """
+    laws, control, share_out, estimate, filters, classify, detect_hazards = functions
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command
     external, own = fsw.external, fsw.own
@@ -95,7 +98,7 @@ def run(functions, onboard, sensed, k, fsw):
     command.expose = command.scan = 0
 
     # navigation
-    estimate_state(functions, onboard, state, sensed, fsw.navigation)
+    estimate_state(filters, onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
     derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
@@ -114,8 +117,8 @@ def run(functions, onboard, sensed, k, fsw):
             restart(fsw.diagnosis)
 
     # hazard detection
-    functions.detect_hazards(
-        functions.hazards,
+    detect_hazards(
+        classify,
         onboard,
         phase.guidance,
         nav.t - fsw.mission.phase_start,
@@ -130,7 +133,7 @@ def run(functions, onboard, sensed, k, fsw):
 
     # guidance
     guide(
-        functions,
+        laws,
         onboard,
         phase.guidance,
         k,
@@ -157,7 +160,7 @@ def run(functions, onboard, sensed, k, fsw):
 
     # estimation
     estimate_disturbance(
-        functions,
+        estimate,
         onboard.estimation,
         vehicle,
         state,
@@ -218,15 +221,15 @@ def run(functions, onboard, sensed, k, fsw):
             excess_torque(effectiveness, count, opens, closes, fsw.allocation.duty, control_dt),
             fsw.control.inputs,
         )
-        torque, error = functions.control[phase.control](
-            onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
+        torque, error = control(
+            phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
         )
         torque = replace_torque(external, torque, own)
         compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
 
         # allocation
         allocate(
-            functions, onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation
+            share_out, onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation
         )
         replace_duties(external, count, fsw.allocation.duty, own)
 

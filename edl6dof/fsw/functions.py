@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from functools import cache, reduce
+from functools import reduce
 from operator import getitem
 from typing import Any
 
@@ -15,16 +14,13 @@ from edl6dof.fsw.estimation.registry import estimate
 from edl6dof.fsw.guidance.entry.registry import wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import bank_side
 from edl6dof.fsw.guidance.powered.registry import powered_guidance
-from edl6dof.fsw.hazard.registry import GIVEN, HAZARD_DETECTION, classify
+from edl6dof.fsw.hazard.registry import GIVEN, classify
 from edl6dof.fsw.hazard.update import detect_hazards, detect_nothing
 from edl6dof.fsw.navigation.filters.registry import correct_solution, start_filter
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
-from edl6dof.kernels.functions import NOTHING, NUMBER, Bundle, function_type, kind_of, numbers, passed
+from edl6dof.kernels.functions import NOTHING, NUMBER, Given, Passed, kind_of, numbers
 from edl6dof.registry import Place
-
-#: Attitude controllers that there may be.
-CONTROLLERS_AT_MOST = 16
 
 
 def _onboard(*path: str) -> types.Type:
@@ -35,53 +31,50 @@ def _fsw(*path: str) -> types.Type:
     return kind_of(FSW, *path)
 
 
+def _type(title: str, returns: types.Type, *arguments: types.Type) -> Passed:
+    """Type of a function of the index of a member and these arguments."""
+    return Passed(title, returns, int64, *arguments)
+
+
 _NAV, _GUIDE, _STATE, _SENSED = _fsw("nav"), _fsw("guide"), _fsw("vehicle"), kind_of(SENSED)
 
 #: Where a cycle is given members of families.
 PLACES = {
     "entry_law": Place(
         wanted_bank,
-        function_type(
-            NUMBER,
-            *(_onboard("guidance", "entry"), _onboard("plan"), _onboard(), _NAV),
+        _type(
+            *("entry_law", NUMBER, _onboard("guidance", "entry"), _onboard("plan"), _onboard(), _NAV),
             *(_fsw("guidance", "entry", "law"), _GUIDE),
         ),
         ("guidance", "entry", "law"),
     ),
     "bank_side": Place(
         bank_side,
-        function_type(
-            NUMBER,
-            *(_onboard("guidance", "entry", "reversal"), _onboard(), _NAV),
+        _type(
+            *("bank_side", NUMBER, _onboard("guidance", "entry", "reversal"), _onboard(), _NAV),
             *(_fsw("guidance", "entry", "steering", "reversal"), _GUIDE, float64, float64),
         ),
         ("guidance", "entry", "reversal", "logic"),
     ),
     "powered_law": Place(
         powered_guidance,
-        function_type(
-            numbers(4),
-            *(_onboard("guidance", "powered"), _onboard("vehicle"), _STATE, _NAV),
+        _type(
+            *("powered_law", numbers(4), _onboard("guidance", "powered"), _onboard("vehicle"), _STATE, _NAV),
             *(_fsw("guidance", "target"), _fsw("guidance", "powered"), _GUIDE),
         ),
         ("guidance", "powered", "law"),
     ),
     "control": Place(
         attitude_control,
-        types.UniTuple(
-            function_type(
-                numbers(2, 3),
-                *(_onboard("control"), _NAV, _GUIDE, _fsw("control", "inputs"), float64),
-                _fsw("control", "law"),
-            ),
-            CONTROLLERS_AT_MOST,
+        _type(
+            *("control", numbers(2, 3), _onboard("control"), _NAV, _GUIDE, _fsw("control", "inputs")),
+            *(float64, _fsw("control", "law")),
         ),
     ),
     "share_out": Place(
         share_out,
-        function_type(
-            NOTHING,
-            *(_onboard("allocation"), _onboard("allocation"), _onboard("vehicle")),
+        _type(
+            *("share_out", NOTHING, _onboard("allocation"), _onboard("allocation"), _onboard("vehicle")),
             *(
                 _fsw("health", "thruster"),
                 _fsw("effectiveness"),
@@ -94,77 +87,70 @@ PLACES = {
     ),
     "estimate": Place(
         estimate,
-        function_type(
-            NOTHING,
-            *(_onboard("estimation"), _fsw("estimation", "measured"), float64),
+        _type(
+            *("estimate", NOTHING, _onboard("estimation"), _fsw("estimation", "measured"), float64),
             *(_fsw("estimation", "law"), _fsw("disturbance")),
         ),
         ("estimation", "estimator"),
     ),
     "start_filter": Place(
         start_filter,
-        function_type(
-            NOTHING,
-            *(_onboard("navigation"), _onboard(), _SENSED),
+        _type(
+            *("start_filter", NOTHING, _onboard("navigation"), _onboard(), _SENSED),
             *(_fsw("navigation", "solution"), _fsw("navigation", "filter")),
         ),
         ("navigation", "filter"),
     ),
     "correct_solution": Place(
         correct_solution,
-        function_type(
-            NOTHING,
-            *(_onboard("navigation"), _onboard(), _fsw("navigation", "health"), _SENSED),
-            *(_fsw("navigation", "motion"), _fsw("navigation", "solution"), _fsw("navigation", "filter")),
+        _type(
+            *("correct_solution", NOTHING, _onboard("navigation"), _onboard(), _fsw("navigation", "health")),
+            *(_SENSED, _fsw("navigation", "motion"), _fsw("navigation", "solution")),
+            _fsw("navigation", "filter"),
         ),
         ("navigation", "filter"),
     ),
     "classify": Place(
         classify,
-        function_type(
-            NOTHING,
-            *(_onboard("hazard"), _fsw("hazard", "chart"), _fsw("hazard", "footprint"), float64, float64),
-            _fsw("hazard", "safety_map"),
+        _type(
+            *("classify", NOTHING, _onboard("hazard"), _fsw("hazard", "chart"), _fsw("hazard", "footprint")),
+            *(float64, float64, _fsw("hazard", "safety_map")),
         ),
         ("hazard", "detection"),
     ),
 }
-#: What hazard detection is given, and what a cycle is given: hazard detection as a whole, since few flights
-#: have any.
-HAZARDS = Bundle(__file__, {"classify": PLACES["classify"].type})
-_DETECT = function_type(
-    NOTHING,
-    *(HAZARDS.type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
+#: Hazard detection is given as a whole, since few flights have any.
+_DETECT = Passed(
+    *("detect_hazards", NOTHING, PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
     *(_fsw("hazard"), _fsw("landing_point"), _fsw("command")),
 )
-BUNDLE = Bundle(
-    __file__,
-    {name: place.type for name, place in PLACES.items() if name != "classify"}
-    | {"detect_hazards": _DETECT, "hazards": HAZARDS.type},
+#: What a cycle is given: laws of guidance and the two parts of a navigation filter together.
+_GROUPS = (
+    *(("entry_law", "bank_side", "powered_law"), "control", "share_out", "estimate"),
+    *(("start_filter", "correct_solution"), "classify", "detect_hazards"),
+)
+_TYPES = {name: place.type for name, place in PLACES.items()} | {"detect_hazards": _DETECT}
+SOFTWARE = types.Tuple(
+    [_TYPES[one] if isinstance(one, str) else types.Tuple([_TYPES[name] for name in one]) for one in _GROUPS]
 )
 #: A cycle of the flight software, :func:`edl6dof.fsw.cycle.run`.
-CYCLE = function_type(NOTHING, BUNDLE.type, _onboard(), _SENSED, int64, _fsw())
+CYCLE = Passed("run", NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())
+
+
+def chosen(name: str, onboard: Any) -> Given:
+    """The function of one name that a flight computer chooses, an ``ONBOARD`` record."""
+    place = PLACES[name]
+    return place.function({int(reduce(getitem, place.path, onboard))})
 
 
 def software_functions(onboard: Any) -> Any:
     """The functions that one flight computer chooses, an ``ONBOARD`` record."""
     mission = onboard["mission"]
-    chosen = {name: {int(reduce(getitem, one.path, onboard))} for name, one in PLACES.items() if one.path}
-    chosen["control"] = {int(one) for one in mission["phases"]["control"][: int(mission["n_phases"])]}
-    return _functions(**{name: frozenset(indices) for name, indices in chosen.items()})
-
-
-@cache
-def _functions(**chosen: frozenset[int]) -> Any:
-    given = {name: place.functions(chosen[name]) for name, place in PLACES.items()}
-    hazards = HAZARDS(classify=given.pop("classify"))
-    detect = detect_nothing if GIVEN in chosen["classify"] else detect_hazards
-    return BUNDLE(detect_hazards=passed(detect), hazards=hazards, **given)
-
-
-def compile_members(names: Collection[str]) -> None:
-    """Compile the members of these names, and hazard detection if one of its own is among them."""
-    for place in PLACES.values():
-        place.compile(names)
-    if set(HAZARD_DETECTION.names[GIVEN + 1 :]) & set(names):
-        passed(detect_hazards).compile(_DETECT.signature)
+    phases = {int(one) for one in mission["phases"]["control"][: int(mission["n_phases"])]}
+    detects = int(onboard["hazard"]["detection"]) != GIVEN
+    given = {name: chosen(name, onboard) for name, place in PLACES.items() if place.path}
+    given["control"] = PLACES["control"].function(phases)
+    given["detect_hazards"] = Given(detect_hazards if detects else detect_nothing, _DETECT)
+    return tuple(
+        given[one] if isinstance(one, str) else tuple(given[name] for name in one) for one in _GROUPS
+    )

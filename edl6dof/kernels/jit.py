@@ -2,22 +2,108 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cached_property, update_wrapper
+from pickle import UnpicklingError
+from types import FunctionType
 from typing import Any
 
 import numba
+from numba import types
+from numba.extending import models, register_model, typeof_impl
 
-from edl6dof.kernels.cache import BESIDE, in_own_folders, place_of
+from edl6dof.kernels.cache import SETTINGS, drop, in_own_folder, written
 
 
-def kernel(function: Callable[..., Any]) -> Any:
+class Kernel:
+    """A function that other kernels call compiled, and Python too.
+
+    numba's wrapper for calls from Python is a fifth of what there is to compile, and few kernels are called
+    so: that variant of a kernel is compiled when Python first calls it.
+
+    Attributes:
+        py_func: the function itself.
+    """
+
+    __name__: str
+
+    def __init__(self, function: Callable[..., Any], follows: Sequence[str] = (), **options: bool) -> None:
+        """
+        Args:
+            function: as written in Python.
+            follows: source files besides its own that its machine code follows from, with what they import.
+            options: further ones of numba, for calls from kernels.
+        """
+        _require_same_bits(function)
+        update_wrapper(self, function)
+        self.py_func, self._follows, self._options = function, follows, options
+
+    def __call__(self, *given: Any, **named: Any) -> Any:
+        """Call the function from Python, compiled."""
+        try:
+            return self.called(*given, **named)
+        except (EOFError, UnpicklingError):  # no kernel raises them
+            drop()
+            return self.called(*given, **named)
+        finally:
+            written()
+
+    @cached_property
+    def called(self) -> Any:
+        """The function as Python calls it."""
+        return self._variant("called", no_cfunc_wrapper=True)
+
+    @cached_property
+    def inside(self) -> Any:
+        """The function as kernels call it."""
+        return self._variant("inside", no_cpython_wrapper=True, no_cfunc_wrapper=True, **self._options)
+
+    @cached_property
+    def passed(self) -> Any:
+        """The function as it is passed to a kernel that calls it by its address."""
+        return self._variant("passed", no_cpython_wrapper=True)
+
+    def _variant(self, name: str, **options: bool) -> Any:
+        """A dispatcher of its own, since numba would take the machine code of one variant for another."""
+        one = self.py_func
+        own: Any = FunctionType(
+            one.__code__, one.__globals__, one.__name__, one.__defaults__, one.__closure__
+        )
+        own.__module__, own.__qualname__ = one.__module__, f"{one.__qualname__}.{name}"
+        own.follows = self._follows
+        with in_own_folder(own) as kept:
+            return numba.njit(cache=kept, error_model="numpy", nogil=True, **options)(own)
+
+
+class _KernelType(types.Dispatcher):
+    """Type of a kernel, which is compiled once for numbers of a type: numba compiles a call with a literal
+    number for that number alone.
+    """
+
+    def get_call_type(self, context: Any, args: Sequence[types.Type], kws: dict[str, types.Type]) -> Any:
+        """Signature of a call with arguments of these types."""
+        named = {name: types.unliteral(kind) for name, kind in kws.items()}
+        found = super().get_call_type(context, tuple(map(types.unliteral, args)), named)
+        written()
+        return found
+
+
+register_model(_KernelType)(models.OpaqueModel)
+
+
+@typeof_impl.register(Kernel)
+def _(one: Kernel, _: Any) -> types.Type:
+    return _KernelType(one.inside)
+
+
+def kernel(function: Callable[..., Any], follows: Sequence[str] = (), **options: bool) -> Any:
     """Compile ``function`` in numba's nopython mode: cached on disk, numpy division rules, no GIL, no
     fast-math.
 
     Fast-math stays off because it changes the last bits between machines; the run must be reproducible.
     """
-    return compiled(function, kept=BESIDE not in os.environ, no_cfunc_wrapper=True)
+    # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
+    return function if SETTINGS.DISABLE_JIT else Kernel(function, follows, **options)
 
 
 def inlined_kernel(function: Callable[..., Any]) -> Any:
@@ -26,7 +112,7 @@ def inlined_kernel(function: Callable[..., Any]) -> Any:
     For large kernels that the equations of motion call once a derivative: LLVM leaves them outside, and to
     hand on arrays and tuples through the stack took 6 % of the time of a flight.
     """
-    return compiled(function, kept=BESIDE not in os.environ, no_cfunc_wrapper=True, forceinline=True)
+    return kernel(function, forceinline=True)
 
 
 #: Functions of ``math`` and of numpy that round in another way on another processor.
@@ -55,11 +141,3 @@ def _require_same_bits(function: Callable[..., Any]) -> None:
                 f"kernel {function.__name__}: {name} rounds differently on another processor; "
                 "take it from edl6dof.spatial.elementary"
             )
-
-
-def compiled(function: Callable[..., Any], *, kept: bool = True, **options: bool) -> Any:
-    """A :func:`kernel` with further options of numba; ``kept``: whether its machine code is kept on disk."""
-    _require_same_bits(function)
-    kept = kept and place_of(function.__code__.co_filename) is not None
-    with in_own_folders():
-        return numba.njit(cache=kept, error_model="numpy", nogil=True, **options)(function)

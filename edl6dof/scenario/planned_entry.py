@@ -31,7 +31,6 @@ from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.kernels import kernel
-from edl6dof.kernels.functions import Bundle
 from edl6dof.scenario.places import Start, start_of
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.elementary import asin, atan2
@@ -61,10 +60,6 @@ SCRATCH = np.dtype(
     ],
     align=True,
 )
-
-#: What the plan is given of the flight software's members.
-_REVERSAL = PLACES["bank_side"]
-_FUNCTIONS = Bundle(__file__, {"bank_side": _REVERSAL.type})
 
 
 def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = None) -> np.ndarray:
@@ -98,8 +93,8 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)
     logic = int(record["guidance"]["entry"]["reversal"]["logic"])
-    functions = _FUNCTIONS(bank_side=_REVERSAL.functions({logic}))
-    count = fly_plan(functions, record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
+    bank_side = PLACES["bank_side"].function({logic})
+    count = fly_plan(bank_side, record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
     return history[:count]
 
 
@@ -136,12 +131,12 @@ def _false_position(
 
 
 @kernel
-def fly_plan(functions, onboard, start, shift, cycle, stride, history, scratch):
+def fly_plan(bank_side, onboard, start, shift, cycle, stride, history, scratch):
     """Fly from ``start`` to the speed or Mach number at which the range is to be met; returns the count of
     rows written.
 
     Args:
-        functions: that of the reversal logic.
+        bank_side: that of the reversal logic.
         onboard: ``ONBOARD`` record.
         start: position (m) and velocity (m/s) in F.
         shift: of the cosine of the open-loop bank angle.
@@ -158,7 +153,7 @@ def fly_plan(functions, onboard, start, shift, cycle, stride, history, scratch):
     ahead = unit(sub(target, scale(dot(target, here), here)))
     k, count = 0, 0
     while count < history.shape[0]:
-        going = decide(functions, onboard, k * cycle, shift, s)
+        going = decide(bank_side, onboard, k * cycle, shift, s)
         if not going and stride > 1 and k > 0:
             # the end lies within the last stride: once more, cycle by cycle
             scratch[0] = scratch[1]
@@ -176,7 +171,7 @@ def fly_plan(functions, onboard, start, shift, cycle, stride, history, scratch):
 
 
 @kernel
-def decide(functions, onboard, t, shift, s):
+def decide(bank_side, onboard, t, shift, s):
     """Let the flight computer look at the state, run its mission and steer; whether the planned end is still
     to come.
     """
@@ -192,7 +187,7 @@ def decide(functions, onboard, t, shift, s):
     elif guidance == G_ENTRY:
         s.guide.range_to_go, s.guide.crossrange, s.guide.downrange_to_go = to_target(onboard, s.nav)
         steer_bank(
-            functions, onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed)
+            bank_side, onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed)
         )
     fast = s.nav.mach > entry.final_mach if entry.final_mach > 0.0 else s.nav.speed > entry.final_speed
     return fast and s.nav.height > -TOO_LOW

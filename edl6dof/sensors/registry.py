@@ -126,16 +126,14 @@ def _flown(params: SensorParams) -> list[int]:
 
 
 @kernel
-def sense(functions, case, tables, plant, outputs, sensors):
+def sense(measure, case, tables, plant, outputs, sensors):
     """Let the sensors that are carried write into ``sensors.sensed`` what they measure in the state ``plant``
-    with its ``outputs``; ``functions``: of those that fly.
+    with its ``outputs``; ``measure``: of those that fly.
     """
     params, unit = case.sensors.params, case.sensors.unit
     sensors.sensed.t = plant.t
     for k in range(params.n_carried):
-        functions.measure[params.carried[k]](
-            params, unit, case, tables, plant, outputs, sensors, sensors.sensed
-        )
+        measure(params.carried[k], params, unit, case, tables, plant, outputs, sensors, sensors.sensed)
 
 
 def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, str]:

@@ -1,31 +1,27 @@
 """The first flight ever: a second process compiles the flight software, this one all else.
 
 numba compiles on one core.  The halves are independent, since the loop is given the flight software as a
-function, and the flight finds both in the cache of machine code.  Of families each compiles what the scenario
-names; what a flight carries beyond that is compiled when it begins.
+function, and both are kept in the same folder.  Of families each compiles what the scenario names; what a
+flight carries beyond that is compiled when it begins.
 """
 
 from __future__ import annotations
 
-import gc
 import os
 import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numba
-from filelock import FileLock
 from pydantic import BaseModel
 
 from edl6dof.child import python
 from edl6dof.config.plugin_scan import VARIABLE
-from edl6dof.fsw.cycle import run
-from edl6dof.fsw.functions import CYCLE, compile_members
 from edl6dof.fsw.functions import PLACES as OF_SOFTWARE
-from edl6dof.kernels import cache, store
-from edl6dof.kernels.functions import passed
-from edl6dof.sim.functions import BUNDLE
+from edl6dof.kernels import cache
+from edl6dof.sim.functions import FUNCTIONS, RUN
 from edl6dof.sim.functions import PLACES as OF_PLANT
 from edl6dof.sim.loop import fly
 
@@ -35,47 +31,47 @@ _COMMAND = (
 )
 
 
+def _mark() -> Path | None:
+    """File that says that loop and flight software of the present sources have been compiled."""
+    place, sources = cache.folder(), "".join(cache.stamp(one.__code__.co_filename) for one in _BOTH)
+    return None if place is None else place / f"{cache.hash_of(sources)[:24]}.mark"
+
+
+_BOTH = [getattr(one, "py_func", one) for one in (fly, RUN.kernel)]
+
+
 def is_compiled() -> bool:
     """Whether loop and flight software are compiled."""
-    mark = cache.flight_mark()
+    mark = _mark()
     return mark is None or mark.exists()
 
 
 @contextmanager
 def flight_software_beside(scenario: BaseModel) -> Iterator[Sequence[str] | None]:
     """Compile the flight software beside what the block does; hands out the members of families to
-    compile the loop with, ``None`` where there is no need.
+    compile the loop with, ``None`` where loop and flight software are compiled already.
 
-    There is none when loop and flight software are compiled already; while another process compiles them,
-    this one waits.  With one core only, the flight compiles everything itself; so it does with whatever the
-    other process did not manage.
+    With one core only, the flight compiles everything itself; so it does with whatever the other process did
+    not manage.
     """
-    mark = cache.flight_mark()
+    mark = _mark()
     if mark is None or mark.exists():
         yield None
         return
-    with FileLock(f"{cache.root()}/{mark.stem}.lock"):
-        store.take()
-        if mark.exists():
-            yield None
-            return
-        places = (*OF_SOFTWARE.values(), *OF_PLANT.values())
-        members = {name for place in places for name in place.role.family.names}
-        named = sorted(members.intersection(_words(scenario)))
-        other = _software_process(named) if _cores() > 1 else None
-        try:
-            with _calm_collector():
-                yield named
-        except BaseException:
-            if other is not None:
-                other.terminate()
-            raise
-        finally:
-            if other is not None:
-                other.wait()
-        store.take()
-        mark.touch()
-        store.keep()
+    places = (*OF_SOFTWARE.values(), *OF_PLANT.values())
+    members = {name for place in places for name in place.role.family.names}
+    named = sorted(members.intersection(_words(scenario)))
+    other = _software_process(named) if _cores() > 1 else None
+    try:
+        yield named
+    except BaseException:
+        if other is not None:
+            other.terminate()
+        raise
+    finally:
+        if other is not None:
+            other.wait()
+    mark.touch()
 
 
 def _software_process(members: Sequence[str]) -> subprocess.Popen[bytes]:
@@ -83,35 +79,22 @@ def _software_process(members: Sequence[str]) -> subprocess.Popen[bytes]:
         python(_COMMAND, *members),
         stdin=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        env={**os.environ, cache.BESIDE: "1", VARIABLE: os.pathsep.join(cache.received)},
+        env={**os.environ, VARIABLE: os.pathsep.join(cache.received)},
     )
 
 
 def compile_loop(members: Sequence[str], *arguments: Any) -> None:
     """Compile the loop for its arguments, and of the plant's families these members."""
-    fly.compile((BUNDLE.type, *map(numba.typeof, arguments)))
+    fly.called.compile((FUNCTIONS, *map(numba.typeof, arguments)))
     for place in OF_PLANT.values():
         place.compile(members)
 
 
 def compile_flight_software(members: Sequence[str]) -> None:
     """Compile the flight software's cycle, and of its families these members."""
-    with _calm_collector():
-        passed(run).compile(CYCLE.signature)
-        compile_members(members)
-
-
-@contextmanager
-def _calm_collector() -> Iterator[None]:
-    """Collect garbage less often: numba keeps almost all that it makes, and to look for more took a twentieth
-    of the first flight.
-    """
-    before = gc.get_threshold()
-    gc.set_threshold(20_000, 20, 20)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
+    RUN.compile()
+    for place in OF_SOFTWARE.values():
+        place.compile(members)
 
 
 def _words(value: Any) -> Iterator[str]:

@@ -70,6 +70,7 @@ def fly(
     state is the one before it.  ``current``: whether the outputs are those of the present state, as a call
     leaves them; else they are evaluated first.
     """
+    run, software, measure, kinds = functions
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     outputs, peaks, work = outputs_[0], peaks_[0], works[0]
     sensors, fsw = sensors_[0], memories[0]
@@ -81,11 +82,11 @@ def fly(
     for k in range(first, last):
         t = k * cycle
         survey(case, tables, plant, outputs)
-        sense(functions, case, tables, plant, outputs, sensors)
-        functions.run(functions.software, onboard, sensors.sensed, k, fsw)
+        sense(measure, case, tables, plant, outputs, sensors)
+        run(software, onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):
-            actuate(functions, case, fsw.command, plant)
+            actuate(kinds, case, fsw.command, plant)
             update_peaks(plant, outputs, peaks)
             note_motion(case, plant)
             outcome = outcome_of(case, plant, outputs)

@@ -120,9 +120,8 @@ class Underway:
         """Fly some base cycles, or up to the end of the flight; returns the outcome code."""
         if self.code == FLYING:
             end = self.cycle + cycles
-            self.code, flown, new = fly_cycles(
-                *(self._functions, *self._records), self.cycle, end, 0, self._steps, *self._logs, self.rows
-            )
+            counts = self.cycle, end, 0, self._steps, *self._logs, self.rows
+            self.code, flown, new = fly_cycles(self._functions, *self._records, *counts)
             self.cycle += flown
             self.rows += new
         return self.code

@@ -26,7 +26,7 @@ from edl6dof.campaign.quantiles import percent
 from edl6dof.campaign.rows import Row
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import counted
-from edl6dof.fsw.functions import software_functions
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
@@ -340,12 +340,12 @@ TIMED_AT, REPEATS, BLOCKS = (90.0, 110.0, 130.0, 160.0, 200.0), 20, 15
 
 
 @kernel
-def _repeat(functions, onboards, navs, memories, work, outs, repeats):
+def _repeat(entry_law, bank_side, onboards, navs, memories, work, outs, repeats):
     """Call an entry law again and again on a few states, each time with its memory as it was."""
     for _ in range(repeats):
         for j in range(navs.shape[0]):
             work[0] = memories[j]
-            entry_guidance(functions, onboards[0], navs[j], work[0], outs[0])
+            entry_guidance(entry_law, bank_side, onboards[0], navs[j], work[0], outs[0])
 
 
 def call_time(loaded: LoadedScenario) -> float:
@@ -357,7 +357,7 @@ def call_time(loaded: LoadedScenario) -> float:
     for j, state in enumerate(saved):
         navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     given = (
-        software_functions(onboard[0]),
+        *(chosen(name, onboard[0]) for name in ("entry_law", "bank_side")),
         onboard,
         navs,
         memories,

@@ -19,7 +19,7 @@ from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
-from edl6dof.fsw.functions import software_functions
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
@@ -232,12 +232,12 @@ REPEATS, BLOCKS = 20, 10
 
 
 @kernel
-def _repeat(functions, onboards, states, navs, targets, memories, work, outs, repeats):
+def _repeat(law, onboards, states, navs, targets, memories, work, outs, repeats):
     """Call a powered law again and again on one state, each time with its memory as it was."""
     powered = onboards[0].guidance.powered
     for _ in range(repeats):
         work[0] = memories[0]
-        functions.powered_law(powered, onboards[0].vehicle, states[0], navs[0], targets[0], work[0], outs[0])
+        law(powered.law, powered, onboards[0].vehicle, states[0], navs[0], targets[0], work[0], outs[0])
 
 
 def call_time(loaded: LoadedScenario) -> float:
@@ -262,7 +262,7 @@ def call_time(loaded: LoadedScenario) -> float:
             )
         ]
         given += [np.zeros(1, POWERED_LAWS.memory), np.zeros(1, GUIDE)]
-        call = partial(_repeat, software_functions(onboard[0]), onboard, *given, REPEATS)
+        call = partial(_repeat, chosen("powered_law", onboard[0]), onboard, *given, REPEATS)
         longest = max(longest, quickest_us(call, BLOCKS))
     return longest / REPEATS
 

@@ -9,7 +9,7 @@ from edl6dof.vehicle.motion.point_mass import POINT_MASS, command_bank
 
 
 @kernel
-def actuate(functions, case, command, plant):
+def actuate(kinds, case, command, plant):
     """Set valve intervals, engine level and the bank angle a point mass follows; pass on what the eyes
     are told, and schedule what was requested with its delay.
 
@@ -28,7 +28,7 @@ def actuate(functions, case, command, plant):
         if command.request[i] != 0:
             plant.due[i] = plant.t + case.events.events[i].delay
     plant.eyes.expose, plant.eyes.scan = command.expose, command.scan
-    inflict(functions, case, command, plant)
+    inflict(kinds, case, command, plant)
     for i in range(vehicle.rcs.n_thrusters):
         # the latch valve of its branch lies upstream of whatever the thruster's own valve does
         if command.shut[case.branches.of[i]] != 0:

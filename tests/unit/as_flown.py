@@ -8,7 +8,7 @@ from collections.abc import Callable
 from hashlib import sha256
 from typing import Any
 
-from edl6dof.kernels.functions import adapted
+from edl6dof.kernels.functions import choice
 
 
 def as_flown(kernel: Any, given: str, call: str) -> Callable[..., Any]:
@@ -16,4 +16,5 @@ def as_flown(kernel: Any, given: str, call: str) -> Callable[..., Any]:
     a flight has.
     """
     name = f"as_flown_{sha256(f'{kernel.__name__} {given}: {call}'.encode()).hexdigest()[:16]}"
-    return adapted(kernel, name, [given], [call])
+    flown = choice(name, {0: kernel}, [given], {0: [call]})
+    return lambda *arguments: flown(0, *arguments)

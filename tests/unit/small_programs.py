@@ -46,8 +46,6 @@ if request:
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
             exec(program, {"__name__": "__main__"})
-            if store := sys.modules.get("edl6dof.kernels.store"):
-                store.keep()  # it would when the program ends normally
         except SystemExit as end:
             status = end.code or 0
         except BaseException:

@@ -16,7 +16,6 @@ import small_programs
 from edl6dof import kernels
 from edl6dof.kernels import cache
 from edl6dof.kernels.cache import OLDEST_S
-from edl6dof.kernels.store import COPIES
 
 HELPER = "from probe.kernels import kernel\n@kernel\ndef factor():\n    return {}\n"
 CALLER = """from probe.kernels import kernel
@@ -29,24 +28,19 @@ CALL = """
 import sys
 sys.path.insert(0, {root!r})
 from probe.fsw.caller import area
-print(area(2.0), sum(area.stats.cache_hits.values()), area.signatures != [])
-from probe.kernels.store import keep
-keep()
+print(area(2.0), sum(area.called.stats.cache_hits.values()), area.called.signatures != [])
 """
 
 
 @pytest.fixture
 def package(tmp_path):
     """A package ``probe`` with the real kernels and two rooms: a helper (factor 3) and its caller."""
-    for name in {name for group in cache._GROUPS.values() for name in group}:
-        write(tmp_path, name if name.endswith(".py") else f"{name}/__init__.py", "")
+    for room in ("spatial", "fsw"):
+        write(tmp_path, f"{room}/__init__.py", "")
     for source in Path(kernels.__file__).parent.glob("*.py"):
         if source.name != "functions.py":
-            write(
-                tmp_path,
-                f"kernels/{source.name}",
-                source.read_text().replace("edl6dof.kernels", "probe.kernels"),
-            )
+            text = source.read_text().replace("edl6dof.kernels", "probe.kernels")
+            write(tmp_path, f"kernels/{source.name}", text.replace(r"from edl6dof\.", r"from probe\."))
     write(tmp_path, "__init__.py", "")
     write(tmp_path, "spatial/helper.py", HELPER.format("3.0"))
     write(tmp_path, "fsw/caller.py", CALLER)
@@ -57,6 +51,7 @@ def write(root, name, text):
     file = root / "probe" / name
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text)
+    os.utime(file, (time.time() - 1.0,) * 2)  # code of a source that is younger than the process is not kept
 
 
 def run(program, root, **environment):
@@ -80,8 +75,7 @@ def test_edited_helper_recompiles_its_caller_and_a_room_that_it_cannot_see_does_
     assert call(package) == (6.0, 1)
     write(package, "spatial/helper.py", HELPER.format("5.0"))  # same length, within the clock's resolution
     assert call(package) == (10.0, 0)
-    write(package, "spatial/helper.py", HELPER.format("3.0"))
-    assert call(package) == (6.0, 1), "what was compiled before still stands"
+    assert len(list(package.glob("cache/edl6dof/*/*.nbc"))) == 2, "code of other sources has gone"
 
 
 def test_edited_constant_recompiles_what_reads_it(package):
@@ -94,9 +88,11 @@ def test_edited_constant_recompiles_what_reads_it(package):
 
 
 def test_edited_member_recompiles_itself_alone(package):
+    write(package, "fsw/caller.py", f"from probe.fsw import law\n{CALLER}")
     law = "from probe.kernels import kernel\n@kernel\ndef law(x):\n    return {} * x\nMEMBER = law\n"
     both = CALL.replace(
-        "print", "from probe.fsw.law import law\nprint(law(1.0), *law.stats.cache_hits.values())\nprint"
+        "print",
+        "from probe.fsw.law import law\nprint(law(1.0), *law.called.stats.cache_hits.values())\nprint",
     )
     found = []
     for factor in (1.0, 1.0, 2.0):
@@ -105,7 +101,7 @@ def test_edited_member_recompiles_itself_alone(package):
     assert found == [["1.0", "6.0 0 True"], ["1.0 1", "6.0 1 True"], ["2.0", "6.0 1 True"]]
 
 
-def test_source_that_is_edited_after_it_was_imported_is_kept_as_what_it_was(package):
+def test_code_of_a_source_that_is_edited_while_the_program_runs_is_not_kept(package):
     edit = (
         "from pathlib import Path\nhelper = Path('probe/spatial/helper.py')\n"
         "helper.write_text(helper.read_text().replace('3.0', '7.0'))\nprint"
@@ -121,43 +117,67 @@ def test_flags_that_change_machine_code_have_folders_of_their_own(package, flag)
     assert call(package) == call(package, **{flag: "1"}) == (6.0, 1)
 
 
-def test_processes_that_compile_at_once_all_get_what_they_asked_for(package):
+def test_processes_that_compile_at_once_leave_sound_code(package):
+    """Each compiles for arguments of its own; nobody's code is taken for another's."""
     values = {"1.5": "4.5", "2": "6.0"}
     program = CALL.replace("area(2.0)", "area(eval(sys.argv[1]))").format(root=str(package))
-    running = [
-        small_programs.start(program, value, cwd=package, NUMBA_CACHE_DIR=str(package / "cache"))
-        for value in values
-        for _ in range(2)
-    ]
-    said = [one.ended().stdout.split()[0] for one in running]
-    assert said == [value for value in values.values() for _ in range(2)]
+    for hits in ("0", "1"):
+        running = [
+            small_programs.start(program, value, cwd=package, NUMBA_CACHE_DIR=str(package / "cache"))
+            for value in values
+            for _ in range(1 if hits == "1" else 2)
+        ]
+        said = [one.ended().stdout.split() for one in running]
+        assert {word[0] for word in said} == set(values.values())
+    assert [word[1] for word in said] == ["1", "1"]
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("keep", [0, 40])
+def test_damaged_code_is_compiled_again(package, kind, keep):
+    """A file that was cut short, as by a power failure, costs a line."""
+    call(package)
+    (file,) = package.glob(f"cache/edl6dof/*/caller.area.called*.{kind}")
+    file.write_bytes(file.read_bytes()[:keep])
+    ran = small_programs.run(
+        CALL.format(root=str(package)), cwd=package, NUMBA_CACHE_DIR=str(package / "cache")
+    )
+    assert ran.stdout.split()[:2] == ["6.0", "0"]
+    assert ran.stderr.rstrip().endswith("is damaged; it is compiled again")
+    assert call(package) == (6.0, 1)
+
+
+def test_a_full_disk_costs_a_line_and_nothing_else(package):
+    full = "import probe.kernels.cache as c; c.NEEDED_B = 1 << 62\nfrom probe.fsw.caller"
+    ran = small_programs.run(
+        CALL.replace("from probe.fsw.caller", full).format(root=str(package)), cwd=package,
+        NUMBA_CACHE_DIR=str(package / "cache"),
+    )  # fmt: skip
+    assert ran.stdout.split()[0] == "6.0" and not list(package.rglob("*.nbc"))
+    assert ran.stderr.startswith("edl6dof: no folder for machine code")
 
 
 def test_folders_that_nobody_used_for_thirty_days_go(package):
     call(package)
     place = package / "cache" / "edl6dof"
-
-    def folders():
-        return {one for one in place.iterdir() if not one.name.startswith(COPIES)}
-
-    used = folders()
-    for name, days in (("software-old", 1.1), ("software-young", 0.9)):
+    (used,) = (one for one in place.iterdir() if one.is_dir())
+    for name, days in (("old", 1.1), ("young", 0.9)):
         (place / name).mkdir()
         (place / name / "code.nbc").write_bytes(b"code")
         os.utime(place / name, (time.time() - days * OLDEST_S,) * 2)
-    for folder in used:
-        os.utime(folder, (time.time() - 1.1 * OLDEST_S,) * 2)
-    assert call(package) == (6.0, 0), "a folder that was not used either"
-    assert folders() == used | {place / "software-young"}
+    os.utime(used, (time.time() - 1.1 * OLDEST_S,) * 2)
+    assert call(package) == (6.0, 1), "a folder that is used stays"
+    assert {one for one in place.iterdir() if one.is_dir()} == {used, place / "young"}
 
 
 KERNEL = "from edl6dof.kernels import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
-TWICE = "import mine; print(mine.twice(1.5), sum(mine.twice.stats.cache_hits.values()))"
+TWICE = "import mine; print(mine.twice(1.5), sum(mine.twice.called.stats.cache_hits.values()))"
 
 
 def test_machine_code_beside_a_file_from_outside_is_neither_read_nor_written(tmp_path):
     """A ``.nbc`` is a pickle: one that was received would run whatever its author likes."""
     (tmp_path / "mine.py").write_text(KERNEL)
+    os.utime(tmp_path / "mine.py", (1e9, 1e9))
     for hits in "01":
         assert run(TWICE, tmp_path).split() == ["3.0", hits]
     assert not list(tmp_path.glob("**/__pycache__/*.nb*"))
@@ -166,11 +186,11 @@ def test_machine_code_beside_a_file_from_outside_is_neither_read_nor_written(tmp
 def test_what_was_received_counts_as_it_was_received(tmp_path, monkeypatch):
     file = tmp_path / "law.py"
     file.write_text("x = 1\n")
-    folders = set()
+    stamps = set()
     for content in (b"x = 1\n", b"x = 2\n"):
         monkeypatch.setitem(cache.received, str(file), content)
-        folders.add(cache.folder_of.__wrapped__(str(file)))
-    assert len(folders) == 2
+        stamps.add(cache.stamp.__wrapped__(str(file)))
+    assert len(stamps) == 2
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows gives every user a folder for temporary files")
@@ -179,6 +199,7 @@ class TestNowhereToWrite:
     def homeless(self, tmp_path):
         """What a user has who has no home, and a module with a kernel."""
         (tmp_path / "mine.py").write_text(KERNEL)
+        os.utime(tmp_path / "mine.py", (1e9, 1e9))
         (tmp_path / "tmp").mkdir()
         return {
             "HOME": "/dev/null",

@@ -43,11 +43,11 @@ def boost(vehicle, effectiveness, demand):
 
 
 @kernel
-def allocate(functions, params, vehicle, healthy, effectiveness, demand, out):
+def allocate(share_out, params, vehicle, healthy, effectiveness, demand, out):
     """Share the demand out over the thrusters.
 
     Args:
-        functions: of the members that fly.
+        share_out: the method that flies.
         params: allocation record.
         vehicle: believed vehicle (thrusters).
         healthy: whether each thruster may be used.
@@ -59,7 +59,8 @@ def allocate(functions, params, vehicle, healthy, effectiveness, demand, out):
     if demand.boosting != 0 and demand.descending == 0:
         boost(vehicle, effectiveness, demand)
     if anything or demand.boosting != 0:
-        functions.share_out(
+        share_out(
+            params.method,
             params,
             params,
             vehicle,

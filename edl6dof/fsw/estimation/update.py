@@ -78,11 +78,11 @@ def measure(inertia, mass, rate, gain, dt, memory):
 
 
 @kernel
-def estimate_disturbance(functions, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
+def estimate_disturbance(estimate, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
     """Bring the estimate up to the latest inertial measurement.
 
     Args:
-        functions: of the members that fly.
+        estimate: the estimator that flies.
         params: estimation record.
         vehicle: believed vehicle.
         state: ``VEHICLE_STATE`` record (configuration, mass).
@@ -101,7 +101,7 @@ def estimate_disturbance(functions, params, vehicle, state, nav, imu_delay, effe
         measure(inertia, state.mass, rate, gain, dt, memory)
         for i in range(6):
             out.unexplained[i] = memory.measured.unexplained[i]
-        functions.estimate(params, memory.measured, dt, memory.law, out)
+        estimate(params.estimator, params, memory.measured, dt, memory.law, out)
     memory.started = 1
     put3(memory.rate, 0, rate)
     put3(memory.gain, 0, gain)

@@ -87,7 +87,7 @@ def keep_thrust_axis(nav, goal):
 
 
 @kernel
-def descend_by_engine(functions, onboard, kind, nav, state, disturbance, point, dt, memory, goal):
+def descend_by_engine(powered_law, onboard, kind, nav, state, disturbance, point, dt, memory, goal):
     """Thrust, and lateral force where the phase asks for it, of a phase on the main engine."""
     p, engine, mass = onboard.guidance.powered, state.engine, state.mass
     if kind == G_POWERED and state.ignited == 0:
@@ -95,7 +95,7 @@ def descend_by_engine(functions, onboard, kind, nav, state, disturbance, point, 
     elif kind == G_POWERED:
         choose_target(p.target, nav, point, memory.target)
         goal.full_wanted = goal.relaxed = 0
-        wanted = functions.powered_law(p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
+        wanted = powered_law(p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
         acceleration, braking = brake_in_time(
             wanted, engine, nav, mass, memory.target, memory.at_full_thrust != 0, goal
         )
@@ -118,12 +118,12 @@ def descend_by_engine(functions, onboard, kind, nav, state, disturbance, point, 
 
 
 @kernel
-def guide(functions, onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
+def guide(laws, onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
     """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
     the phase before had another.
 
     Args:
-        functions: of the members that fly.
+        laws: entry law, reversal logic and powered law that fly.
         onboard: what the flight computer believes.
         kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
         k: number of the base cycle.
@@ -136,6 +136,7 @@ def guide(functions, onboard, kind, k, begins, nav, state, disturbance, point, m
         goal: ``GUIDE`` record, written.
         own: ``OWN`` record: what guidance itself wants, apart from commands from outside; written.
     """
+    entry_law, bank_side, powered_law = laws
     rates = onboard.rates
     goal.spot_chosen = point.fine_known
     if begins:
@@ -147,9 +148,9 @@ def guide(functions, onboard, kind, k, begins, nav, state, disturbance, point, m
             if kind == G_HOLD_BANK:
                 hold_bank(onboard, nav, goal)
             else:
-                entry_guidance(functions, onboard, nav, memory.entry, goal)
+                entry_guidance(entry_law, bank_side, onboard, nav, memory.entry, goal)
             own.bank = goal.bank
     elif begins or k % rates.powered_guidance_every == 0:
         dt = rates.powered_guidance_every / rates.base
-        descend_by_engine(functions, onboard, kind, nav, state, disturbance, point, dt, memory, goal)
+        descend_by_engine(powered_law, onboard, kind, nav, state, disturbance, point, dt, memory, goal)
         put3(own.thrust_N, 0, scale(goal.thrust, take3(goal.thrust_direction_N, 0)))

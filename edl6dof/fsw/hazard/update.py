@@ -121,11 +121,11 @@ def begins_to_scan(params, nav, elapsed):
 
 
 @kernel
-def work_out(functions, params, terminal, deviation, nav, state, memory):
+def work_out(classify, params, terminal, deviation, nav, state, memory):
     """Classify the cells of the map, and choose the spot.
 
     Args:
-        functions: of the members that fly.
+        classify: the way of detection that flies.
         params: hazard parameters.
         terminal: parameters of the terminal phases: how the spot is flown to.
         deviation: of the elevation of a point, m.
@@ -136,7 +136,7 @@ def work_out(functions, params, terminal, deviation, nav, state, memory):
     chart, footprint, safety_map = memory.chart, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, chart)
     assess(chart, params.footprint_radius, footprint)
-    functions.classify(params, chart, footprint, params.footprint_radius, deviation, safety_map)
+    classify(params.detection, params, chart, footprint, params.footprint_radius, deviation, safety_map)
     clearances(safety_map.cell_class, chart.cell, memory.envelope, safety_map.clearance)
     here_L = (nav.site_L[0], nav.site_L[1])
     choose_spot(
@@ -168,7 +168,7 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
 
 
 @kernel
-def look_down(functions, onboard, elapsed, sensed, nav, state, memory, point, command):
+def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, command):
     """Ask for the scan, take what it brings, and choose the spot when it is whole."""
     params, eyes = onboard.hazard, onboard.instruments.eyes
     if memory.scanning == 0:
@@ -191,22 +191,22 @@ def look_down(functions, onboard, elapsed, sensed, nav, state, memory, point, co
         eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
         take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.chart)
         if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
-            work_out(functions, params, onboard.guidance.powered.terminal, sharp, nav, state, memory)
+            work_out(classify, params, onboard.guidance.powered.terminal, sharp, nav, state, memory)
             point.fine_L[0], point.fine_L[1] = memory.choice.spot_L[0], memory.choice.spot_L[1]
             point.fine_known, memory.spot_t = 1, nav.t
 
 
 @kernel
-def detect_nothing(functions, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
+def detect_nothing(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
     """As :func:`detect_hazards`, of a vehicle that looks for none."""
 
 
 @kernel
-def detect_hazards(functions, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
+def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
     """One base cycle of hazard detection.
 
     Args:
-        functions: of the members that fly.
+        classify: the way of detection that flies.
         onboard: what the flight computer believes.
         kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
         elapsed: time since its beginning, s.
@@ -224,7 +224,7 @@ def detect_hazards(functions, onboard, kind, elapsed, sensed, nav, state, memory
     if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
         look_ahead(onboard, sensed, nav, memory, point, command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
-        look_down(functions, onboard, elapsed, sensed, nav, state, memory, point, command)
+        look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, command)
     elif kind == G_AVOID and point.fine_known == 0:
         # nothing was seen: the point below is as good as any
         point.fine_L[0], point.fine_L[1] = nav.site_L[0], nav.site_L[1]

@@ -68,11 +68,11 @@ def take_given(sensed, estimate):
 
 
 @kernel
-def estimate_state(functions, onboard, state, sensed, memory):
+def estimate_state(filters, onboard, state, sensed, memory):
     """Bring ``memory.estimate`` up to the cycle of ``sensed``.
 
     Args:
-        functions: of the members that fly.
+        filters: what starts the navigation filter that flies, and what corrects with it.
         onboard: ``ONBOARD`` record.
         state: ``VEHICLE_STATE`` record: which parts are gone.
         sensed: ``SENSED`` record.
@@ -84,15 +84,16 @@ def estimate_state(functions, onboard, state, sensed, memory):
     if onboard.navigation.filter == GIVEN:
         take_given(sensed, estimate)
         return
-    navigate(functions, onboard, state, sensed, memory)
+    navigate(filters, onboard, state, sensed, memory)
     if memory.solution.started != 0:
         tell(onboard.planet, memory.motion, memory.solution, estimate)
         guard(onboard, sensed, memory, estimate)
 
 
 @kernel
-def navigate(functions, onboard, state, sensed, memory):
+def navigate(filters, onboard, state, sensed, memory):
     """Bring ``memory.solution`` up to the reading of the inertial unit that arrives with ``sensed``."""
+    start_filter, correct_solution = filters
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     body = onboard.vehicle.configuration[state.configuration]
     centre = take3(body.centre, 0)
@@ -109,14 +110,16 @@ def navigate(functions, onboard, state, sensed, memory):
         if sensed.tracking.fresh != 0 and sensed.stars.valid != 0:
             align(onboard.planet, memory.inertial.t, sensed, motion, solution)
             put3(memory.centre, 0, centre)
-            functions.start_filter(params, onboard, sensed, solution, memory.filter)
+            start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
         lever = sub(take3(onboard.instruments.unit_position, 0), centre)
         look_back(body, lever, memory.inertial, motion, memory.hindsight, solution)
         recover(params.recovery, onboard, memory.health, sensed, motion, memory.recovery, solution)
         solution.looked = 0
-        functions.correct_solution(params, onboard, memory.health, sensed, motion, solution, memory.filter)
+        correct_solution(
+            params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
+        )
         watch(onboard, state, sensed, memory)
 
 

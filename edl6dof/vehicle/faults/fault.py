@@ -151,7 +151,7 @@ def begin(fault, index, command, plant):
 
 
 @kernel
-def inflict(functions, case, command, plant):
+def inflict(kinds, case, command, plant):
     """Let every fault that has begun act on the commanded actuators."""
     faults = case.faults
     for i in range(faults.count):
@@ -159,4 +159,4 @@ def inflict(functions, case, command, plant):
         if plant.fault_since[i] == NOT_BEGUN:
             begin(fault, i, command, plant)
         if plant.fault_since[i] != NOT_BEGUN:
-            functions.inflict[fault.params.kind](fault, case, plant.fault_since[i], command, plant)
+            kinds(fault.params.kind, fault, case, plant.fault_since[i], command, plant)

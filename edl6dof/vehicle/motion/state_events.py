@@ -11,7 +11,7 @@ from math import isnan
 from typing import Any, NamedTuple
 
 from edl6dof.kernels import kernel
-from edl6dof.kernels.functions import static
+from edl6dof.kernels.functions import choice
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3
 from edl6dof.vehicle.motion.footing import least_clearance, normal_of
@@ -121,8 +121,15 @@ STATE_EVENTS = (
 
 _COUNT = len(STATE_EVENTS)
 _OF_VALUE, _OF_ACTION = ("case", "plant", "outputs"), ("case", "plant")
-_value = static([event.value for event in STATE_EVENTS], _OF_VALUE, [_OF_VALUE] * _COUNT)
-_carry_out = static([event.action for event in STATE_EVENTS], _OF_ACTION, [_OF_ACTION] * _COUNT)
+_value = choice(
+    "value_of_event",
+    {i: event.value for i, event in enumerate(STATE_EVENTS)},
+    _OF_VALUE,
+    [_OF_VALUE] * _COUNT,
+)
+_carry_out = choice(
+    "carry_out", {i: event.action for i, event in enumerate(STATE_EVENTS)}, _OF_ACTION, [_OF_ACTION] * _COUNT
+)
 
 
 @kernel

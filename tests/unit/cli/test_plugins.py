@@ -331,7 +331,7 @@ from edl6dof.fsw.onboard import ONBOARD
 onboard, nav, out = (np.zeros(1, t)[0] for t in (ONBOARD, NAV, GUIDE))
 memory, params = np.zeros(1, REVERSALS.memory)[0], onboard["guidance"]["entry"]["reversal"]
 side = PLACES["bank_side"].functions({{REVERSALS.names.index("mine")}})
-print(side(params, onboard, nav, memory, out, 1.25, 1.0), sum(side.stats.cache_hits.values()))
+print(side(params, onboard, nav, memory, out, 1.25, 1.0), sum(side.called.stats.cache_hits.values()))
 """
 
 SIDE = LAW.replace(

@@ -4,12 +4,12 @@ from math import radians, sqrt
 
 import numpy as np
 import pytest
-from given_functions import chosen
 from inertial_units import DT, believed_unit, cone
 from pyquaternion import Quaternion
 from scipy.stats import chi2
 
 import edl6dof
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.fsw.navigation.solution import MOTION, SOLUTION
 from edl6dof.fsw.navigation.strapdown import integrate
@@ -70,7 +70,7 @@ def trace(planet, motions, truth):
 
 
 @kernel
-def take_part(functions, onboards, states, sensed, memories, angles, gains, stars, first):
+def take_part(filters, onboards, states, sensed, memories, angles, gains, stars, first):
     """Hand out counts and star attitudes cycle by cycle."""
     for k in range(len(angles)):
         s = sensed[0]
@@ -84,7 +84,7 @@ def take_part(functions, onboards, states, sensed, memories, angles, gains, star
         if s.stars.valid:
             for i in range(4):  # a slice would have words about its size compiled with it
                 s.stars.q_I2B[i] = stars[first + k, i]
-        estimate_state(functions, onboards[0], states[0], s, memories[0])
+        estimate_state(filters, onboards[0], states[0], s, memories[0])
 
 
 def turned(q, vector):
@@ -147,10 +147,10 @@ def fly(onboard, flown, rng, marks, errors=1.0):
         size=3
     )
     state, found, first = np.zeros(1, VEHICLE_STATE), [], 0
-    functions = chosen(onboard[0], "start_filter", "correct_solution")
+    filters = tuple(chosen(name, onboard[0]) for name in ("start_filter", "correct_solution"))
     for mark in marks:
         part = slice(first, mark + 1)
-        take_part(functions, onboard, state, sensed, memory, angles[part], gains[part], stars, first)
+        take_part(filters, onboard, state, sensed, memory, angles[part], gains[part], stars, first)
         found.append(memory["solution"][0].copy())
         first = mark + 1
     return found, memory

@@ -7,7 +7,6 @@ import sys
 import pytest
 
 from edl6dof.kernels import cache
-from edl6dof.kernels.functions import passed
 from edl6dof.sim import compile_ahead
 
 
@@ -21,7 +20,7 @@ def started(monkeypatch, tmp_path):
         return commands[-1]
 
     popen.body = "raise SystemExit(1)"
-    monkeypatch.setattr(cache, "flight_mark", lambda: tmp_path / "mark")
+    monkeypatch.setattr(compile_ahead, "_mark", lambda: tmp_path / "mark")
     monkeypatch.setattr(compile_ahead, "_cores", lambda: 2)
     monkeypatch.setattr(compile_ahead.subprocess, "Popen", popen)
     return commands, popen
@@ -74,7 +73,7 @@ def test_what_was_not_compiled_to_its_end_is_compiled_by_the_next(started, nomin
 
 def test_what_is_compiled_ahead_is_for_the_records_that_fly(nominal):
     """Another layout would leave code in the cache that no flight ever asks for."""
-    misses = passed(compile_ahead.run).stats.cache_misses
+    misses = compile_ahead.RUN.kernel.passed.stats.cache_misses
     before = sum(misses.values())
     compile_ahead.compile_flight_software(["error_state"])
     assert sum(misses.values()) == before

@@ -56,12 +56,14 @@ wanted_bank = ENTRY_LAWS.role("guide", "params", "plan", "onboard", "nav", "memo
 
 
 @kernel
-def entry_guidance(functions, onboard, nav, memory, out):
+def entry_guidance(entry_law, bank_side, onboard, nav, memory, out):
     """Write the commanded bank angle of the entry law into ``out``; ``memory``: ``ENTRY_MEMORY`` record."""
     out.range_to_go, out.crossrange, out.downrange_to_go = to_target(onboard, nav)
     measure_air(onboard, nav, memory.air)
     air = memory.air
     out.drag_ratio, out.drag_trend, out.lift_ratio = air.drag, air.trend, air.lift
     out.least_bank = onboard.guidance.entry.bank_min
-    wanted = functions.entry_law(onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
-    steer_bank(functions, onboard, nav, memory.steering, out, wanted)
+    wanted = entry_law(
+        onboard.guidance.entry.law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out
+    )
+    steer_bank(bank_side, onboard, nav, memory.steering, out, wanted)

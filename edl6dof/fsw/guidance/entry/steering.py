@@ -41,12 +41,12 @@ def limited(onboard, out, wanted):
 
 
 @kernel
-def chosen_side(functions, onboard, nav, memory, out, wanted):
+def chosen_side(bank_side, onboard, nav, memory, out, wanted):
     """Side to bank to: the first one, then as the reversal logic says; reversals are counted."""
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
         memory.sign = first_side(out)
-    sign = functions.bank_side(p, onboard, nav, memory.reversal, out, wanted, memory.sign)
+    sign = bank_side(p.logic, p, onboard, nav, memory.reversal, out, wanted, memory.sign)
     if sign != memory.sign:
         memory.count += 1
     memory.sign = out.side = sign
@@ -54,7 +54,7 @@ def chosen_side(functions, onboard, nav, memory, out, wanted):
 
 
 @kernel
-def steer_bank(functions, onboard, nav, memory, out, wanted):
+def steer_bank(bank_side, onboard, nav, memory, out, wanted):
     """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
     ``own_sign`` only).
 
@@ -66,7 +66,7 @@ def steer_bank(functions, onboard, nav, memory, out, wanted):
     elif nav.speed < p.heading.speed:
         goal = heading_bank(p.heading, out.range_to_go, out.crossrange)
     else:
-        goal = chosen_side(functions, onboard, nav, memory, out, wanted) * limited(onboard, out, wanted)
+        goal = chosen_side(bank_side, onboard, nav, memory, out, wanted) * limited(onboard, out, wanted)
     if memory.t > 0.0:
         step = p.bank_rate * (nav.t - memory.t)
         goal = clamp(goal, memory.bank - step, memory.bank + step)
