@@ -231,13 +231,15 @@ def test_plugin_changed_after_it_was_read_has_the_machine_code_of_what_was_read(
     law = tmp_path / "law.py"
     law.write_text(LAW)
     monkeypatch.setattr(cache, "received", {})
-    folder_of = cache.folder_of.__wrapped__
-    before = folder_of(str(law))
+    stamp = cache.stamp.__wrapped__
+    os.utime(law, (1e9, 1e9))
+    before = stamp(str(law))
     cache.receive(law, LAW.encode(), in_loop=False)
     law.write_text(LAW.replace("0.5", "0.6"))
-    assert folder_of(str(law)) == before
+    os.utime(law, (1e9, 1e9))
+    assert stamp(str(law)) == before
     cache.received.clear()
-    assert folder_of(str(law)) != before
+    assert before and stamp(str(law)) != before
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ def plugins_of_this_process(monkeypatch):
     monkeypatch.setattr(cache, "received", {})
     monkeypatch.setattr(cache, "_in_loop", [])
     yield
-    for known in (cache.folder_of, cache._base):
+    for known in (cache.folder, cache.stamp):
         known.cache_clear()
 
 
@@ -287,15 +287,14 @@ def test_allocator_hazard_detector_and_kind_of_fault_of_plugins_are_tried_and_ch
 # ---- cache -------------------------------------------------------------------------------------------------
 
 
-def test_folder_of_the_loop_follows_a_model_compiled_with_it_and_no_member_that_is_passed(tmp_path):
-    loop, cycle = (str(cache.PACKAGE / name) for name in ("sim/loop.py", "fsw/cycle.py"))
-    before = cache.folder_of(loop), cache.folder_of(cycle)
+def test_folder_follows_a_model_compiled_with_the_loop_and_no_member_that_is_passed(tmp_path):
+    found = {cache.folder()}
     cache.receive(tmp_path / "law.py", LAW.encode(), in_loop=False)
-    assert (cache.folder_of(loop), cache.folder_of(cycle)) == before
-    cache.receive(tmp_path / "air.py", b"x = 1", in_loop=True)
-    first = cache.folder_of(loop)
-    cache.receive(tmp_path / "air.py", b"x = 2", in_loop=True)
-    assert len({before[0], first, cache.folder_of(loop)}) == 3 and cache.folder_of(cycle) == before[1]
+    assert {cache.folder()} == found
+    for content in (b"x = 1", b"x = 2"):
+        cache.receive(tmp_path / "air.py", content, in_loop=True)
+        found.add(cache.folder())
+    assert len(found) == 3
 
 
 FAMILIES = """
@@ -330,8 +329,9 @@ from edl6dof.fsw.onboard import ONBOARD
 
 onboard, nav, out = (np.zeros(1, t)[0] for t in (ONBOARD, NAV, GUIDE))
 memory, params = np.zeros(1, REVERSALS.memory)[0], onboard["guidance"]["entry"]["reversal"]
-side = PLACES["bank_side"].functions({{REVERSALS.names.index("mine")}})
-print(side(params, onboard, nav, memory, out, 1.25, 1.0), sum(side.called.stats.cache_hits.values()))
+index = REVERSALS.names.index("mine")
+side = PLACES["bank_side"].function({{index}}).kernel
+print(side(index, params, onboard, nav, memory, out, 1.25, 1.0), sum(side.called.stats.cache_hits.values()))
 """
 
 SIDE = LAW.replace(
