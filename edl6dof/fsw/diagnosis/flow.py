@@ -169,17 +169,22 @@ def follow_rest(vehicle, memory):
     """Count for each meter the cycles of rest on end, in which no thruster of its branch was to fire, that it
     read a flow in, and less of it than an open valve lets through.
     """
-    of = vehicle.branches.of
     for b in range(vehicle.branches.count):
         if memory.expected[b] > 0.0:
             continue
-        least = vehicle.branches.full_flow[b]
-        for i in range(vehicle.n_thrusters):
-            if of[i] == b:
-                least = min(least, full_flow(vehicle.thrusters[i]))
         flow = memory.residual[b]
-        astray = flow < LEAST_OPEN * least and cannot_be(b, flow, memory)
+        astray = cannot_be(b, flow, memory) and flow < LEAST_OPEN * least_flow(vehicle, b)
         memory.astray[b] = memory.astray[b] + 1 if astray else 0
+
+
+@kernel
+def least_flow(vehicle, b):
+    """Flow of the smallest thruster of branch ``b``, kg/s."""
+    least = vehicle.branches.full_flow[b]
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            least = min(least, full_flow(vehicle.thrusters[i]))
+    return least
 
 
 @kernel
@@ -236,16 +241,19 @@ def cross_check(params, vehicle, share, memory):
     """Note what each meter reads of the others once a thruster of its branch shows a loss, and ask them to
     fire until it has been read.
     """
-    of = vehicle.branches.of
+    of, count = vehicle.branches.of, vehicle.n_thrusters
+    for i in range(count):
+        memory.asked[i] = 0
     for b in range(vehicle.branches.count):
         most, least = 0, LEAST_HEARD * vehicle.branches.full_flow[b]
-        for i in range(vehicle.n_thrusters):
+        for i in range(count if memory.suspecting != 0 else 0):
             if of[i] == b:
                 most = max(most, memory.off[i].cycles)
         memory.losing[b] = 1 if most > 0 else 0
         if most < LEAST_CYCLES:
             memory.word[b] = UNHEARD
-        for i in range(vehicle.n_thrusters):
+            continue
+        for i in range(count):
             if of[i] == b and memory.off[i].cycles >= LEAST_CYCLES:
                 loss = memory.off[i].cross / memory.off[i].own
                 given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
@@ -254,12 +262,11 @@ def cross_check(params, vehicle, share, memory):
                 if others > least:
                     alike = theirs - memory.common * others > SHARED * (loss - memory.common) * others
                     memory.word[b] = IMPEACHED if alike else VOUCHED
-        ask = most >= LEAST_CYCLES and memory.word[b] == UNHEARD
-        for i in range(vehicle.n_thrusters):
+        for i in range(count):
             if of[i] == b:
-                memory.asked[i] = 1 if ask and memory.off[i].cycles == 0 else 0
-                if memory.word[b] == IMPEACHED:
-                    memory.doubtful[i] = 1
+                asked = memory.word[b] == UNHEARD and memory.off[i].cycles == 0
+                memory.asked[i] = 1 if asked else 0
+                memory.doubtful[i] = 1 if memory.word[b] == IMPEACHED else memory.doubtful[i]
 
 
 @kernel
