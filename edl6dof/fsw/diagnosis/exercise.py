@@ -95,11 +95,14 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
     branches, count = vehicle.branches, vehicle.n_thrusters
     rested, oldest = NONE, t
     for i in range(count):
-        if not is_free(i, t, healthy, busy_until, opens, closes) or memory.used[i] >= oldest:
+        doubted = needs_trial(i, diagnosis.flow)
+        if not (doubted or diagnosis.flow.asked[i] != 0) or memory.used[i] >= oldest:
+            continue
+        if not is_free(i, t, healthy, busy_until, opens, closes):
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
-            needs_trial(i, diagnosis.flow)
+            doubted
             and is_quiet(branches, branches.of[i], count, busy_until, t, dt, memory)
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.kernels import kernel
-from edl6dof.spatial.elementary import asin, atan2, cos, sin
+from edl6dof.spatial.elementary import asin, atan2, sincos
 from edl6dof.spatial.frames import great_circle
 from edl6dof.spatial.vector import clamp
 
@@ -16,16 +16,11 @@ def to_target(onboard, nav):
     left along the course until the aim point lies abeam; negative beyond it.
     """
     site, planet = onboard.site, onboard.planet
-    arc, bearing = great_circle(
-        sin(nav.latitude),
-        cos(nav.latitude),
-        nav.longitude,
-        sin(site.aim_latitude),
-        cos(site.aim_latitude),
-        site.aim_longitude,
-    )
-    crossrange = asin(clamp(sin(arc) * sin(nav.azimuth - bearing), -1.0, 1.0))
-    ahead = atan2(sin(arc) * cos(nav.azimuth - bearing), cos(arc))
+    (sin_lat, cos_lat), (sin_aim, cos_aim) = sincos(nav.latitude), sincos(site.aim_latitude)
+    arc, bearing = great_circle(sin_lat, cos_lat, nav.longitude, sin_aim, cos_aim, site.aim_longitude)
+    (sin_arc, cos_arc), (sin_off, cos_off) = sincos(arc), sincos(nav.azimuth - bearing)
+    crossrange = asin(clamp(sin_arc * sin_off, -1.0, 1.0))
+    ahead = atan2(sin_arc * cos_off, cos_arc)
     radius = planet.equatorial_radius
     return arc * radius, crossrange * radius, ahead * radius
 
