@@ -65,7 +65,7 @@ class Passed(types.FunctionType):
     def __init__(self, title: str, returns: types.Type, *arguments: types.Type) -> None:
         super().__init__(returns(*arguments))
         self.title = f"{title}_{sha256(super().key.encode()).hexdigest()[:16]}"
-        self.signature = _Signature(self.signature.return_type, self.signature.args, None)
+        self.signature: Any = _Signature(returns, arguments, None)
         self.signature.title = self.title
         _known[self.title] = self
 
