@@ -19,7 +19,7 @@ from edl6dof.fsw.hazard.update import detect_hazards, detect_nothing
 from edl6dof.fsw.navigation.filters.registry import correct_solution, start_filter
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
-from edl6dof.kernels.functions import NOTHING, NUMBER, Given, Passed, kind_of, numbers
+from edl6dof.kernels.functions import NOTHING, NUMBER, Given, Passed, function_type, kind_of, numbers
 from edl6dof.registry import Place
 
 
@@ -33,7 +33,7 @@ def _fsw(*path: str) -> types.Type:
 
 def _type(title: str, returns: types.Type, *arguments: types.Type) -> Passed:
     """Type of a function of the index of a member and these arguments."""
-    return Passed(title, returns, int64, *arguments)
+    return function_type(title, returns, int64, *arguments)
 
 
 _NAV, _GUIDE, _STATE, _SENSED = _fsw("nav"), _fsw("guide"), _fsw("vehicle"), kind_of(SENSED)
@@ -120,7 +120,7 @@ PLACES = {
     ),
 }
 #: Hazard detection is given as a whole, since few flights have any.
-_DETECT = Passed(
+_DETECT = function_type(
     *("detect_hazards", NOTHING, PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
     *(_fsw("hazard"), _fsw("landing_point"), _fsw("command")),
 )
@@ -134,7 +134,7 @@ SOFTWARE = types.Tuple(
     [_TYPES[one] if isinstance(one, str) else types.Tuple([_TYPES[name] for name in one]) for one in _GROUPS]
 )
 #: A cycle of the flight software, :func:`edl6dof.fsw.cycle.run`.
-CYCLE = Passed("run", NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())
+CYCLE = function_type("run", NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())
 
 
 def chosen(name: str, onboard: Any) -> Given:

@@ -64,10 +64,10 @@ class Passed(types.FunctionType):
 
     def __init__(self, title: str, returns: types.Type, *arguments: types.Type) -> None:
         super().__init__(returns(*arguments))
-        self.title = f"{title}_{sha256(super().key.encode()).hexdigest()[:16]}"
+        self.title = title
         self.signature: Any = _Signature(returns, arguments, None)
-        self.signature.title = self.title
-        _known[self.title] = self
+        self.signature.title = title
+        _known[title] = self
 
     @property
     def key(self) -> str:
@@ -83,8 +83,16 @@ class Passed(types.FunctionType):
 _known: dict[str, Passed] = {}
 
 
+def function_type(title: str, returns: types.Type, *arguments: types.Type) -> Passed:
+    """Type of a function that is passed."""
+    key = types.FunctionType(returns(*arguments)).key
+    return Passed(f"{title}_{sha256(key.encode()).hexdigest()[:16]}", returns, *arguments)
+
+
 def _named(title: str) -> Passed:
-    """The type of this name; where this process has none, one that no function has."""
+    """The type of this name.  One of another process, whose records have other layouts, keeps its name: numba
+    writes it back into its index.
+    """
     return _known.get(title) or Passed(title, NOTHING)
 
 

@@ -12,7 +12,7 @@ from numba import float64, int64, types
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
 from edl6dof.fsw.onboard import FSW
-from edl6dof.kernels.functions import NOTHING, Given, Passed, kind_of
+from edl6dof.kernels.functions import NOTHING, Given, function_type, kind_of
 from edl6dof.registry import Place
 from edl6dof.scenario.records import TABLES
 from edl6dof.scenario.truth import CASE
@@ -25,7 +25,7 @@ from edl6dof.vehicle.plant import OUTPUTS, STATE
 PLACES = {
     "measure": Place(
         measure,
-        Passed(
+        function_type(
             *(
                 "measure",
                 NOTHING,
@@ -39,7 +39,7 @@ PLACES = {
     ),
     "inflict": Place(
         inflict_kind,
-        Passed(
+        function_type(
             *("inflict", NOTHING, int64, kind_of(FAULT), kind_of(CASE), float64, kind_of(FSW, "command")),
             kind_of(STATE),
         ),

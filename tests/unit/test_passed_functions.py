@@ -1,6 +1,7 @@
 """Members that a flight passes to the loop as functions: which are compiled, and what goes wrong."""
 
 import os
+import pickle
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from numba import NumbaError, types
 
 from edl6dof.config.base import Params
 from edl6dof.kernels import kernel
-from edl6dof.kernels.functions import Given, Passed, kind_of, numbers
+from edl6dof.kernels.functions import Given, function_type, kind_of, numbers
 from edl6dof.registry import Family, Member, Place
 
 SMALL, LARGE = np.dtype([("gain", "f8")]), np.dtype([("sum", "f8"), ("gain", "f8")])
@@ -47,7 +48,7 @@ FAMILY = Family(
     ),
 )
 PARAMS = np.dtype([(name, SMALL) for name in FAMILY.names], align=True)
-LAW = Passed("law", numbers(2), types.int64, kind_of(PARAMS), kind_of(FAMILY.memory), types.float64)
+LAW = function_type("law", numbers(2), types.int64, kind_of(PARAMS), kind_of(FAMILY.memory), types.float64)
 ONE = Place(FAMILY.role("steer", "params", "memory", "x"), LAW, ("law",))
 SEVERAL = Place(ONE.role, LAW)
 
@@ -117,14 +118,14 @@ def test_members_are_compiled_ahead_by_name():
 LAWS = """
 from numba import float64, int64
 from edl6dof.kernels import kernel
-from edl6dof.kernels.functions import Given, Passed
+from edl6dof.kernels.functions import Given, function_type
 @kernel
 def one(x):
     return x
 @kernel
 def two(x):
     return 2.0 * one(x)
-LAW = Passed("law", float64, float64)
+LAW = function_type("law", float64, float64)
 @kernel
 def fly(law, x):
     return law(x)
@@ -156,3 +157,10 @@ def test_a_call_with_a_literal_number_compiles_nothing_of_its_own():
         return column(x, 1) + column(x, 2) + column(x, k=3)
 
     assert several(1.0) == 9.0 and len(column.inside.signatures) == 1
+
+
+def test_a_name_that_this_process_does_not_know_stays_what_it_is():
+    """numba reads an index whole and writes it whole, with types of processes that have other layouts."""
+    unknown = pickle.loads(pickle.dumps(LAW).replace(LAW.title.encode(), b"x" * len(LAW.title)))
+    assert unknown != LAW and unknown.title == "x" * len(LAW.title)
+    assert pickle.loads(pickle.dumps(unknown)) is unknown and pickle.loads(pickle.dumps(LAW)) is LAW

@@ -121,15 +121,10 @@ STATE_EVENTS = (
 
 _COUNT = len(STATE_EVENTS)
 _OF_VALUE, _OF_ACTION = ("case", "plant", "outputs"), ("case", "plant")
-_value = choice(
-    "value_of_event",
-    {i: event.value for i, event in enumerate(STATE_EVENTS)},
-    _OF_VALUE,
-    [_OF_VALUE] * _COUNT,
-)
-_carry_out = choice(
-    "carry_out", {i: event.action for i, event in enumerate(STATE_EVENTS)}, _OF_ACTION, [_OF_ACTION] * _COUNT
-)
+_VALUES = {i: event.value for i, event in enumerate(STATE_EVENTS)}
+_ACTIONS = {i: event.action for i, event in enumerate(STATE_EVENTS)}
+_value = choice("value_of_event", _VALUES, _OF_VALUE, dict.fromkeys(_VALUES, _OF_VALUE))
+_carry_out = choice("carry_out", _ACTIONS, _OF_ACTION, dict.fromkeys(_ACTIONS, _OF_ACTION))
 
 
 @kernel
