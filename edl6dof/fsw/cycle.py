@@ -71,7 +71,7 @@ def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state
     commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
     full, weight = state.engine.full_thrust, state.mass * nav.gravity
     state.held_thrust = held_thrust(
-        params.held_thrust, commanded, measured, full, weight, dt, memory.held_thrust
+        params.held_thrust, commanded, measured, full, weight, dt=dt, memory=memory.held_thrust
     )
     lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
     state.thrust_lost = lost if state.held_thrust == 0.0 else 0.0
@@ -99,18 +99,25 @@ def run(onboard, sensed, k, fsw):
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
-    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
+    derive(
+        onboard.planet,
+        onboard.atmosphere,
+        vehicle,
+        site_frame=onboard.site.frame,
+        estimate=fsw.navigation.estimate,
+        nav=nav,
+    )
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
         return
 
     # mission phases
     guided_by = onboard.mission.phases[fsw.mission.phase].guidance
-    sequence(onboard.mission, nav, state, goal, fsw.mission, command.request)
+    sequence(onboard.mission, nav, vehicle=state, guide=goal, memory=fsw.mission, request=command.request)
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
     follow_events(vehicle, onboard.mission, nav.t, command.request, state)
     switch_engine(onboard.mission, command.request, state, goal)
-    count_propellant(vehicle, goal.thrust, command, dt, control_dt, state)
+    count_propellant(vehicle, goal.thrust, command, dt, control_dt, state=state)
     for i in range(command.request.shape[0]):
         if command.request[i] != 0:
             restart(fsw.diagnosis)
@@ -118,30 +125,30 @@ def run(onboard, sensed, k, fsw):
     # hazard detection
     detect_hazards(
         onboard,
-        phase.guidance,
-        nav.t - fsw.mission.phase_start,
-        sensed,
-        nav,
-        state,
-        fsw.hazard,
-        fsw.landing_point,
-        command,
+        kind=phase.guidance,
+        elapsed=nav.t - fsw.mission.phase_start,
+        sensed=sensed,
+        nav=nav,
+        state=state,
+        memory=fsw.hazard,
+        point=fsw.landing_point,
+        command=command,
     )
     replace_landing_point(external, fsw.landing_point)
 
     # guidance
     guide(
         onboard,
-        phase.guidance,
-        k,
-        phase.guidance != guided_by,
-        nav,
-        state,
-        fsw.disturbance,
-        fsw.landing_point,
-        fsw.guidance,
-        goal,
-        own,
+        kind=phase.guidance,
+        k=k,
+        begins=phase.guidance != guided_by,
+        nav=nav,
+        state=state,
+        disturbance=fsw.disturbance,
+        point=fsw.landing_point,
+        memory=fsw.guidance,
+        goal=goal,
+        own=own,
     )
     replace_bank(external, onboard.guidance.entry.bank_rate, command.bank, dt, goal)
     replace_thrust(external, onboard.guidance.powered, state, nav.t, goal)
@@ -162,12 +169,21 @@ def run(onboard, sensed, k, fsw):
         state,
         nav,
         onboard.imu_delay,
-        effectiveness,
-        control_dt,
-        fsw.estimation,
-        disturbance,
+        effectiveness=effectiveness,
+        dt=control_dt,
+        memory=fsw.estimation,
+        out=disturbance,
     )
-    believe_thrust(onboard.estimation, vehicle, nav, disturbance, command, control_dt, fsw.estimation, state)
+    believe_thrust(
+        onboard.estimation,
+        vehicle,
+        nav,
+        disturbance,
+        command,
+        dt=control_dt,
+        memory=fsw.estimation,
+        state=state,
+    )
     state.force_angle = force_angle(
         onboard.estimation.force_angle_lag, take3(disturbance.force, 0), control_dt, state.force_angle
     )
@@ -175,19 +191,19 @@ def run(onboard, sensed, k, fsw):
     # fault isolation
     diagnose(
         onboard.diagnosis,
-        onboard.flow_meters != 0,
-        onboard.instruments,
-        vehicle,
-        sensed.branch_used,
-        effectiveness,
-        fsw.estimation.activity,
-        axial_load(disturbance.unexplained, goal, state),
-        disturbance.unexplained,
-        nav.t,
-        control_dt,
-        fsw.diagnosis,
-        healthy,
-        command.shut,
+        metered=onboard.flow_meters != 0,
+        instruments=onboard.instruments,
+        vehicle=vehicle,
+        used=sensed.branch_used,
+        effectiveness=effectiveness,
+        activity=fsw.estimation.activity,
+        load=axial_load(disturbance.unexplained, goal, state),
+        unexplained=disturbance.unexplained,
+        t=nav.t,
+        dt=control_dt,
+        memory=fsw.diagnosis,
+        healthy=healthy,
+        shut=command.shut,
     )
     replace_health(external, count, healthy)
 
@@ -200,36 +216,59 @@ def run(onboard, sensed, k, fsw):
         no_demand(fsw.demand)
         rate = take3(nav.imu_rate_B, 0)
         thruster, on, loss = check_out(
-            onboard.check_out, effectiveness, inertia, nav.t, rate, control_dt, fsw.check_out
+            onboard.check_out, effectiveness, inertia, nav.t, rate, dt=control_dt, memory=fsw.check_out
         )
         if loss > 0.0 and healthy[thruster] != 0:
-            isolate_dead(onboard.diagnosis, vehicle, thruster, loss, nav.t, fsw.diagnosis, healthy)
-        open_alone(thruster, on, count, nav.t, opens, closes)
+            isolate_dead(
+                onboard.diagnosis,
+                vehicle,
+                i=thruster,
+                loss=loss,
+                t=nav.t,
+                memory=fsw.diagnosis,
+                healthy=healthy,
+            )
+        open_alone(thruster, on, count, nav.t, opens, closes=closes)
     else:
         # attitude control
         gather_inputs(
             vehicle,
             state,
             phase,
-            nav.t - fsw.mission.phase_start,
-            disturbance,
-            fsw.allocation.saturated,
-            excess_torque(effectiveness, count, opens, closes, fsw.allocation.duty, control_dt),
-            fsw.control.inputs,
+            phase_time=nav.t - fsw.mission.phase_start,
+            disturbance=disturbance,
+            saturated=fsw.allocation.saturated,
+            excess=excess_torque(effectiveness, count, opens, closes, fsw.allocation.duty, cycle=control_dt),
+            inputs=fsw.control.inputs,
         )
         torque, error = attitude_control(
-            phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
+            phase.control,
+            onboard.control,
+            nav,
+            goal,
+            fsw.control.inputs,
+            dt=control_dt,
+            memory=fsw.control.law,
         )
         torque = replace_torque(external, torque, own)
-        compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
+        compose_demand(
+            phase, vehicle, state, healthy, nav, goal=goal, torque=torque, error=error, demand=fsw.demand
+        )
 
         # allocation
-        allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation)
+        allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, out=fsw.allocation)
         replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation
         modulate(
-            onboard.modulation, vehicle, fsw.allocation.duty, nav.t, control_dt, fsw.modulation, opens, closes
+            onboard.modulation,
+            vehicle,
+            fsw.allocation.duty,
+            nav.t,
+            cycle=control_dt,
+            memory=fsw.modulation,
+            opens=opens,
+            closes=closes,
         )
         i, j = pair_to_test(
             onboard.diagnosis.exercise,
@@ -237,18 +276,22 @@ def run(onboard, sensed, k, fsw):
             effectiveness,
             healthy,
             fsw.diagnosis,
-            fsw.modulation.busy_until,
-            opens,
-            closes,
-            phase.guidance == G_AVOID,
-            abs(nav.specific_force_B[0]) * state.mass,
-            fsw.mission.phase_start,
-            nav.t,
-            control_dt,
-            fsw.diagnosis.exercise,
+            busy_until=fsw.modulation.busy_until,
+            opens=opens,
+            closes=closes,
+            sideways=phase.guidance == G_AVOID,
+            axial=abs(nav.specific_force_B[0]) * state.mass,
+            start=fsw.mission.phase_start,
+            t=nav.t,
+            dt=control_dt,
+            memory=fsw.diagnosis.exercise,
         )
         if i != NONE:
-            open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation, opens, closes)
+            open_for_test(
+                i, vehicle, nav.t, cycle=control_dt, memory=fsw.modulation, opens=opens, closes=closes
+            )
         if j != NONE:
-            open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation, opens, closes)
+            open_for_test(
+                j, vehicle, nav.t, cycle=control_dt, memory=fsw.modulation, opens=opens, closes=closes
+            )
     remember(opens, closes, count, fsw.estimation.activity)

@@ -67,13 +67,13 @@ def drift(
     y = np.array((0.0, 0.0, *arrival))
     expected_drift(
         onboard[0],
-        vehicle[0]["parachutes"],
-        tables[0]["atmosphere"],
-        wind,
-        scenario.site_areoid_m,
-        phase,
-        y,
-        np.zeros(1, SCRATCH)[0],
+        parachutes=vehicle[0]["parachutes"],
+        winds=tables[0]["atmosphere"],
+        wind=wind,
+        areoid=scenario.site_areoid_m,
+        phase=phase,
+        y=y,
+        scratch=np.zeros(1, SCRATCH)[0],
     )
     return float(y[0]), float(y[1])
 
@@ -92,7 +92,14 @@ def _azimuth_at_site(scenario: Scenario, site: np.void) -> float:
     """Azimuth (rad) in which the great circle from the initial state arrives at the site."""
     lat, lon = radians(scenario.initial.latitude_deg), radians(scenario.initial.longitude_deg)
     here = float(site["latitude"])
-    _, back = great_circle(sin(here), cos(here), float(site["longitude"]), sin(lat), cos(lat), lon)
+    _, back = great_circle(
+        sin(here),
+        cos_lat1=cos(here),
+        lon1=float(site["longitude"]),
+        sin_lat2=sin(lat),
+        cos_lat2=cos(lat),
+        lon2=lon,
+    )
     return back + pi
 
 

@@ -47,10 +47,10 @@ def geodetic(radius, flattening, r_F):
     # more
     per_radius = 1.0 / radius
     height, width = z * per_radius, axis * per_radius
-    s, c = _bowring(height, width, shape, e2, height, shape * shape * width)
+    s, c = _bowring(height, width, shape, e2, s=height, c=shape * shape * width)
     length2 = s * s + c * c
     altitude = radius * ((width * c + height * s - sqrt(length2 - e2 * s * s)) / sqrt(length2))
-    s, c = _bowring(height, width, shape, e2, s, c)
+    s, c = _bowring(height, width, shape, e2, s, c=c)
     inverse = 1.0 / sqrt(s * s + c * c)
     return s * inverse, c * inverse, sin_lon, cos_lon, altitude
 
@@ -135,7 +135,7 @@ def fixed_to_enu(site_F, sin_lat, cos_lat, sin_lon, cos_lon, r_F):
 def to_local(frame, r_F):
     """East, north, up in a ``LOCAL_FRAME`` of a position in F."""
     return fixed_to_enu(
-        take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F
+        take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F=r_F
     )
 
 

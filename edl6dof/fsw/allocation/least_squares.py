@@ -80,7 +80,7 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
     translating, boosting = demand.translating != 0, demand.boosting != 0
     matrix, slope, price = effectiveness.matrix, memory.slope, memory.price
     small = not (translating or boosting) and fine_enough(
-        shared.fine_share, matrix, thrusters, count, healthy, demand.wrench
+        shared.fine_share, matrix, thrusters, count, healthy, demand=demand.wrench
     )
     only_fine = small and (demand.groups >> FINE) & 1 == 1
     mask = 1 << FINE if only_fine else demand.groups
@@ -105,7 +105,14 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
             if boosting and thrusters[i].group == AXIAL
             else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
         )
-    descend(p.steps, p.translating_tolerance if translating else p.tolerance, n, count, memory, duty)
+    descend(
+        p.steps,
+        tolerance=p.translating_tolerance if translating else p.tolerance,
+        n=n,
+        count=count,
+        memory=memory,
+        duty=duty,
+    )
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]
     for k in range(n):

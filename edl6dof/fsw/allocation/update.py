@@ -61,14 +61,14 @@ def allocate(params, vehicle, healthy, effectiveness, demand, out):
         share_out(
             params.method,
             params,
-            params,
-            vehicle,
-            healthy,
-            effectiveness,
-            demand,
-            out.method,
-            out.duty,
-            out.unallocated,
+            shared=params,
+            vehicle=vehicle,
+            healthy=healthy,
+            effectiveness=effectiveness,
+            demand=demand,
+            memory=out.method,
+            duty=out.duty,
+            unallocated=out.unallocated,
         )
         effectiveness.changed = 0
     else:

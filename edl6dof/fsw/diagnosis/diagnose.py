@@ -149,7 +149,7 @@ def note(vehicle, i, kind, loss, confidence, t, memory):
 @kernel
 def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy):
     """Name a thruster that gives too little, and do without it for good, unless it has lost little."""
-    note(vehicle, i, kind, loss, confidence, t, memory)
+    note(vehicle, i, kind, loss, confidence, t=t, memory=memory)
     if kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
     else:
@@ -161,7 +161,7 @@ def isolate_dead(params, vehicle, i, loss, t, memory, healthy):
     """Do without a thruster that did not respond when it was tried alone; its confidence is the least that is
     asked for.
     """
-    note(vehicle, i, kind_of(params, loss), loss, params.confidence, t, memory)
+    note(vehicle, i, kind=kind_of(params, loss), loss=loss, confidence=params.confidence, t=t, memory=memory)
     healthy[i] = 0
 
 
@@ -179,10 +179,19 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
     """
     leak, best = memory.leak, memory.hypotheses
     found, confidence = follow_leak(
-        params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, memory.residual, leak, shut
+        params,
+        vehicle,
+        effectiveness,
+        wrench,
+        load,
+        unexplained=unexplained,
+        flow=memory.flow,
+        residual=memory.residual,
+        memory=leak,
+        shut=shut,
     )
     if found == NAMED:
-        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t, memory)
+        note(vehicle, i=leak.best, kind=STUCK_ON, loss=0.0, confidence=confidence, t=t, memory=memory)
         leak.branch = NONE
     elif found == METER_FAILED:
         give_back(vehicle.n_thrusters, leak, healthy, shut)
@@ -192,7 +201,17 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
         give_back(vehicle.n_thrusters, leak, healthy, shut)
         leak.branch = NONE
         if best.kind == STUCK_OFF or best.kind == DEGRADED:
-            isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
+            isolate(
+                params,
+                vehicle,
+                i=best.thruster,
+                kind=best.kind,
+                loss=best.loss,
+                confidence=best.confidence,
+                t=t,
+                memory=memory,
+                healthy=healthy,
+            )
         else:  # suspected of leaking, or an event has made all evidence void
             restart(memory)
 
@@ -256,11 +275,27 @@ def diagnose(
     known = without_slow_part(params.slow, unexplained, dt, memory.residual)
     if params.enabled == 0:
         return
-    if metered and read_meters(params.flow, instruments, vehicle, used, activity.share, dt, flow):
-        weigh_flow(params.flow, 1.0 - 1.0 / params.memory_cycles, vehicle, activity.share, shut, flow)
+    if metered and read_meters(params.flow, instruments, vehicle, used, activity.share, dt=dt, memory=flow):
+        weigh_flow(
+            params.flow,
+            keep=1.0 - 1.0 / params.memory_cycles,
+            vehicle=vehicle,
+            share=activity.share,
+            shut=shut,
+            memory=flow,
+        )
     if memory.leak.branch != NONE:
         look_into_leak(
-            params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
+            params,
+            vehicle,
+            effectiveness,
+            activity.wrench,
+            load,
+            unexplained=unexplained,
+            t=t,
+            memory=memory,
+            healthy=healthy,
+            shut=shut,
         )
         return
     amiss = reads_amiss(metered, vehicle.branches, flow)
@@ -269,9 +304,19 @@ def diagnose(
     leaking, told = leaking_branch(params, vehicle, healthy, flow), True
     if leaking == NONE:
         if known > 0:
-            weigh(params, vehicle, metered, effectiveness, activity, load, memory.residual, flow, best)
+            weigh(
+                params,
+                vehicle,
+                metered,
+                effectiveness,
+                activity,
+                load=load,
+                residual=memory.residual,
+                flow=flow,
+                memory=best,
+            )
         before = (best.thruster, best.kind)
-        compare(params, vehicle, metered, healthy, flow, best)
+        compare(params, vehicle, metered, healthy, flow, memory=best)
         follow_streak(params, before, memory)
         suspected = vehicle.branches.of[best.thruster]
         if (
@@ -282,10 +327,29 @@ def diagnose(
             leaking, told = suspected, False
     if leaking != NONE:
         open_leak(
-            params, vehicle, effectiveness, activity, load, leaking, told, memory.residual, memory.leak,
-            healthy, shut,
-        )  # fmt: skip
+            params,
+            vehicle,
+            effectiveness,
+            activity,
+            load,
+            b=leaking,
+            told=told,
+            residual=memory.residual,
+            memory=memory.leak,
+            healthy=healthy,
+            shut=shut,
+        )
     elif memory.streak >= params.streak:
-        isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
+        isolate(
+            params,
+            vehicle,
+            i=best.thruster,
+            kind=best.kind,
+            loss=best.loss,
+            confidence=best.confidence,
+            t=t,
+            memory=memory,
+            healthy=healthy,
+        )
     elif best.meter != NONE and known > 0:
         distrust_meter(best.meter, t, memory)

@@ -95,12 +95,14 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
     branches, count = vehicle.branches, vehicle.n_thrusters
     rested, oldest = NONE, t
     for i in range(count):
-        if not is_free(i, t, healthy, busy_until, opens, closes) or memory.used[i] >= oldest:
+        if not is_free(i, t, healthy, busy_until, opens, closes=closes) or memory.used[i] >= oldest:
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
             needs_trial(i, diagnosis.flow)
-            and is_quiet(branches, branches.of[i], count, busy_until, t, dt, memory)
+            and is_quiet(
+                branches, b=branches.of[i], count=count, busy_until=busy_until, t=t, dt=dt, memory=memory
+            )
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )
         if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
@@ -116,8 +118,8 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
     ):
         return NONE, NONE
     j = opposite(effectiveness, count, i)
-    if is_free(i, t, healthy, busy_until, opens, closes) and is_free(
-        j, t, healthy, busy_until, opens, closes
+    if is_free(i, t, healthy, busy_until, opens, closes=closes) and is_free(
+        j, t, healthy, busy_until, opens, closes=closes
     ):
         return i, j
     return NONE, NONE
@@ -149,8 +151,8 @@ def longest_rested(
         if memory.used[i] < min(due, oldest) and not needs_trial(i, flow):
             j = opposite(effectiveness, count, i)
             if (
-                is_free(i, t, healthy, busy_until, opens, closes)
-                and is_free(j, t, healthy, busy_until, opens, closes)
+                is_free(i, t, healthy, busy_until, opens, closes=closes)
+                and is_free(j, t, healthy, busy_until, opens, closes=closes)
                 and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * axial
             ):
                 first, second, oldest = i, j, memory.used[i]
@@ -200,7 +202,17 @@ def pair_to_test(
         if closes[i] > opens[i] + 0.5 * dt:
             memory.used[i] = t
     i, j = retest(
-        params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory
+        params,
+        vehicle,
+        effectiveness,
+        healthy,
+        diagnosis,
+        busy_until=busy_until,
+        opens=opens,
+        closes=closes,
+        t=t,
+        dt=dt,
+        memory=memory,
     )
     if i == NONE:
         waiting = is_waiting(vehicle.branches, diagnosis.flow)
@@ -208,9 +220,22 @@ def pair_to_test(
         if t < memory.tested + pause - 1e-9 or t < start + params.settled and not (sideways or waiting):
             return NONE, NONE
         i, j = longest_rested(
-            params, vehicle.thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways,
-            waiting, diagnosis.flow, axial, start, t, memory,
-        )  # fmt: skip
+            params,
+            vehicle.thrusters,
+            count,
+            effectiveness,
+            healthy,
+            busy_until=busy_until,
+            opens=opens,
+            closes=closes,
+            sideways=sideways,
+            waiting=waiting,
+            flow=diagnosis.flow,
+            axial=axial,
+            start=start,
+            t=t,
+            memory=memory,
+        )
     if i != NONE:
         memory.tested = memory.used[i] = t
     if j != NONE:

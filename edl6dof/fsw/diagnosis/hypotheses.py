@@ -160,9 +160,9 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, flo
         expected = flow.expected[vehicle.branches.of[i]]
         alone = not metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
         if share > LEAST_USE and alone:
-            collect(memory.off[i], keep, -share, along, square, every)
+            collect(memory.off[i], keep, signature=-share, along=along, square=square, every=every)
         if share < 1.0 - LEAST_USE:
-            collect(memory.on[i], keep, 1.0 - share, along, square, every)
+            collect(memory.on[i], keep, signature=1.0 - share, along=along, square=square, every=every)
 
 
 @kernel
@@ -260,9 +260,9 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             continue
         b = vehicle.branches.of[i]
         if is_read(metered, b, flow):
-            kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory, least)
+            kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory=memory, least=least)
             if told > 0.0:
-                accuse_meter(params, vehicle, healthy, i, told, flow, memory)
+                accuse_meter(params, vehicle, healthy, i, told, flow=flow, memory=memory)
         else:
             kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
             told = 0.0

@@ -92,7 +92,14 @@ def take_look(params, count, effectiveness, wrench, load, sign, memory):
         if memory.candidate[i] != 0:
             b = effectiveness[i]
             along, square = product(change, b, weight), product(b, b, weight)
-            collect(memory.sums[i], 1.0, sign * memory.idle[i], along, square, every)
+            collect(
+                memory.sums[i],
+                keep=1.0,
+                signature=sign * memory.idle[i],
+                along=along,
+                square=square,
+                every=every,
+            )
     memory.looks += 1
 
 
@@ -109,7 +116,15 @@ def open_leak(params, vehicle, effectiveness, activity, load, b, told, residual,
     mean_of(residual, 1, 1, memory.after)
     if told and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
-        take_look(params, vehicle.n_thrusters, effectiveness, activity.wrench, load, 1.0, memory)
+        take_look(
+            params,
+            count=vehicle.n_thrusters,
+            effectiveness=effectiveness,
+            wrench=activity.wrench,
+            load=load,
+            sign=1.0,
+            memory=memory,
+        )
     look_again(residual, memory)
 
 
@@ -157,7 +172,15 @@ def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow,
         if memory.open == 0 and cannot_be(b, memory.flow, flow):
             return METER_FAILED, 1.0
         sign = 1.0 if memory.open != 0 else -1.0
-        take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
+        take_look(
+            params,
+            count=vehicle.n_thrusters,
+            effectiveness=effectiveness,
+            wrench=wrench,
+            load=load,
+            sign=sign,
+            memory=memory,
+        )
         for i in range(vehicle.n_thrusters):
             memory.idle[i] = 1.0
         confidence = likeliest(vehicle.n_thrusters, memory)

@@ -119,21 +119,21 @@ def body_coefficients(body, table, gas, mach, rho, alpha, beta):
     k, b = cell_among(table.beta, table.n_beta, beta)
     weight = rarefaction(body, gas, rho) if table.rarefied != 0 else 0.0
     return (
-        _coefficient(table, i, m, j, a, k, b, weight, 0) * body.axial_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 1) * body.lateral_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 2) * body.lateral_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 3) * body.moment_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 4) * body.moment_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 5) * body.moment_factor,
+        _coefficient(table, i, m, j, a, k=k, b=b, weight=weight, column=0) * body.axial_factor,
+        _coefficient(table, i, m, j, a, k=k, b=b, weight=weight, column=1) * body.lateral_factor,
+        _coefficient(table, i, m, j, a, k=k, b=b, weight=weight, column=2) * body.lateral_factor,
+        _coefficient(table, i, m, j, a, k=k, b=b, weight=weight, column=3) * body.moment_factor,
+        _coefficient(table, i, m, j, a, k=k, b=b, weight=weight, column=4) * body.moment_factor,
+        _coefficient(table, i, m, j, a, k=k, b=b, weight=weight, column=5) * body.moment_factor,
     )
 
 
 @kernel
 def _coefficient(table, i, m, j, a, k, b, weight, column):
-    low = _bilinear(table.static, table, i, j, k, a, b, column)
-    value = low + m * (_bilinear(table.static, table, i + 1, j, k, a, b, column) - low)
+    low = _bilinear(table.static, table, i, j, k, a=a, b=b, column=column)
+    value = low + m * (_bilinear(table.static, table, i=i + 1, j=j, k=k, a=a, b=b, column=column) - low)
     if weight > 0.0:
-        value += weight * (_bilinear(table.rare, table, 0, j, k, a, b, column) - value)
+        value += weight * (_bilinear(table.rare, table, i=0, j=j, k=k, a=a, b=b, column=column) - value)
     return value
 
 
@@ -158,17 +158,21 @@ def body_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     alpha, beta = atan2(w, u), asin(clamp(v / speed, -1.0, 1.0))
-    cx, cy, cz, cl, cm, cn = body_coefficients(body, table, gas, mach, rho, alpha, beta)
+    cx, cy, cz, cl, cm, cn = body_coefficients(body, table, gas, mach, rho, alpha=alpha, beta=beta)
     i, m = cell_among(table.mach, table.n_mach, mach)
     j, a = cell_among(table.alpha, table.n_alpha, alpha)
     share = 0.5 * body.damping_factor / speed
     roll, pitch, yaw = share * p * body.span, share * q * body.chord, share * r * body.span
-    cx += pitch * _damping(table, i, m, j, a, 3)
-    cy += roll * _damping(table, i, m, j, a, 0) + yaw * _damping(table, i, m, j, a, 6)
-    cz += pitch * _damping(table, i, m, j, a, 4)
-    cl += roll * (body.roll_damping + _damping(table, i, m, j, a, 1)) + yaw * _damping(table, i, m, j, a, 7)
-    cm += pitch * (body.pitch_damping + _damping(table, i, m, j, a, 5))
-    cn += roll * _damping(table, i, m, j, a, 2) + yaw * (body.yaw_damping + _damping(table, i, m, j, a, 8))
+    cx += pitch * _damping(table, i, m, j, a, column=3)
+    cy += roll * _damping(table, i, m, j, a, column=0) + yaw * _damping(table, i, m, j, a, column=6)
+    cz += pitch * _damping(table, i, m, j, a, column=4)
+    cl += roll * (body.roll_damping + _damping(table, i, m, j, a, column=1)) + yaw * _damping(
+        table, i, m, j, a, column=7
+    )
+    cm += pitch * (body.pitch_damping + _damping(table, i, m, j, a, column=5))
+    cn += roll * _damping(table, i, m, j, a, column=2) + yaw * (
+        body.yaw_damping + _damping(table, i, m, j, a, column=8)
+    )
     force = qbar * body.reference_area
     fx, fy, fz = force * cx, force * cy, force * cz
     y, z = body.moment_reference[1], body.moment_reference[2]

@@ -217,7 +217,7 @@ def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
     speed = sqrt(u * u + lateral * lateral)
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ca, cn, cm, cmq = capsule_coefficients(capsule, table, gas, mach, rho, atan2(lateral, u))
+    ca, cn, cm, cmq = capsule_coefficients(capsule, table, gas, mach, rho, angle=atan2(lateral, u))
     e_y, e_z = 0.0, 0.0
     if lateral > 0.0:
         e_y, e_z = v / lateral, w / lateral

@@ -65,17 +65,21 @@ def aerodynamic_wrench(aero, table, body_table, gas, configuration, qbar, mach, 
     if aero.model == MODEL_NONE:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if aero.model == MODEL_CONSTANT:
-        fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, u, v, w, p=p, q=q, r=r)
         return fx, fy, fz, mx, my, mz, aero.constant.moment_reference_x
     if aero.model == MODEL_LIFT_DRAG:
         fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
         return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
     if aero.model == MODEL_BODY and (configuration == CONFIG_CAPSULE or body_table.sheds == 0):
-        fx, fy, fz, mx, my, mz = body_aero(aero, body_table, gas, qbar, mach, rho, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = body_aero(
+            aero, table=body_table, gas=gas, qbar=qbar, mach=mach, rho=rho, u=u, v=v, w=w, p=p, q=q, r=r
+        )
         return fx, fy, fz, mx, my, mz, aero.body.moment_reference[0]
     if aero.model == MODEL_CAPSULE and configuration == CONFIG_CAPSULE:
-        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = capsule_aero(
+            aero, table, gas, qbar, mach, rho=rho, u=u, v=v, w=w, p=p, q=q, r=r
+        )
         return fx, fy, fz, mx, my, mz, table.moment_reference_x
     bluff = aero.backshell if configuration == CONFIG_BACKSHELL else aero.lander
-    fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, u, v, w, p, q, r)
+    fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, u, v, w, p=p, q=q, r=r)
     return fx, fy, fz, mx, my, mz, bluff.centre_of_pressure_x

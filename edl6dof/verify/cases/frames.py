@@ -56,7 +56,12 @@ def run(planted: object = ()) -> Outcome:
         _wind(note, _tuple(v), _tuple(to_ned.apply([0.0, 0.0, -1.0])), rng)
         other_lat, other_lon = (float(x) for x in rng.uniform((-1.5, -pi), (1.5, pi)))
         arc, azimuth = kernels.great_circle(
-            sin(lat), cos(lat), lon, sin(other_lat), cos(other_lat), other_lon
+            sin(lat),
+            cos_lat1=cos(lat),
+            lon1=lon,
+            sin_lat2=sin(other_lat),
+            cos_lat2=cos(other_lat),
+            lon2=other_lon,
         )
         here, there = (
             np.array((cos(a) * cos(b), cos(a) * sin(b), sin(a)))

@@ -18,11 +18,11 @@ def to_target(onboard, nav):
     site, planet = onboard.site, onboard.planet
     arc, bearing = great_circle(
         sin(nav.latitude),
-        cos(nav.latitude),
-        nav.longitude,
-        sin(site.aim_latitude),
-        cos(site.aim_latitude),
-        site.aim_longitude,
+        cos_lat1=cos(nav.latitude),
+        lon1=nav.longitude,
+        sin_lat2=sin(site.aim_latitude),
+        cos_lat2=cos(site.aim_latitude),
+        lon2=site.aim_longitude,
     )
     crossrange = asin(clamp(sin(arc) * sin(nav.azimuth - bearing), -1.0, 1.0))
     ahead = atan2(sin(arc) * cos(nav.azimuth - bearing), cos(arc))

@@ -119,11 +119,11 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
     radar = radar and count_usable(health, sensed.radar, onboard.instruments.n_beams) > 0
     if stars or radar or memory.interval.dt > params.covariance_interval - early:
-        _carry_forward(params, onboard, health, radar, solution, memory)
+        _carry_forward(params, onboard, health, radar, solution, memory=memory)
         if stars:
-            look_at_stars(params, onboard, sensed, motion, solution, memory)
+            look_at_stars(params, onboard, sensed, motion, solution, memory=memory)
         if radar:
-            look_at_radar(params, onboard, health, sensed, motion, solution, memory)
+            look_at_radar(params, onboard, health, sensed, motion, solution=solution, memory=memory)
         apply_correction(memory, solution)
         claim(onboard.planet, memory.covariance, solution)
 
@@ -145,7 +145,7 @@ def _carry_forward(params, onboard, health, radar, solution, memory):
         way = scale(memory.interval.dt, v_rel_I)
         follow_slope(dot(north, way), dot(east, way), solution, memory.covariance)
     height = altitude - onboard.site.altitude - solution.terrain
-    add_process_noise(params, instruments, v_rel_I, up, height, q, memory)
+    add_process_noise(params, instruments, v_rel_I, up, height, q=q, memory=memory)
     begin_interval(memory.interval)
 
 

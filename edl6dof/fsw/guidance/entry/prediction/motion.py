@@ -78,12 +78,18 @@ def step(onboard, drag_ratio, lift_ratio, r, v, a, lift_up, lift_right, dt):
     half = 0.5 * dt
     v2 = add(v, scale(half, a))
     r2 = add(r, scale(half, v))
-    a2, _, _ = acceleration(onboard, drag_ratio, lift_ratio, r2, v2, lift_up, lift_right)
+    a2, _, _ = acceleration(
+        onboard, drag_ratio, lift_ratio, r=r2, v=v2, lift_up=lift_up, lift_right=lift_right
+    )
     v3 = add(v, scale(half, a2))
     r3 = add(r, scale(half, v2))
-    a3, _, _ = acceleration(onboard, drag_ratio, lift_ratio, r3, v3, lift_up, lift_right)
+    a3, _, _ = acceleration(
+        onboard, drag_ratio, lift_ratio, r=r3, v=v3, lift_up=lift_up, lift_right=lift_right
+    )
     v4 = add(v, scale(dt, a3))
-    a4, _, _ = acceleration(onboard, drag_ratio, lift_ratio, add(r, scale(dt, v3)), v4, lift_up, lift_right)
+    a4, _, _ = acceleration(
+        onboard, drag_ratio, lift_ratio, r=add(r, scale(dt, v3)), v=v4, lift_up=lift_up, lift_right=lift_right
+    )
     sixth = dt / 6.0
     return (
         add(r, scale(sixth, add(add(v, v4), scale(2.0, add(v2, v3))))),
