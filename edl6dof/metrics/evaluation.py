@@ -165,6 +165,4 @@ def _place(rows: Telemetry, t: float) -> tuple[float, float]:
 
 
 def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
-    return great_circle(
-        sin(a[0]), cos_lat1=cos(a[0]), lon1=a[1], sin_lat2=sin(b[0]), cos_lat2=cos(b[0]), lon2=b[1]
-    )
+    return great_circle(a, b)

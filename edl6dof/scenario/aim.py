@@ -91,15 +91,7 @@ def _deploying_phase(scenario: Scenario) -> int | None:
 def _azimuth_at_site(scenario: Scenario, site: np.void) -> float:
     """Azimuth (rad) in which the great circle from the initial state arrives at the site."""
     lat, lon = radians(scenario.initial.latitude_deg), radians(scenario.initial.longitude_deg)
-    here = float(site["latitude"])
-    _, back = great_circle(
-        sin(here),
-        cos_lat1=cos(here),
-        lon1=float(site["longitude"]),
-        sin_lat2=sin(lat),
-        cos_lat2=cos(lat),
-        lon2=lon,
-    )
+    _, back = great_circle((float(site["latitude"]), float(site["longitude"])), (lat, lon))
     return back + pi
 
 

@@ -186,14 +186,13 @@ def _trim(vehicle, table, gas, mach, goal, search):
 @kernel
 def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
     """Fx and Fz (m2, force over dynamic pressure) and pitching moment about the centre of mass (m3)."""
-    u, w = cos(alpha), sin(alpha)
-    fx, _, fz, _, my, _ = capsule_aero(
-        vehicle.aero, table, gas, qbar=1.0, mach=mach, rho=CONTINUUM, u=u, v=0.0, w=w, p=0.0, q=0.0, r=0.0
-    )
+    v_air = cos(alpha), 0.0, sin(alpha)
+    air = gas, 1.0, mach, CONTINUUM
+    fx, _, fz, _, my, _ = capsule_aero(vehicle.aero, table, air, v_air, (0.0, 0.0, 0.0))
     cg_x, cg_z = vehicle.mass.entry_centre[0], vehicle.mass.entry_centre[2]
     my += (0.0 - cg_z) * fx - (table.moment_reference_x - cg_x) * fz
     for i in range(vehicle.n_surfaces):
-        gx, _, gz, _, ny, _ = wing_force(vehicle.surfaces[i], deflection=wing, qbar=1.0, u=u, v=0.0, w=w)
+        gx, _, gz, _, ny, _ = wing_force(vehicle.surfaces[i], wing, 1.0, v_air)
         ny += -cg_z * gx + cg_x * gz
         fx, fz, my = fx + gx, fz + gz, my + ny
     return fx, fz, my

@@ -44,6 +44,8 @@ MAX_ROWS, TOO_LOW = 8000, 4000.0
 #: how many flights are made to find it.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
+#: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
+AS_BELIEVED = (1.0, 1.0)
 #: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
 SCRATCH = np.dtype(
     [
@@ -192,9 +194,7 @@ def look(onboard, t, s):
     """Write what mission, steering and reversal logics watch."""
     planet, nav = onboard.planet, s.nav
     r, v = take3(s.r, 0), take3(s.v, 0)
-    _, nav.drag, _ = acceleration(
-        onboard, drag_ratio=1.0, lift_ratio=1.0, r=r, v=v, lift_up=1.0, lift_right=0.0
-    )
+    _, nav.drag, _ = acceleration(onboard, AS_BELIEVED, r, v, (1.0, 0.0))
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
     v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v)
     put3(nav.v_N, 0, v_N)
@@ -217,8 +217,9 @@ def advance(onboard, s, dt):
     """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
     r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
     s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
-    a, _, _ = acceleration(onboard, drag_ratio=1.0, lift_ratio=1.0, r=r, v=v, lift_up=up, lift_right=right)
-    r, v = step(onboard, drag_ratio=1.0, lift_ratio=1.0, r=r, v=v, a=a, lift_up=up, lift_right=right, dt=dt)
+    shares = up, right
+    a, _, _ = acceleration(onboard, AS_BELIEVED, r, v, shares)
+    r, v = step(onboard, AS_BELIEVED, r, v, a, lift_shares=shares, dt=dt)
     put3(s.r, 0, r)
     put3(s.v, 0, v)
 

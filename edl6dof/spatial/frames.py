@@ -217,10 +217,13 @@ def attitude_from_wind_angles(v, up, bank, alpha, beta):
 
 
 @kernel
-def great_circle(sin_lat1, cos_lat1, lon1, sin_lat2, cos_lat2, lon2):
-    """Central angle and initial azimuth (from north, clockwise) from point 1 to point 2, rad."""
-    dlon = lon2 - lon1
-    sin_dlon, cos_dlon = sincos(dlon)
+def great_circle(start, end):
+    """Central angle and initial azimuth (from north, clockwise) from one point (latitude, longitude) to
+    another, rad.
+    """
+    sin_lat1, cos_lat1 = sin(start[0]), cos(start[0])
+    sin_lat2, cos_lat2 = sin(end[0]), cos(end[0])
+    sin_dlon, cos_dlon = sincos(end[1] - start[1])
     a = cos_lat2 * sin_dlon
     b = cos_lat1 * sin_lat2 - sin_lat1 * cos_lat2 * cos_dlon
     c = sin_lat1 * sin_lat2 + cos_lat1 * cos_lat2 * cos_dlon

@@ -86,19 +86,11 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     qbar = 0.5 * density * speed * speed
     wrench = aerodynamic_wrench(
         vehicle.aero,
-        table=tables.aero,
-        body_table=tables.body,
-        gas=case.planet.gas,
+        (tables.aero, tables.body),
+        air=(case.planet.gas, qbar, mach, density),
         configuration=plant.shape,
-        qbar=qbar,
-        mach=mach,
-        rho=density,
-        u=v_air[0],
-        v=v_air[1],
-        w=v_air[2],
-        p=w[0],
-        q=w[1],
-        r=w[2],
+        v_air=v_air,
+        rate=w,
     )
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
@@ -110,9 +102,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
         opening, carrier = extension(case, plant, i, t), case.carrier[i]
         least = min(least, opening)
         if opening > 0.0 and (carrier < 0 or plant.attached[carrier] != 0):
-            wing = wing_force(
-                vehicle.surfaces[i], deflection=opening, qbar=qbar, u=v_air[0], v=v_air[1], w=v_air[2]
-            )
+            wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air)
             wing_f = (wing[0], wing[1], wing[2])
             force = add(force, wing_f)
             moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))

@@ -16,14 +16,7 @@ def to_target(onboard, nav):
     left along the course until the aim point lies abeam; negative beyond it.
     """
     site, planet = onboard.site, onboard.planet
-    arc, bearing = great_circle(
-        sin(nav.latitude),
-        cos_lat1=cos(nav.latitude),
-        lon1=nav.longitude,
-        sin_lat2=sin(site.aim_latitude),
-        cos_lat2=cos(site.aim_latitude),
-        lon2=site.aim_longitude,
-    )
+    arc, bearing = great_circle((nav.latitude, nav.longitude), (site.aim_latitude, site.aim_longitude))
     crossrange = asin(clamp(sin(arc) * sin(nav.azimuth - bearing), -1.0, 1.0))
     ahead = atan2(sin(arc) * cos(nav.azimuth - bearing), cos(arc))
     radius = planet.equatorial_radius

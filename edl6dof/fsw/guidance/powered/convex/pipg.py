@@ -103,15 +103,12 @@ def solve(landing, most, plan):
             elif time - plan.to_go[k] < landing.now:
                 low, high = landing.low_now, landing.high_now
             cos_tilt = landing.cos_last_tilt if k == CONTROLS - 1 else landing.cos_tilt
-            x, y, z = nearest_thrust(
+            start = (
                 u[k, 0] - tau * (flat * px + slant * qx + plan.push[k, 0]),
-                y=u[k, 1] - tau * (flat * py + slant * qy + plan.push[k, 1]),
-                z=u[k, 2] - tau * (flat * pz + slant * qz + plan.push[k, 2]),
-                price=tau,
-                low=low / plan.mass[k],
-                high=high / plan.mass[k],
-                cos_tilt=cos_tilt,
+                u[k, 1] - tau * (flat * py + slant * qy + plan.push[k, 1]),
+                u[k, 2] - tau * (flat * pz + slant * qz + plan.push[k, 2]),
             )
+            x, y, z = nearest_thrust(start, tau, low / plan.mass[k], high / plan.mass[k], cos_tilt)
             dx, dy, dz = x - u[k, 0], y - u[k, 1], z - u[k, 2]
             w[k, 0], w[k, 1], w[k, 2] = x, y, z
             moved += step * (dx * dx + dy * dy + dz * dz)
