@@ -35,7 +35,7 @@ from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
-from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
+from edl6dof.fsw.modulation import command_valves, excess_torque, modulate, open_alone, open_for_test
 from edl6dof.fsw.navigation.derived import derive
 from edl6dof.fsw.navigation.drag_filter import filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
@@ -117,7 +117,7 @@ def run(onboard, sensed, k, fsw):
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
     follow_events(vehicle, onboard.mission, nav.t, command.request, state)
     switch_engine(onboard.mission, command.request, state, goal)
-    count_propellant(vehicle, goal.thrust, command, dt, control_dt, state=state)
+    count_propellant(vehicle, goal.thrust, fsw.modulation, dt, control_dt, state=state)
     for i in range(command.request.shape[0]):
         if command.request[i] != 0:
             restart(fsw.diagnosis)
@@ -137,6 +137,7 @@ def run(onboard, sensed, k, fsw):
     replace_landing_point(external, fsw.landing_point)
 
     # guidance
+    last_bank = goal.bank
     guide(
         onboard,
         kind=phase.guidance,
@@ -150,14 +151,13 @@ def run(onboard, sensed, k, fsw):
         goal=goal,
         own=own,
     )
-    replace_bank(external, onboard.guidance.entry.bank_rate, command.bank, dt, goal)
+    replace_bank(external, onboard.guidance.entry.bank_rate, last_bank, dt, goal)
     replace_thrust(external, onboard.guidance.powered, state, nav.t, goal)
     command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
 
-    opens, closes, count = command.opens, command.closes, vehicle.n_thrusters
-    healthy, disturbance = fsw.health.thruster, fsw.disturbance
+    count, healthy, disturbance = vehicle.n_thrusters, fsw.health.thruster, fsw.disturbance
     update_effectiveness(vehicle, state.configuration, fsw.effectiveness)
     effectiveness = fsw.effectiveness.matrix
     inertia = vehicle.configuration[state.configuration].inertia
@@ -228,7 +228,7 @@ def run(onboard, sensed, k, fsw):
                 memory=fsw.diagnosis,
                 healthy=healthy,
             )
-        open_alone(thruster, on, count, nav.t, opens, closes=closes)
+        open_alone(thruster, on, count, nav.t, fsw.modulation)
     else:
         # attitude control
         gather_inputs(
@@ -238,7 +238,7 @@ def run(onboard, sensed, k, fsw):
             phase_time=nav.t - fsw.mission.phase_start,
             disturbance=disturbance,
             saturated=fsw.allocation.saturated,
-            excess=excess_torque(effectiveness, count, opens, closes, fsw.allocation.duty, cycle=control_dt),
+            excess=excess_torque(effectiveness, count, control_dt, fsw.modulation),
             inputs=fsw.control.inputs,
         )
         torque, error = attitude_control(
@@ -252,7 +252,16 @@ def run(onboard, sensed, k, fsw):
         )
         torque = replace_torque(external, torque, own)
         compose_demand(
-            phase, vehicle, state, healthy, nav, goal=goal, torque=torque, error=error, demand=fsw.demand
+            phase,
+            vehicle,
+            effectiveness,
+            state,
+            healthy,
+            nav=nav,
+            goal=goal,
+            torque=torque,
+            error=error,
+            demand=fsw.demand,
         )
 
         # allocation
@@ -267,8 +276,6 @@ def run(onboard, sensed, k, fsw):
             nav.t,
             cycle=control_dt,
             memory=fsw.modulation,
-            opens=opens,
-            closes=closes,
         )
         i, j = pair_to_test(
             onboard.diagnosis.exercise,
@@ -276,9 +283,7 @@ def run(onboard, sensed, k, fsw):
             effectiveness,
             healthy,
             fsw.diagnosis,
-            busy_until=fsw.modulation.busy_until,
-            opens=opens,
-            closes=closes,
+            valves=fsw.modulation,
             sideways=phase.guidance == G_AVOID,
             axial=abs(nav.specific_force_B[0]) * state.mass,
             start=fsw.mission.phase_start,
@@ -287,11 +292,8 @@ def run(onboard, sensed, k, fsw):
             memory=fsw.diagnosis.exercise,
         )
         if i != NONE:
-            open_for_test(
-                i, vehicle, nav.t, cycle=control_dt, memory=fsw.modulation, opens=opens, closes=closes
-            )
+            open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation)
         if j != NONE:
-            open_for_test(
-                j, vehicle, nav.t, cycle=control_dt, memory=fsw.modulation, opens=opens, closes=closes
-            )
-    remember(opens, closes, count, fsw.estimation.activity)
+            open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation)
+    command_valves(count, fsw.modulation, command)
+    remember(fsw.modulation, count, fsw.estimation.activity)

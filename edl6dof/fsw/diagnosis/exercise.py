@@ -67,45 +67,43 @@ def opposite(effectiveness, count, i):
 
 
 @kernel
-def is_free(i, t, healthy, busy_until, opens, closes):
+def is_free(i, t, healthy, valves):
     """Whether a thruster is in use, and shut during this cycle."""
-    return i != NONE and healthy[i] != 0 and closes[i] <= opens[i] and busy_until[i] <= t
+    return i != NONE and healthy[i] != 0 and valves.closes[i] <= valves.opens[i] and valves.busy_until[i] <= t
 
 
 @kernel
-def has_answered(i, busy_until, t, dt, memory):
+def has_answered(i, valves, t, dt, memory):
     """Whether what thruster ``i`` was last used for has been measured."""
-    return t >= max(busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
+    return t >= max(valves.busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
 
 
 @kernel
-def is_quiet(branches, b, count, busy_until, t, dt, memory):
+def is_quiet(branches, b, count, valves, t, dt, memory):
     """Whether what branch ``b`` was last used for has been measured."""
-    for i in range(count):
-        if branches.of[i] == b and not has_answered(i, busy_until, t, dt, memory):
+    for i in range(count):  # noqa: SIM110
+        if branches.of[i] == b and not has_answered(i, valves, t, dt, memory):
             return False
     return True
 
 
 @kernel
-def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory):
+def retest(params, vehicle, effectiveness, healthy, diagnosis, valves, t, dt, memory):
     """The thruster to try alone, of several the one that has rested longest; or the suspect of force and
     torque with its opposite number; or twice ``NONE``.
     """
     branches, count = vehicle.branches, vehicle.n_thrusters
     rested, oldest = NONE, t
     for i in range(count):
-        if not is_free(i, t, healthy, busy_until, opens, closes=closes) or memory.used[i] >= oldest:
+        if not is_free(i, t, healthy, valves) or memory.used[i] >= oldest:
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
             needs_trial(i, diagnosis.flow)
-            and is_quiet(
-                branches, b=branches.of[i], count=count, busy_until=busy_until, t=t, dt=dt, memory=memory
-            )
+            and is_quiet(branches, b=branches.of[i], count=count, valves=valves, t=t, dt=dt, memory=memory)
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )
-        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
+        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, valves, t, dt, memory):
             rested, oldest = i, memory.used[i]
     if rested != NONE:
         return rested, NONE
@@ -118,9 +116,7 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
     ):
         return NONE, NONE
     j = opposite(effectiveness, count, i)
-    if is_free(i, t, healthy, busy_until, opens, closes=closes) and is_free(
-        j, t, healthy, busy_until, opens, closes=closes
-    ):
+    if is_free(i, t, healthy, valves) and is_free(j, t, healthy, valves):
         return i, j
     return NONE, NONE
 
@@ -132,9 +128,7 @@ def longest_rested(
     count,
     effectiveness,
     healthy,
-    busy_until,
-    opens,
-    closes,
+    valves,
     sideways,
     waiting,
     flow,
@@ -151,8 +145,8 @@ def longest_rested(
         if memory.used[i] < min(due, oldest) and not needs_trial(i, flow):
             j = opposite(effectiveness, count, i)
             if (
-                is_free(i, t, healthy, busy_until, opens, closes=closes)
-                and is_free(j, t, healthy, busy_until, opens, closes=closes)
+                is_free(i, t, healthy, valves)
+                and is_free(j, t, healthy, valves)
                 and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * axial
             ):
                 first, second, oldest = i, j, memory.used[i]
@@ -166,9 +160,7 @@ def pair_to_test(
     effectiveness,
     healthy,
     diagnosis,
-    busy_until,
-    opens,
-    closes,
+    valves,
     sideways,
     axial,
     start,
@@ -185,9 +177,7 @@ def pair_to_test(
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         healthy: whether each may be used.
         diagnosis: ``DIAGNOSIS`` record: what is thought at present.
-        busy_until: end of the shortest pulse under way of each, s.
-        opens: valve openings of this control cycle, s.
-        closes: valve closings, s.
+        valves: ``MODULATION`` record: the valve intervals of this control cycle.
         sideways: whether the vehicle flies sideways.
         axial: measured axial force, N: it is taken for drag or thrust, so what adds to it must be small.
         start: when the phase began, s.
@@ -199,7 +189,7 @@ def pair_to_test(
         return NONE, NONE
     count = vehicle.n_thrusters
     for i in range(count):
-        if closes[i] > opens[i] + 0.5 * dt:
+        if valves.closes[i] > valves.opens[i] + 0.5 * dt:
             memory.used[i] = t
     i, j = retest(
         params,
@@ -207,9 +197,7 @@ def pair_to_test(
         effectiveness,
         healthy,
         diagnosis,
-        busy_until=busy_until,
-        opens=opens,
-        closes=closes,
+        valves=valves,
         t=t,
         dt=dt,
         memory=memory,
@@ -225,9 +213,7 @@ def pair_to_test(
             count,
             effectiveness,
             healthy,
-            busy_until=busy_until,
-            opens=opens,
-            closes=closes,
+            valves=valves,
             sideways=sideways,
             waiting=waiting,
             flow=diagnosis.flow,
