@@ -14,8 +14,8 @@ from edl6dof.fsw.allocation.update import allocate
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
-from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
-from edl6dof.fsw.diagnosis.exercise import pair_to_test
+from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
+from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
 from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
@@ -189,11 +189,10 @@ def run(onboard, sensed, k, fsw):
     )
 
     # fault isolation
-    diagnose(
-        onboard.diagnosis,
-        metered=onboard.flow_meters != 0,
-        instruments=onboard.instruments,
+    signals = DiagnosisSignals(
         vehicle=vehicle,
+        instruments=onboard.instruments,
+        metered=onboard.flow_meters != 0,
         used=sensed.branch_used,
         effectiveness=effectiveness,
         activity=fsw.estimation.activity,
@@ -201,10 +200,10 @@ def run(onboard, sensed, k, fsw):
         unexplained=disturbance.unexplained,
         t=nav.t,
         dt=control_dt,
-        memory=fsw.diagnosis,
         healthy=healthy,
         shut=command.shut,
     )
+    diagnose(onboard.diagnosis, signals, fsw.diagnosis)
     replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)
@@ -219,15 +218,7 @@ def run(onboard, sensed, k, fsw):
             onboard.check_out, effectiveness, inertia, nav.t, rate, dt=control_dt, memory=fsw.check_out
         )
         if loss > 0.0 and healthy[thruster] != 0:
-            isolate_dead(
-                onboard.diagnosis,
-                vehicle,
-                i=thruster,
-                loss=loss,
-                t=nav.t,
-                memory=fsw.diagnosis,
-                healthy=healthy,
-            )
+            isolate_dead(onboard.diagnosis, signals, thruster, loss, fsw.diagnosis)
         open_alone(thruster, on, count, nav.t, fsw.modulation)
     else:
         # attitude control
@@ -277,20 +268,19 @@ def run(onboard, sensed, k, fsw):
             cycle=control_dt,
             memory=fsw.modulation,
         )
-        i, j = pair_to_test(
-            onboard.diagnosis.exercise,
-            vehicle,
-            effectiveness,
-            healthy,
-            fsw.diagnosis,
+        resting = ExerciseSignals(
+            vehicle=vehicle,
+            effectiveness=effectiveness,
+            healthy=healthy,
+            diagnosis=fsw.diagnosis,
             valves=fsw.modulation,
             sideways=phase.guidance == G_AVOID,
             axial=abs(nav.specific_force_B[0]) * state.mass,
             start=fsw.mission.phase_start,
             t=nav.t,
             dt=control_dt,
-            memory=fsw.diagnosis.exercise,
         )
+        i, j = pair_to_test(onboard.diagnosis.exercise, resting, fsw.diagnosis.exercise)
         if i != NONE:
             open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation)
         if j != NONE:
