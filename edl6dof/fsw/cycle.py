@@ -201,9 +201,10 @@ def run(onboard, sensed, k, fsw):
         t=nav.t,
         dt=control_dt,
         healthy=healthy,
-        shut=command.shut,
     )
     diagnose(onboard.diagnosis, signals, fsw.diagnosis)
+    for b in range(vehicle.branches.count):
+        command.shut[b] = fsw.diagnosis.leak.shut[b]
     replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)

@@ -13,14 +13,17 @@ def long_calls_by_position(_, source):
     """``line: function calls name`` of calls in kernels that give more arguments by position than are
     easily counted; an unpacked sequence counts as many, unless it stands alone.
 
-    Numba checks no types: two numbers in the wrong order compile, and fly.
+    Numba checks no types: two numbers in the wrong order compile, and fly.  Functions that are passed as
+    arguments, the fields of a record of them, have no names of arguments in compiled code.
     """
     return [
         f"{call.lineno}: {function.name} calls {ast.unparse(call.func)}"
         for function in nodes(source)
         if isinstance(function, ast.FunctionDef) and is_kernel(function)
         for call in ast.walk(function)
-        if isinstance(call, ast.Call) and _by_position(call) > MOST_BY_POSITION
+        if isinstance(call, ast.Call)
+        and isinstance(call.func, ast.Name)
+        and _by_position(call) > MOST_BY_POSITION
     ]
 
 
@@ -33,9 +36,7 @@ def test_calls_in_kernels_name_all_arguments_but_the_first_five():
     assert breaches(long_calls_by_position, modules()) == {}
 
 
-@pytest.mark.parametrize(
-    "call", ["step(a, b, c, d, e, f)", "math.step(a, b, c, d, e, f, g=1)", "step(a, *b)"]
-)
+@pytest.mark.parametrize("call", ["step(a, b, c, d, e, f)", "step(a, b, c, d, e, f, g=1)", "step(a, *b)"])
 def test_planted_long_call_is_found(call):
     source = f"@kernel\ndef f(a, b):\n    return {call}\n"
     assert long_calls_by_position("", source) == [f"3: f calls {call.split('(')[0]}"]

@@ -129,7 +129,7 @@ DIAGNOSIS = np.dtype(
 
 
 class DiagnosisSignals(NamedTuple):
-    """What diagnosis exchanges with other modules in a control cycle.
+    """Signals that diagnosis exchanges with other modules in a control cycle.
 
     Attributes:
         vehicle: believed vehicle (thrusters, branches).
@@ -143,7 +143,6 @@ class DiagnosisSignals(NamedTuple):
         t: present time, s.
         dt: control cycle, s.
         healthy: updated, 0 for a thruster that is not to be used.
-        shut: updated, 1 for a branch whose latch valve is to be shut.
     """
 
     vehicle: Any
@@ -157,11 +156,10 @@ class DiagnosisSignals(NamedTuple):
     t: Any
     dt: Any
     healthy: Any
-    shut: Any
 
 
 #: The signals that diagnosis writes.
-WRITES = ("healthy", "shut")
+WRITES = ("healthy",)
 
 
 @kernel
@@ -229,11 +227,11 @@ def look_into_leak(params, signals, memory):
         note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
         leak.branch = NONE
     elif found == METER_FAILED:
-        give_back(vehicle.n_thrusters, leak, signals.healthy, signals.shut)
+        give_back(vehicle.n_thrusters, leak, signals.healthy)
         distrust_meter(leak.branch, signals.t, memory)
         leak.branch = NONE
     elif found == SOUND:
-        give_back(vehicle.n_thrusters, leak, signals.healthy, signals.shut)
+        give_back(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
         if best.kind == STUCK_OFF or best.kind == DEGRADED:
             isolate_likeliest(params, signals, memory)
@@ -285,7 +283,7 @@ def diagnose(params, signals, memory):
         params.flow, signals.instruments, vehicle, signals.used, activity.share, dt=signals.dt, memory=flow
     ):
         keep = 1.0 - 1.0 / params.memory_cycles
-        weigh_flow(params.flow, keep, vehicle, activity.share, signals.shut, memory=flow)
+        weigh_flow(params.flow, keep, vehicle, activity.share, memory.leak.shut, memory=flow)
     if memory.leak.branch != NONE:
         look_into_leak(params, signals, memory)
         return

@@ -54,7 +54,7 @@ EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=
 
 
 class ExerciseSignals(NamedTuple):
-    """What the exercise looks at in a control cycle.
+    """Signals that the exercise takes in a control cycle.
 
     Attributes:
         vehicle: believed vehicle (thrusters: group, minimum pulse).

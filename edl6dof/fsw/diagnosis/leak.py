@@ -37,6 +37,7 @@ MOST_LOOKS = 20  # after which the likeliest is named, however likely
 LEAK = np.dtype(
     [
         ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is looked into
+        ("shut", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be shut
         ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
         ("told", FLAG),  # by a meter: one of them leaks
         ("open", FLAG),  # the latch valve
@@ -107,7 +108,7 @@ def open_leak(params, signals, b, told, residual, memory):
         forget(memory.sums[i])
         memory.idle[i] = 1.0 - signals.activity.share[i]
         memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
-    shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, signals.shut)
+    shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, memory)
     mean_of(residual, 1, 1, memory.after)
     if told and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
@@ -149,7 +150,7 @@ def follow_leak(params, signals, flow, residual, memory):
 
     The time between looks varies: a canopy that breathes at the rate of the looks would look like a thruster.
     """
-    b, count, shut = memory.branch, signals.vehicle.n_thrusters, signals.shut
+    b, count = memory.branch, signals.vehicle.n_thrusters
     memory.cycles += 1
     if MIXED < memory.cycles <= MIXED + LOOK:
         for j in range(6):
@@ -169,28 +170,28 @@ def follow_leak(params, signals, flow, residual, memory):
             if memory.told == 0 and confidence < params.confidence:
                 return SOUND, confidence
             memory.open = 0
-            shut[b] = 1
+            memory.shut[b] = 1
             return NAMED, confidence
     if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
         memory.open = 1 - memory.open
-        shut[b] = 1 - memory.open
+        memory.shut[b] = 1 - memory.open
         look_again(residual, memory)
     return UNDER_WAY, 0.0
 
 
 @kernel
-def shut_branch(branches, count, b, healthy, shut):
+def shut_branch(branches, count, b, healthy, memory):
     """Shut the latch valve of branch ``b``: none of its thrusters can be used."""
-    shut[b] = 1
+    memory.shut[b] = 1
     for i in range(count):
         if branches.of[i] == b:
             healthy[i] = 0
 
 
 @kernel
-def give_back(count, memory, healthy, shut):
+def give_back(count, memory, healthy):
     """Open the branch again: its candidates are sound."""
-    shut[memory.branch] = 0
+    memory.shut[memory.branch] = 0
     for i in range(count):
         if memory.candidate[i] != 0:
             healthy[i] = 1

@@ -51,7 +51,6 @@ def look(onboards, sensed, memories, load, t):
         t=t,
         dt=DT,
         healthy=memory.health.thruster,
-        shut=memory.command.shut,
     )
     DIAGNOSE(onboard.diagnosis, signals, memory.diagnosis)
 
@@ -70,7 +69,7 @@ class Watch:
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory, self.activity = self.fsw["diagnosis"], self.fsw["estimation"]["activity"]
         self.memory["leak"]["branch"] = self.memory["hypotheses"]["meter"] = NONE
-        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.fsw["command"]["shut"][0]
+        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.memory["leak"]["shut"][0]
         self.unexplained, self.used = self.fsw["disturbance"]["unexplained"][0], self.sensed["branch_used"][0]
         self.healthy[:] = 1
         self.t, self.asked = 0.0, np.zeros(32)
@@ -137,8 +136,7 @@ def test_diagnosis_writes_its_memory_and_the_signals_that_it_declares(
 
     def watched(onboard, sensed, fsw, load, t):
         records = {"onboard": onboard, "sensed": sensed}
-        records |= {name: fsw[name] for name in FSW.names if name not in ("diagnosis", "command")}
-        records |= {name: fsw["command"][name] for name in fsw["command"].dtype.names}
+        records |= {name: fsw[name] for name in FSW.names if name != "diagnosis"}
         before = {name: record.tobytes() for name, record in records.items()}
         plain(onboard, sensed, fsw, load, t)
         changed.update(name for name, record in records.items() if record.tobytes() != before[name])
@@ -148,7 +146,7 @@ def test_diagnosis_writes_its_memory_and_the_signals_that_it_declares(
         watch = Watch(shared_onboard, effectiveness)
         for _ in range(80):
             watch.cycle(fault)
-    assert changed == {"health", "shut"} and set(WRITES) == {"healthy", "shut"}
+    assert changed == {"health"} and WRITES == ("healthy",)
 
 
 @pytest.fixture(scope="module")
