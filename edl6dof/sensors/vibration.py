@@ -22,7 +22,7 @@ from pydantic import model_validator
 from edl6dof.config.base import Params, group, param
 from edl6dof.jit import kernel
 from edl6dof.sensors.thrust_share import thrust_share
-from edl6dof.spatial.elementary import cos, exp, sin
+from edl6dof.spatial.elementary import exp, sincos
 from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
@@ -111,9 +111,11 @@ def tone(params, mount, share, t):
     """Rate (rad/s), turn (rad) and velocity (m/s) of the tone at ``share`` of full thrust, B."""
     pulsation = 2.0 * pi * params.frequency
     angle = pulsation * t
-    a, b, c = angle + mount.phase[0], angle + mount.phase[1], angle + mount.phase[2]
-    wave = (-cos(a), -cos(b), -cos(c))
-    rate = scale(share * params.rate, (sin(a), sin(b), sin(c)))
+    sin_x, cos_x = sincos(angle + mount.phase[0])
+    sin_y, cos_y = sincos(angle + mount.phase[1])
+    sin_z, cos_z = sincos(angle + mount.phase[2])
+    wave = (-cos_x, -cos_y, -cos_z)
+    rate = scale(share * params.rate, (sin_x, sin_y, sin_z))
     turn = scale(share * params.rate / pulsation, wave)
     swing = scale(share * params.acceleration / pulsation, wave)
     return rate, turn, swing
@@ -124,10 +126,9 @@ def oscillate(params, key, dt, cycle, memory):
     """Bring the oscillators of ``memory`` over ``dt`` s."""
     pulsation, decay = 2.0 * pi * params.frequency, pi * params.bandwidth
     turning = sqrt(pulsation * pulsation - decay * decay)
-    fading = exp(-decay * dt)
-    across = fading * pulsation / turning * sin(turning * dt)
-    lean = fading * decay / turning * sin(turning * dt)
-    kept = fading * cos(turning * dt)
+    fading, (sine, cosine) = exp(-decay * dt), sincos(turning * dt)
+    across, lean = fading * pulsation / turning * sine, fading * decay / turning * sine
+    kept = fading * cosine
     # the lower triangular root of I - P P', P = ((kept + lean, across), (-across, kept - lean))
     first = sqrt(max(1.0 - (kept + lean) ** 2 - across * across, 0.0))
     both = 2.0 * across * lean / first if first > 0.0 else 0.0

@@ -221,8 +221,7 @@ def great_circle(start, end):
     """Central angle and initial azimuth (from north, clockwise) from one point (latitude, longitude) to
     another, rad.
     """
-    sin_lat1, cos_lat1 = sin(start[0]), cos(start[0])
-    sin_lat2, cos_lat2 = sin(end[0]), cos(end[0])
+    (sin_lat1, cos_lat1), (sin_lat2, cos_lat2) = sincos(start[0]), sincos(end[0])
     sin_dlon, cos_dlon = sincos(end[1] - start[1])
     a = cos_lat2 * sin_dlon
     b = cos_lat1 * sin_lat2 - sin_lat1 * cos_lat2 * cos_dlon

@@ -134,11 +134,14 @@ def retest(params, signals, memory):
     vehicle, diagnosis, t = signals.vehicle, signals.diagnosis, signals.t
     rested, oldest = NONE, t
     for i in range(vehicle.n_thrusters):
-        if not is_free(i, signals) or memory.used[i] >= oldest:
+        doubted = needs_trial(i, diagnosis.flow)
+        if not (doubted or diagnosis.flow.asked[i] != 0) or memory.used[i] >= oldest:
+            continue
+        if not is_free(i, signals):
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
-            needs_trial(i, diagnosis.flow)
+            doubted
             and is_quiet(vehicle.branches.of[i], signals, memory)
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )

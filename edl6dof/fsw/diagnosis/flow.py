@@ -166,17 +166,22 @@ def follow_rest(vehicle, memory):
     """Count for each meter the cycles of rest on end, in which no thruster of its branch was to fire, that it
     read a flow in, and less of it than an open valve lets through.
     """
-    of = vehicle.branches.of
     for b in range(vehicle.branches.count):
         if memory.expected[b] > 0.0:
             continue
-        least = vehicle.branches.full_flow[b]
-        for i in range(vehicle.n_thrusters):
-            if of[i] == b:
-                least = min(least, full_flow(vehicle.thrusters[i]))
         flow = memory.residual[b]
-        astray = flow < LEAST_OPEN * least and cannot_be(b, flow, memory)
+        astray = cannot_be(b, flow, memory) and flow < LEAST_OPEN * least_flow(vehicle, b)
         memory.astray[b] = memory.astray[b] + 1 if astray else 0
+
+
+@kernel
+def least_flow(vehicle, b):
+    """Flow of the smallest thruster of branch ``b``, kg/s."""
+    least = vehicle.branches.full_flow[b]
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            least = min(least, full_flow(vehicle.thrusters[i]))
+    return least
 
 
 @kernel
@@ -233,11 +238,13 @@ def cross_check(params, vehicle, share, memory):
     """Note what each meter reads of the others once a thruster of its branch shows a loss, and ask them to
     fire until it has been read.
     """
-    of = vehicle.branches.of
+    of, count = vehicle.branches.of, vehicle.n_thrusters
+    for i in range(count):
+        memory.asked[i] = 0
     for b in range(vehicle.branches.count):
         expected, residual = memory.expected[b], memory.residual[b]
         others, most = expected, 0
-        for i in range(vehicle.n_thrusters):
+        for i in range(count if memory.suspecting != 0 else 0):
             if of[i] == b and memory.off[i].cycles > most:
                 given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
                 others, most = expected - given, memory.off[i].cycles
@@ -252,11 +259,11 @@ def cross_check(params, vehicle, share, memory):
             elif by_others:
                 memory.word[b] = IMPEACHED
         ask = most >= LEAST_CYCLES and memory.word[b] == UNHEARD
-        for i in range(vehicle.n_thrusters):
+        impeached = memory.word[b] == IMPEACHED
+        for i in range(count if ask or impeached else 0):
             if of[i] == b:
                 memory.asked[i] = 1 if ask and memory.off[i].cycles == 0 else 0
-                if memory.word[b] == IMPEACHED:
-                    memory.doubtful[i] = 1
+                memory.doubtful[i] = 1 if impeached else memory.doubtful[i]
 
 
 @kernel

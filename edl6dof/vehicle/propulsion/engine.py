@@ -10,7 +10,7 @@ from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vecto
 from edl6dof.config.dtype import dtype_of
 from edl6dof.config.units import G0
 from edl6dof.jit import kernel
-from edl6dof.spatial.elementary import cos, sin
+from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.vector import cross
 from edl6dof.vehicle.propulsion.engine_models.registry import (
     EngineChoice,
@@ -94,8 +94,9 @@ def thrust_wrench(engine, thrust, turn_y, turn_z):
     d = engine.direction
     x, y, z = d[0] * delivered, d[1] * delivered, d[2] * delivered
     # turned about y by ty, then about z by tz
-    x, z = x * cos(ty) + z * sin(ty), z * cos(ty) - x * sin(ty)
-    force = (x * cos(tz) - y * sin(tz), x * sin(tz) + y * cos(tz), z)
+    (sin_y, cos_y), (sin_z, cos_z) = sincos(ty), sincos(tz)
+    x, z = x * cos_y + z * sin_y, z * cos_y - x * sin_y
+    force = (x * cos_z - y * sin_z, x * sin_z + y * cos_z, z)
     n = engine.nozzle
     return force, cross((n[0], n[1], n[2]), force)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.jit import kernel
-from edl6dof.spatial.elementary import asin, atan2, cos, sin
+from edl6dof.spatial.elementary import asin, atan2, sincos
 from edl6dof.spatial.frames import great_circle
 from edl6dof.spatial.vector import clamp
 
@@ -17,8 +17,9 @@ def to_target(onboard, nav):
     """
     site, planet = onboard.site, onboard.planet
     arc, bearing = great_circle((nav.latitude, nav.longitude), (site.aim_latitude, site.aim_longitude))
-    crossrange = asin(clamp(sin(arc) * sin(nav.azimuth - bearing), -1.0, 1.0))
-    ahead = atan2(sin(arc) * cos(nav.azimuth - bearing), cos(arc))
+    (sin_arc, cos_arc), (sin_off, cos_off) = sincos(arc), sincos(nav.azimuth - bearing)
+    crossrange = asin(clamp(sin_arc * sin_off, -1.0, 1.0))
+    ahead = atan2(sin_arc * cos_off, cos_arc)
     radius = planet.equatorial_radius
     return arc * radius, crossrange * radius, ahead * radius
 
