@@ -50,7 +50,7 @@ from edl6dof.fsw.diagnosis.leak import (
     open_leak,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
@@ -116,6 +116,7 @@ ISOLATED = np.dtype(
 DIAGNOSIS = np.dtype(
     [
         ("residual", RESIDUAL),
+        ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
         ("hypotheses", HYPOTHESES),
         ("flow", FLOW),
         ("leak", LEAK),
@@ -166,6 +167,8 @@ WRITES = ("healthy",)
 def restart(memory):
     """Forget evidence and slow disturbance: the vehicle, or what acts on it, has changed."""
     restart_residual(memory.residual)
+    for b in range(MAX_BRANCHES):
+        restart_residual(memory.missing[b])
     forget_all(memory.hypotheses)
     memory.streak = 0
 
@@ -194,9 +197,14 @@ def isolate(params, signals, i, kind, loss, confidence, memory):
 
 @kernel
 def isolate_likeliest(params, signals, memory):
-    """Name the thruster of the best hypothesis."""
-    best = memory.hypotheses
-    isolate(params, signals, best.thruster, best.kind, best.loss, confidence=best.confidence, memory=memory)
+    """Name the thruster of the best hypothesis, or all of a branch that lets nothing through."""
+    best, vehicle = memory.hypotheses, signals.vehicle
+    thruster, branch, kind, loss, confidence = (
+        best.thruster, best.branch, best.kind, best.loss, best.confidence,
+    )  # fmt: skip
+    for i in range(vehicle.n_thrusters):
+        if i == thruster or vehicle.branches.of[i] == branch and signals.healthy[i] != 0:
+            isolate(params, signals, i, kind, loss, confidence=confidence, memory=memory)
 
 
 @kernel
@@ -260,6 +268,24 @@ def may_leak(params, b, load, residual, kind):
 
 
 @kernel
+def follow_missing(params, signals, memory):
+    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
+    the slow part holds them, steady use shows nothing.
+    """
+    vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
+    for b in range(vehicle.branches.count):
+        missing = memory.missing[b]
+        for j in range(6):
+            missing.value[j] = 0.0
+        if memory.flow.losing[b] != 0:
+            for i in range(vehicle.n_thrusters):
+                if vehicle.branches.of[i] == b:
+                    for j in range(6):
+                        missing.value[j] += share[i] * effectiveness[i, j]
+        without_slow_part(params.slow, missing.value, signals.dt, missing)
+
+
+@kernel
 def diagnose(params, signals, memory):
     """One control cycle of diagnosis.
 
@@ -284,6 +310,8 @@ def diagnose(params, signals, memory):
     ):
         keep = 1.0 - 1.0 / params.memory_cycles
         weigh_flow(params.flow, keep, vehicle, activity.share, memory.leak.shut, memory=flow)
+    if metered:
+        follow_missing(params, signals, memory)
     if memory.leak.branch != NONE:
         look_into_leak(params, signals, memory)
         return
@@ -301,6 +329,7 @@ def diagnose(params, signals, memory):
                 activity,
                 load=load,
                 residual=memory.residual,
+                missing=memory.missing,
                 flow=flow,
                 memory=best,
             )
