@@ -73,7 +73,7 @@ def refused(path):
     return str(caught.value)
 
 
-@pytest.mark.parametrize(("first", "last"), [(177, 212), pytest.param(0, 240, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("first", "last"), [(145, 180), pytest.param(0, 240, marks=pytest.mark.long)])
 def test_corrupted_states_are_refused_or_flown(saved, tmp_path, first, last):
     """Seeds of which a few give states that can be flown."""
     files = []
