@@ -15,11 +15,12 @@ from hashlib import sha256
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numba import types
 from pydantic import create_model
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.kernels.functions import Given, Passed, choice
+from edl6dof.kernels.functions import Given, Passed, choice, function_type
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
 #: Arguments that hold a section for each member of a family.
@@ -198,6 +199,14 @@ class Place(NamedTuple):
         found = frozenset(index for index, name in enumerate(known) if name in names)
         for indices in map(frozenset, [[one] for one in found]) if self.path else [found]:
             self.function(indices).compile()
+
+
+def place(
+    title: str, role: Role, path: tuple[str, ...], returns: types.Type, *arguments: types.Type
+) -> Place:
+    """Place whose function takes the index of a member and these arguments, which the role names."""
+    names = "index", *role.arguments
+    return Place(role, function_type(title, names, returns, types.int64, *arguments), path)
 
 
 def _own(section: str, arguments: Sequence[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import reduce
+from inspect import signature
 from operator import getitem
 from typing import Any
 
@@ -10,6 +11,7 @@ from numba import float64, int64, types
 
 from edl6dof.fsw.allocation.registry import share_out
 from edl6dof.fsw.control.registry import attitude_control
+from edl6dof.fsw.cycle import run
 from edl6dof.fsw.estimation.registry import estimate
 from edl6dof.fsw.guidance.entry.registry import wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import bank_side
@@ -19,8 +21,8 @@ from edl6dof.fsw.hazard.update import detect_hazards, detect_nothing
 from edl6dof.fsw.navigation.filters.registry import correct_solution, start_filter
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
-from edl6dof.kernels.functions import NOTHING, NUMBER, Given, Passed, function_type, kind_of, numbers
-from edl6dof.registry import Place
+from edl6dof.kernels.functions import NOTHING, NUMBER, Given, function_type, kind_of, numbers
+from edl6dof.registry import place
 
 
 def _onboard(*path: str) -> types.Type:
@@ -31,97 +33,60 @@ def _fsw(*path: str) -> types.Type:
     return kind_of(FSW, *path)
 
 
-def _type(title: str, returns: types.Type, *arguments: types.Type) -> Passed:
-    """Type of a function of the index of a member and these arguments."""
-    return function_type(title, returns, int64, *arguments)
-
-
 _NAV, _GUIDE, _STATE, _SENSED = _fsw("nav"), _fsw("guide"), _fsw("vehicle"), kind_of(SENSED)
 
 #: Where a cycle is given members of families.
 PLACES = {
-    "entry_law": Place(
-        wanted_bank,
-        _type(
-            *("entry_law", NUMBER, _onboard("guidance", "entry"), _onboard("plan"), _onboard(), _NAV),
-            *(_fsw("guidance", "entry", "law"), _GUIDE),
-        ),
-        ("guidance", "entry", "law"),
+    "entry_law": place(
+        *("entry_law", wanted_bank, ("guidance", "entry", "law"), NUMBER),
+        *(_onboard("guidance", "entry"), _onboard("plan"), _onboard(), _NAV),
+        *(_fsw("guidance", "entry", "law"), _GUIDE),
     ),
-    "bank_side": Place(
-        bank_side,
-        _type(
-            *("bank_side", NUMBER, _onboard("guidance", "entry", "reversal"), _onboard(), _NAV),
-            *(_fsw("guidance", "entry", "steering", "reversal"), _GUIDE, float64, float64),
-        ),
-        ("guidance", "entry", "reversal", "logic"),
+    "bank_side": place(
+        *("bank_side", bank_side, ("guidance", "entry", "reversal", "logic"), NUMBER),
+        *(_onboard("guidance", "entry", "reversal"), _onboard(), _NAV),
+        *(_fsw("guidance", "entry", "steering", "reversal"), _GUIDE, float64, float64),
     ),
-    "powered_law": Place(
-        powered_guidance,
-        _type(
-            *("powered_law", numbers(4), _onboard("guidance", "powered"), _onboard("vehicle"), _STATE, _NAV),
-            *(_fsw("guidance", "target"), _fsw("guidance", "powered"), _GUIDE),
-        ),
-        ("guidance", "powered", "law"),
+    "powered_law": place(
+        *("powered_law", powered_guidance, ("guidance", "powered", "law"), numbers(4)),
+        *(_onboard("guidance", "powered"), _onboard("vehicle"), _STATE, _NAV),
+        *(_fsw("guidance", "target"), _fsw("guidance", "powered"), _GUIDE),
     ),
-    "control": Place(
-        attitude_control,
-        _type(
-            *("control", numbers(2, 3), _onboard("control"), _NAV, _GUIDE, _fsw("control", "inputs")),
-            *(float64, _fsw("control", "law")),
-        ),
+    "control": place(
+        *("control", attitude_control, (), numbers(2, 3)),
+        *(_onboard("control"), _NAV, _GUIDE, _fsw("control", "inputs"), float64, _fsw("control", "law")),
     ),
-    "share_out": Place(
-        share_out,
-        _type(
-            *("share_out", NOTHING, _onboard("allocation"), _onboard("allocation"), _onboard("vehicle")),
-            *(
-                _fsw("health", "thruster"),
-                _fsw("effectiveness"),
-                _fsw("demand"),
-                _fsw("allocation", "method"),
-            ),
-            *(_fsw("allocation", "duty"), _fsw("allocation", "unallocated")),
-        ),
-        ("allocation", "method"),
+    "share_out": place(
+        *("share_out", share_out, ("allocation", "method"), NOTHING),
+        *(_onboard("allocation"), _onboard("allocation"), _onboard("vehicle")),
+        *(_fsw("health", "thruster"), _fsw("effectiveness"), _fsw("demand")),
+        *(_fsw("allocation", name) for name in ("method", "duty", "unallocated")),
     ),
-    "estimate": Place(
-        estimate,
-        _type(
-            *("estimate", NOTHING, _onboard("estimation"), _fsw("estimation", "measured"), float64),
-            *(_fsw("estimation", "law"), _fsw("disturbance")),
-        ),
-        ("estimation", "estimator"),
+    "estimate": place(
+        *("estimate", estimate, ("estimation", "estimator"), NOTHING),
+        *(_onboard("estimation"), _fsw("estimation", "measured"), float64),
+        *(_fsw("estimation", "law"), _fsw("disturbance")),
     ),
-    "start_filter": Place(
-        start_filter,
-        _type(
-            *("start_filter", NOTHING, _onboard("navigation"), _onboard(), _SENSED),
-            *(_fsw("navigation", "solution"), _fsw("navigation", "filter")),
-        ),
-        ("navigation", "filter"),
+    "start_filter": place(
+        *("start_filter", start_filter, ("navigation", "filter"), NOTHING),
+        *(_onboard("navigation"), _onboard(), _SENSED),
+        *(_fsw("navigation", "solution"), _fsw("navigation", "filter")),
     ),
-    "correct_solution": Place(
-        correct_solution,
-        _type(
-            *("correct_solution", NOTHING, _onboard("navigation"), _onboard(), _fsw("navigation", "health")),
-            *(_SENSED, _fsw("navigation", "motion"), _fsw("navigation", "solution")),
-            _fsw("navigation", "filter"),
-        ),
-        ("navigation", "filter"),
+    "correct_solution": place(
+        *("correct_solution", correct_solution, ("navigation", "filter"), NOTHING),
+        *(_onboard("navigation"), _onboard(), _fsw("navigation", "health"), _SENSED),
+        *(_fsw("navigation", name) for name in ("motion", "solution", "filter")),
     ),
-    "classify": Place(
-        classify,
-        _type(
-            *("classify", NOTHING, _onboard("hazard"), _fsw("hazard", "chart"), _fsw("hazard", "footprint")),
-            *(float64, float64, _fsw("hazard", "safety_map")),
-        ),
-        ("hazard", "detection"),
+    "classify": place(
+        *("classify", classify, ("hazard", "detection"), NOTHING),
+        *(_onboard("hazard"), _fsw("hazard", "chart"), _fsw("hazard", "footprint")),
+        *(float64, float64, _fsw("hazard", "safety_map")),
     ),
 }
 #: Hazard detection is given as a whole, since few flights have any.
 _DETECT = function_type(
-    *("detect_hazards", NOTHING, PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
+    *("detect_hazards", signature(detect_hazards).parameters, NOTHING),
+    *(PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
     *(_fsw("hazard"), _fsw("landing_point"), _fsw("command")),
 )
 #: What a cycle is given: laws of guidance and the two parts of a navigation filter together.
@@ -129,18 +94,18 @@ _GROUPS = (
     *(("entry_law", "bank_side", "powered_law"), "control", "share_out", "estimate"),
     *(("start_filter", "correct_solution"), "classify", "detect_hazards"),
 )
-_TYPES = {name: place.type for name, place in PLACES.items()} | {"detect_hazards": _DETECT}
+_TYPES = {name: one.type for name, one in PLACES.items()} | {"detect_hazards": _DETECT}
 SOFTWARE = types.Tuple(
     [_TYPES[one] if isinstance(one, str) else types.Tuple([_TYPES[name] for name in one]) for one in _GROUPS]
 )
 #: A cycle of the flight software, :func:`edl6dof.fsw.cycle.run`.
-CYCLE = function_type("run", NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())
+CYCLE = function_type("run", signature(run).parameters, NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())
 
 
 def chosen(name: str, onboard: Any) -> Given:
     """The function of one name that a flight computer chooses, an ``ONBOARD`` record."""
-    place = PLACES[name]
-    return place.function({int(reduce(getitem, place.path, onboard))})
+    one = PLACES[name]
+    return one.function({int(reduce(getitem, one.path, onboard))})
 
 
 def software_functions(onboard: Any) -> Any:
@@ -148,7 +113,7 @@ def software_functions(onboard: Any) -> Any:
     mission = onboard["mission"]
     phases = {int(one) for one in mission["phases"]["control"][: int(mission["n_phases"])]}
     detects = int(onboard["hazard"]["detection"]) != GIVEN
-    given = {name: chosen(name, onboard) for name, place in PLACES.items() if place.path}
+    given = {name: chosen(name, onboard) for name, one in PLACES.items() if one.path}
     given["control"] = PLACES["control"].function(phases)
     given["detect_hazards"] = Given(detect_hazards if detects else detect_nothing, _DETECT)
     return tuple(

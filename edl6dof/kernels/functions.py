@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from hashlib import sha256
+from inspect import Parameter, Signature
 from typing import Any, NamedTuple
 
 import numba
@@ -56,18 +57,27 @@ class _Signature(type(NOTHING())):  # type: ignore[misc]  # numba's class, which
         """The name of the function's type stands for it."""
         return _signature_of, (self.title,)
 
+    def __unliteral__(self) -> _Signature:
+        """Itself: numba's own would forget the names of the arguments."""
+        return self
+
 
 class Passed(types.FunctionType):
     """Type of a function that is passed; it goes by a short name, since numba writes the names of types into
     those of functions, and its own takes a hundred thousand letters.
     """
 
-    def __init__(self, title: str, returns: types.Type, *arguments: types.Type) -> None:
+    def __init__(self, title: str, names: Sequence[str], returns: types.Type, *arguments: types.Type) -> None:
         super().__init__(returns(*arguments))
         self.title = title
-        self.signature: Any = _Signature(returns, arguments, None)
+        parameters = [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in names]
+        self.signature: Any = _Signature(returns, arguments, None, pysig=Signature(parameters))
         self.signature.title = title
         _known[title] = self
+
+    def get_call_type(self, context: Any, args: Sequence[types.Type], kws: dict[str, types.Type]) -> Any:
+        """Signature of a call; arguments may be named, unlike those of numba's own type."""
+        return super().get_call_type(context, self.signature.pysig.bind(*args, **kws).args, {})
 
     @property
     def key(self) -> str:
@@ -83,17 +93,17 @@ class Passed(types.FunctionType):
 _known: dict[str, Passed] = {}
 
 
-def function_type(title: str, returns: types.Type, *arguments: types.Type) -> Passed:
-    """Type of a function that is passed."""
+def function_type(title: str, names: Sequence[str], returns: types.Type, *arguments: types.Type) -> Passed:
+    """Type of a function that is passed, whose arguments have these names."""
     key = types.FunctionType(returns(*arguments)).key
-    return Passed(f"{title}_{sha256(key.encode()).hexdigest()[:16]}", returns, *arguments)
+    return Passed(f"{title}_{sha256(key.encode()).hexdigest()[:16]}", names, returns, *arguments)
 
 
 def _named(title: str) -> Passed:
     """The type of this name.  One of another process, whose records have other layouts, keeps its name: numba
     writes it back into its index.
     """
-    return _known.get(title) or Passed(title, NOTHING)
+    return _known.get(title) or Passed(title, (), NOTHING)
 
 
 def _signature_of(title: str) -> Any:

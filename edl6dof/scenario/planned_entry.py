@@ -45,6 +45,8 @@ MAX_ROWS, TOO_LOW = 8000, 4000.0
 #: how many flights are made to find it.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
+#: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
+AS_BELIEVED = (1.0, 1.0)
 #: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
 SCRATCH = np.dtype(
     [
@@ -94,7 +96,8 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
     history = np.zeros(MAX_ROWS, PLANNED)
     logic = int(record["guidance"]["entry"]["reversal"]["logic"])
     bank_side = PLACES["bank_side"].function({logic})
-    count = fly_plan(bank_side, record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
+    scratch = np.zeros(2, SCRATCH)
+    count = fly_plan(bank_side, record, start, shift, cycle, stride, history=history, scratch=scratch)
     return history[:count]
 
 
@@ -160,7 +163,7 @@ def fly_plan(bank_side, onboard, start, shift, cycle, stride, history, scratch):
             k, stride = k - stride + 1, 1
             advance(onboard, s, cycle)
             continue
-        note(onboard, s, here, ahead, target, history[count])
+        note(onboard, s, here, ahead, target, row=history[count])
         count += 1
         if not going:
             break
@@ -178,7 +181,7 @@ def decide(bank_side, onboard, t, shift, s):
     mission, entry = onboard.mission, onboard.guidance.entry
     look(onboard, t, s)
     s.request[:] = 0
-    sequence(mission, s.nav, s.vehicle, s.guide, s.sequence, s.request)
+    sequence(mission, s.nav, s.vehicle, s.guide, memory=s.sequence, request=s.request)
     follow_events(onboard.vehicle, mission, t, s.request, s.vehicle)
     s.nav.wing_open = s.vehicle.wing_commanded
     guidance = mission.phases[s.sequence.phase].guidance
@@ -186,9 +189,8 @@ def decide(bank_side, onboard, t, shift, s):
         hold_bank(onboard, s.nav, s.guide)
     elif guidance == G_ENTRY:
         s.guide.range_to_go, s.guide.crossrange, s.guide.downrange_to_go = to_target(onboard, s.nav)
-        steer_bank(
-            bank_side, onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed)
-        )
+        wanted = reference_bank(onboard, shift, s.nav.speed)
+        steer_bank(bank_side, onboard, s.nav, s.steering, s.guide, wanted=wanted)
     fast = s.nav.mach > entry.final_mach if entry.final_mach > 0.0 else s.nav.speed > entry.final_speed
     return fast and s.nav.height > -TOO_LOW
 
@@ -198,7 +200,7 @@ def look(onboard, t, s):
     """Write what mission, steering and reversal logics watch."""
     planet, nav = onboard.planet, s.nav
     r, v = take3(s.r, 0), take3(s.v, 0)
-    _, nav.drag, _ = acceleration(onboard, 1.0, 1.0, r, v, 1.0, 0.0)
+    _, nav.drag, _ = acceleration(onboard, AS_BELIEVED, r, v, (1.0, 0.0))
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
     v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v)
     put3(nav.v_N, 0, v_N)
@@ -221,8 +223,9 @@ def advance(onboard, s, dt):
     """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
     r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
     s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
-    a, _, _ = acceleration(onboard, 1.0, 1.0, r, v, up, right)
-    r, v = step(onboard, 1.0, 1.0, r, v, a, up, right, dt)
+    shares = up, right
+    a, _, _ = acceleration(onboard, AS_BELIEVED, r, v, shares)
+    r, v = step(onboard, AS_BELIEVED, r, v, a, lift_shares=shares, dt=dt)
     put3(s.r, 0, r)
     put3(s.v, 0, v)
 

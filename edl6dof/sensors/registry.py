@@ -133,7 +133,17 @@ def sense(measure, case, tables, plant, outputs, sensors):
     params, unit = case.sensors.params, case.sensors.unit
     sensors.sensed.t = plant.t
     for k in range(params.n_carried):
-        measure(params.carried[k], params, unit, case, tables, plant, outputs, sensors, sensors.sensed)
+        measure(
+            params.carried[k],
+            params,
+            unit,
+            case,
+            tables,
+            plant=plant,
+            outputs=outputs,
+            memory=sensors,
+            sensed=sensors.sensed,
+        )
 
 
 def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, str]:

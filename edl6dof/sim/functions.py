@@ -7,13 +7,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import float64, int64, types
+from numba import float64, types
 
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
 from edl6dof.fsw.onboard import FSW
-from edl6dof.kernels.functions import NOTHING, Given, function_type, kind_of
-from edl6dof.registry import Place
+from edl6dof.kernels.functions import NOTHING, Given, kind_of
+from edl6dof.registry import place
 from edl6dof.scenario.records import TABLES
 from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS, measure
@@ -23,31 +23,19 @@ from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 #: Where the loop is given members of families.
 PLACES = {
-    "measure": Place(
-        measure,
-        function_type(
-            *(
-                "measure",
-                NOTHING,
-                int64,
-                kind_of(CASE, "sensors", "params"),
-                kind_of(CASE, "sensors", "unit"),
-            ),
-            *(kind_of(CASE), kind_of(TABLES), kind_of(STATE), kind_of(OUTPUTS), kind_of(SENSORS)),
-            kind_of(SENSORS, "sensed"),
-        ),
+    "measure": place(
+        *("measure", measure, (), NOTHING),
+        *(kind_of(CASE, "sensors", "params"), kind_of(CASE, "sensors", "unit"), kind_of(CASE)),
+        *(kind_of(TABLES), kind_of(STATE), kind_of(OUTPUTS), kind_of(SENSORS), kind_of(SENSORS, "sensed")),
     ),
-    "inflict": Place(
-        inflict_kind,
-        function_type(
-            *("inflict", NOTHING, int64, kind_of(FAULT), kind_of(CASE), float64, kind_of(FSW, "command")),
-            kind_of(STATE),
-        ),
+    "inflict": place(
+        *("inflict", inflict_kind, (), NOTHING),
+        *(kind_of(FAULT), kind_of(CASE), float64, kind_of(FSW, "command"), kind_of(STATE)),
     ),
 }
 #: A cycle of the flight software, as the loop is given it, and the type of all that the loop is given.
 RUN = Given(run, CYCLE)
-FUNCTIONS = types.Tuple([CYCLE, SOFTWARE, *(place.type for place in PLACES.values())])
+FUNCTIONS = types.Tuple([CYCLE, SOFTWARE, *(one.type for one in PLACES.values())])
 
 
 def functions_of(cases: np.ndarray, onboard: Any) -> Any:

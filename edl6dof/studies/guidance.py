@@ -345,7 +345,7 @@ def _repeat(entry_law, bank_side, onboards, navs, memories, work, outs, repeats)
     for _ in range(repeats):
         for j in range(navs.shape[0]):
             work[0] = memories[j]
-            entry_guidance(entry_law, bank_side, onboards[0], navs[j], work[0], outs[0])
+            entry_guidance(entry_law, bank_side, onboards[0], navs[j], work[0], out=outs[0])
 
 
 def call_time(loaded: LoadedScenario) -> float:

@@ -48,7 +48,15 @@ FAMILY = Family(
     ),
 )
 PARAMS = np.dtype([(name, SMALL) for name in FAMILY.names], align=True)
-LAW = function_type("law", numbers(2), types.int64, kind_of(PARAMS), kind_of(FAMILY.memory), types.float64)
+LAW = function_type(
+    "law",
+    ("index", "params", "memory", "x"),
+    numbers(2),
+    types.int64,
+    kind_of(PARAMS),
+    kind_of(FAMILY.memory),
+    types.float64,
+)
 ONE = Place(FAMILY.role("steer", "params", "memory", "x"), LAW, ("law",))
 SEVERAL = Place(ONE.role, LAW)
 
@@ -56,7 +64,7 @@ SEVERAL = Place(ONE.role, LAW)
 @kernel
 def fly(functions, index, params, memory, x):
     one, several = functions
-    return one(0, params, memory, x), several(index, params, memory, x)
+    return one(0, params, memory, x), several(index, params, memory, x=x)
 
 
 def carrying(law, laws=()):
@@ -125,7 +133,7 @@ def one(x):
 @kernel
 def two(x):
     return 2.0 * one(x)
-LAW = function_type("law", float64, float64)
+LAW = function_type("law", ('x',), float64, float64)
 @kernel
 def fly(law, x):
     return law(x)

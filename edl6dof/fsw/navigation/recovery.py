@@ -82,7 +82,7 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     memory.gap = 0.0
     if memory.lost == 0:
         return
-    _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
+    _look_for_gravity(params, onboard, health, sensed, motion, memory=memory, solution=solution)
 
 
 @kernel

@@ -159,4 +159,4 @@ def inflict(kinds, case, command, plant):
         if plant.fault_since[i] == NOT_BEGUN:
             begin(fault, i, command, plant)
         if plant.fault_since[i] != NOT_BEGUN:
-            kinds(fault.params.kind, fault, case, plant.fault_since[i], command, plant)
+            kinds(fault.params.kind, fault, case, since=plant.fault_since[i], command=command, plant=plant)

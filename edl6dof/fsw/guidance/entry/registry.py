@@ -63,7 +63,6 @@ def entry_guidance(entry_law, bank_side, onboard, nav, memory, out):
     air = memory.air
     out.drag_ratio, out.drag_trend, out.lift_ratio = air.drag, air.trend, air.lift
     out.least_bank = onboard.guidance.entry.bank_min
-    wanted = entry_law(
-        onboard.guidance.entry.law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out
-    )
-    steer_bank(bank_side, onboard, nav, memory.steering, out, wanted)
+    params = onboard.guidance.entry
+    wanted = entry_law(params.law, params, onboard.plan, onboard, nav, memory=memory.law, out=out)
+    steer_bank(bank_side, onboard, nav, memory.steering, out, wanted=wanted)

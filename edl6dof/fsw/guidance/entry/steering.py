@@ -46,7 +46,9 @@ def chosen_side(bank_side, onboard, nav, memory, out, wanted):
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
         memory.sign = first_side(out)
-    sign = bank_side(p.logic, p, onboard, nav, memory.reversal, out, wanted, memory.sign)
+    sign = bank_side(
+        p.logic, p, onboard, nav, memory=memory.reversal, out=out, wanted=wanted, sign=memory.sign
+    )
     if sign != memory.sign:
         memory.count += 1
     memory.sign = out.side = sign
@@ -66,7 +68,8 @@ def steer_bank(bank_side, onboard, nav, memory, out, wanted):
     elif nav.speed < p.heading.speed:
         goal = heading_bank(p.heading, out.range_to_go, out.crossrange)
     else:
-        goal = chosen_side(bank_side, onboard, nav, memory, out, wanted) * limited(onboard, out, wanted)
+        goal = chosen_side(bank_side, onboard, nav, memory, out, wanted=wanted)
+        goal *= limited(onboard, out, wanted)
     if memory.t > 0.0:
         step = p.bank_rate * (nav.t - memory.t)
         goal = clamp(goal, memory.bank - step, memory.bank + step)
