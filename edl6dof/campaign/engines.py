@@ -14,11 +14,9 @@ from typing import TYPE_CHECKING, Protocol
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, parse_plan
-from edl6dof.campaign.executor import CaseRunner, available_cores
+from edl6dof.campaign.executor import CaseRunner, Row, available_cores
 from edl6dof.campaign.fault_response import collected
-from edl6dof.campaign.rows import Row
-from edl6dof.campaign.storage.documents import Identity
-from edl6dof.campaign.storage.identity import changed_files, compared, differences, identity
+from edl6dof.campaign.identity import Identity, changed_files, compared, differences_from, identity
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -132,21 +130,15 @@ class Dask:
         while True:
             try:
                 return future.result(timeout=LOOK_S)
-            except (
-                TimeoutError,
-                UnboundLocalError,
-            ):  # the latter from distributed: its own wait was cancelled
+            except (TimeoutError, UnboundLocalError):  # the latter from distributed, whose wait was cancelled
                 if future.status == "error":
                     raise
             except KilledWorker as error:
-                raise OSError(
-                    "the workers that flew some cases died one after the other: "
-                    f"{' '.join(str(error).split())}"
-                ) from None
+                words = "the workers that flew some cases died one after the other"
+                raise OSError(f"{words}: {' '.join(str(error).split())}") from None
             except CancelledError as error:
-                raise OSError(
-                    f"the scheduler of the cluster is gone ({' '.join(str(error).split())})"
-                ) from None
+                words = "the scheduler of the cluster is gone"
+                raise OSError(f"{words} ({' '.join(str(error).split())})") from None
             if self.client.nthreads():
                 seen = time.monotonic()
             elif time.monotonic() - seen > PATIENCE_S:
@@ -185,7 +177,7 @@ def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[
     Raises:
         OSError: the worker is no copy of the program that sent the cases, or has other tables.
     """
-    _require_same(differences(ordered, plan_text))
+    _require_same(differences_from(ordered, plan_text))
     plan, runner, present = _prepared(plan_text)
     _require_same(compared(ordered, present))
     rows = runner.fly(list(plan.cases(first, last)))
@@ -194,14 +186,10 @@ def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[
 
 
 def _require_same(found: list[str]) -> None:
-    if found:
-        raise OSError(f"worker {_worker()} is no copy of this program: {'; '.join(found)}")
-
-
-def _worker() -> str:
     from distributed import get_worker
 
-    return get_worker().address
+    if found:
+        raise OSError(f"worker {get_worker().address} is no copy of this program: {'; '.join(found)}")
 
 
 @lru_cache(maxsize=2)

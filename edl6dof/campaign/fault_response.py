@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.rows import Collect
+from edl6dof.campaign.executor import Collect
 from edl6dof.interface.thrusters import ThrusterFailure
 from edl6dof.metrics.diagnosis import failed_thrusters
 from edl6dof.scenario.schema import Scenario

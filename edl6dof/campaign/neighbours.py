@@ -15,8 +15,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.executor import Progress, fly_rows
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Progress, Row, fly_rows
 from edl6dof.metrics.figures import FIGURES
 from edl6dof.metrics.published import Published, published_figures
 from edl6dof.scenario.initial import InitialState

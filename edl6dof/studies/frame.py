@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 import edl6dof
-from edl6dof.campaign.rows import Collect, Row, table_of
+from edl6dof.campaign.executor import Collect, Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.units import split_unit
 

@@ -22,8 +22,8 @@ import numpy as np
 import edl6dof
 from edl6dof import Case, LoadedScenario, fly_rows
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.quantiles import percent
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.statistics import percent
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import counted
 from edl6dof.fsw.guidance.command import GUIDE

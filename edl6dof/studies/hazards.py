@@ -17,7 +17,7 @@ from scipy.integrate import quad
 import edl6dof
 from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.metrics.footing import COUNTED, FOOTPRINT

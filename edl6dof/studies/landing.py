@@ -17,7 +17,7 @@ import numpy as np
 import edl6dof
 from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance

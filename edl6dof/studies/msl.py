@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 import edl6dof
+from edl6dof.campaign.executor import Row
 from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
-from edl6dof.campaign.rows import Row
 from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.frames import great_circle

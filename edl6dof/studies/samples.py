@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import flights_needed, percent, quantile
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.statistics import flights_needed, percent, quantile
 from edl6dof.report.numbers import significant
 from edl6dof.studies.frame import Curve, Finding, Grid
 

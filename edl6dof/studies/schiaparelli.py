@@ -17,7 +17,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.outcome import LANDED, TIPPED_OVER

@@ -18,7 +18,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT

@@ -19,7 +19,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Panel, Report, Session, Study, under

@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 import edl6dof
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
-from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, UNIFORM, WEIGHTLESS
+from edl6dof.verify.case import BARE, ENDLESS, ONE_BODY, UNIFORM, WEIGHTLESS
 
 _TABLE = Path(edl6dof.__file__).parent / "data" / "aerodynamics" / "phoenix_70deg_static_aero.csv"
 DIAMETER = 3.4

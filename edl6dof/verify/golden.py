@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.executor import fly_cases
+from edl6dof.campaign.executor import fly_rows, table_of
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.records import numbers
 from edl6dof.scenario.loading import load_scenario
@@ -132,7 +132,7 @@ def _flight(name: str) -> Trace:
 
 def _campaign() -> Trace:
     plan = load_plan(CAMPAIGN)
-    table = fly_cases(plan.loaded, plan.cases(0, CASES))
+    table = table_of(fly_rows(plan.loaded, plan.cases(0, CASES)))
     columns = {name: repr(table[name].to_pylist()) for name in table.column_names}
     hashes = {f"column {name}": _digest(text.encode()) for name, text in columns.items()}
     return Trace(hashes, np.zeros((len(_SAMPLED), 0)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.variance_shares import CHANCE, _scores, drivers
+from edl6dof.campaign.sensitivity import CHANCE, _scores, drivers
 
 FLIGHTS = 100
 

@@ -15,11 +15,11 @@ from campaign_run import ROOT, write_drop
 
 import edl6dof
 from edl6dof.campaign import engines, run
+from edl6dof.campaign import identity as origin
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.storage import identity as origin
-from edl6dof.campaign.storage.identity import input_files
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.identity import input_files
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment import profile_file
 

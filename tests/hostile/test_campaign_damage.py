@@ -22,7 +22,7 @@ from campaign_run import write_drop
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 
 RUN, TWIN = "runs/drops", "runs/twin"
 CASES = 120  # three parts

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.campaign.design.case import Of
-from edl6dof.campaign.design.distributions.registry import Distribution
+from edl6dof.campaign.design.distributions import Distribution
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
 from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.spatial.arrays import cholesky
@@ -187,13 +187,12 @@ class CampaignFile(Params):
         for name, given in self.model_dump(mode="json", exclude_none=True).items():
             lines.append(f"{name}:")
             for key, value in given.items():
-                if isinstance(value, dict) and value:
-                    lines += [
-                        f"  {key}:",
-                        *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()),
-                    ]
-                elif isinstance(value, list) and value:
-                    lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
-                else:
+                if not value or not isinstance(value, dict | list):
                     lines.append(f"  {key}: {write_flow(value)}")
+                    continue
+                lines.append(f"  {key}:")
+                if isinstance(value, dict):
+                    lines += [f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()]
+                else:
+                    lines += [f"    - {write_flow(item)}" for item in value]
         return "\n".join(lines) + "\n"

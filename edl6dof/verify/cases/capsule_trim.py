@@ -10,14 +10,14 @@ square) and 1e-3 of the frequency (the slope of the moment changes by that withi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from edl6dof.verify.capsule import TRIM_DEG, scene, stiffness
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import fit, flown
+from edl6dof.verify.case import History, Outcome, Result, fit, flown
 
-SOURCE = "published table by PCHIP, linearised"
+RESULT = partial(Result, source="published table by PCHIP, linearised")
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
@@ -29,28 +29,9 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         expected, _ = stiffness(nominal, mach)
         found, middle = fit(t, alpha, complex(0.0, expected))
         trim, off = abs(middle + TRIM_DEG), abs(found.imag / expected - 1.0)
-        results += [
-            Result(
-                f"trim angle, Mach {mach:g}",
-                "static moment, CG offset",
-                SOURCE,
-                trim,
-                1e-3,
-                "deg",
-                "square of the swing",
-            ),
-            Result(
-                f"pitch frequency, Mach {mach:g}",
-                "static stability",
-                SOURCE,
-                off,
-                1e-3,
-                "-",
-                "slope changes within the swing",
-            ),
-        ]
+        about = {"verifies": "static moment, CG offset", "why": "square of the swing"}
+        results.append(RESULT(f"trim angle, Mach {mach:g}", trim, 1e-3, "deg", **about))
+        about = {"verifies": "static stability", "why": "slope changes within the swing"}
+        results.append(RESULT(f"pitch frequency, Mach {mach:g}", off, 1e-3, **about))
     curve = -TRIM_DEG + (alpha[0] + TRIM_DEG) * np.cos(expected * t)
-    return Outcome(
-        tuple(results),
-        History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, {"flown": alpha, "expected": curve}),
-    )
+    return Outcome(results, History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, alpha, curve))

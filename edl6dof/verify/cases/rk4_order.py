@@ -12,8 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from edl6dof.verify.outcome import Outcome, Result
-from edl6dof.verify.scene import BARE, flown
+from edl6dof.verify.case import BARE, Outcome, Result, flown
 
 _SCENE = (
     *BARE,
@@ -28,12 +27,7 @@ _SCENE = (
     "initial.rate_deg_s=[5, 20, 3]",
     "simulation.time_limit_s=20",
 )
-PARTS = (
-    ("position", slice(0, 3)),
-    ("velocity", slice(3, 6)),
-    ("attitude", slice(6, 10)),
-    ("rate", slice(10, 13)),
-)
+PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 10), "rate": slice(10, 13)}
 
 
 def end_state(step: float, planted: Sequence[str] = ()) -> np.ndarray:
@@ -48,13 +42,10 @@ def run(
     plants an error.
     """
     coarse, middle, fine = (state(step, planted) for step in (0.1, 0.05, 0.025))
+    about = {"verifies": "Runge-Kutta step", "source": "step halving", "why": "next term of the error"}
     results = []
-    for name, part in PARTS:
-        order = float(
-            np.log2(np.linalg.norm(coarse[part] - middle[part]) / np.linalg.norm(middle[part] - fine[part]))
-        )
-        why = "next term of the error"
-        results.append(
-            Result(f"order, {name}", "Runge-Kutta step", "step halving", abs(order - 4.0), 0.3, "-", why)
-        )
-    return Outcome(tuple(results))
+    for name, part in PARTS.items():
+        sizes = (np.linalg.norm(a[part] - b[part]) for a, b in ((coarse, middle), (middle, fine)))
+        order = float(np.log2(np.divide(*sizes)))
+        results.append(Result(f"order, {name}", abs(order - 4.0), 0.3, **about))
+    return Outcome(results)

@@ -1,5 +1,5 @@
-"""Identity of a campaign, from which its rows follow: the plan, the code that flies, every file that it
-reads.
+"""What the rows of a campaign follow from, and the JSON files of its folder that say so: the plan, the code
+that flies, every file that it reads.
 
 Two programs with the same identity give the same table, bit for bit, on any processor and operating system;
 rows of two that differ never stand in one table.  What cannot move a bit is left out: Python's version, and
@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numba
 import numpy
@@ -20,7 +20,6 @@ import scipy
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.storage.documents import Identity
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
@@ -28,16 +27,90 @@ from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.environment.profile_file import profile_path
 from edl6dof.environment.terrain import MAP
 from edl6dof.jit import outside_sources
-from edl6dof.manifest import digest, sha256
+from edl6dof.manifest import Sealed, digest, sha256
 from edl6dof.scenario.data_files import PROFILES, TABLES
 
+
+class Identity(Sealed):
+    """Everything that the rows of a campaign follow from.
+
+    Attributes:
+        plan: SHA-256 of the plan.
+        sources: SHA-256 of every source file of the package that a row can follow from.
+        versions: of the package and of the libraries that can still move a bit, by name.
+        plugins: SHA-256 of each plugin by its path.
+        files: SHA-256 of each table, vehicle and planet file that is read, by its path; those of the package
+            from its folder on.
+    """
+
+    plan: str
+    sources: str
+    versions: dict[str, str]
+    plugins: dict[str, str]
+    files: dict[str, str]
+
+    @property
+    def digest(self) -> str:
+        """One hash of it all."""
+        return digest(self.model_dump())
+
+    def items(self) -> Iterator[tuple[str, str]]:
+        """Each item by the name that messages give it."""
+        yield from (("plan", self.plan), ("sources of edl6dof", self.sources), *self.versions.items())
+        yield from ((f"plugin {name}", value) for name, value in self.plugins.items())
+        yield from ((f"file {name}", value) for name, value in self.files.items())
+
+
+class Info(Sealed):
+    """Content of ``campaign.json``.
+
+    Attributes:
+        until: when to stop early, as ``--until`` says it.
+        identity: what the rows follow from.
+    """
+
+    until: str | None
+    identity: Identity
+
+
+class Cause(Sealed):
+    """A cause of failures and how many cases failed by it."""
+
+    cause: str
+    cases: int
+
+
+class Summary(Sealed):
+    """Content of ``summary.json``: how a campaign ended.
+
+    Attributes:
+        campaign: hash of the identity in ``campaign.json``.
+        cases_sha256: hash of ``cases.parquet``.
+        faults: what a fault matrix came to, see :mod:`edl6dof.campaign.faults`.
+    """
+
+    name: str
+    kind: Literal["campaign"] = "campaign"
+    cases: int
+    cases_planned: int
+    successes: int
+    p_success: float
+    p_success_95: list[float]
+    causes: list[Cause]
+    edl6dof_version: str
+    engine: str
+    flown_in_this_run: int
+    flights_per_second: float
+    campaign: str = ""
+    cases_sha256: str = ""
+    faults: dict[str, Any] | None = None
+
+
 #: Folders of the package from which no row follows.
-_ASIDE = frozenset(
-    (
-        *("api", "app", "calibration", "cli", "design", "export", "gym", "missions", "replay", "report"),
-        *("runs", "serve", "studies", "verify"),
-    )
-)
+_ASIDE = {
+    *("api", "calibration", "cli", "design", "export", "gym", "missions", "replay", "report"),
+    *("runs", "serve", "studies", "verify"),
+}
 
 #: In the place of a hash: there is no such file, or this process has not loaded the plugin.
 _GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
@@ -51,7 +124,7 @@ def identity(plan: Plan) -> Identity:
     return _present(plan.text, libraries, list(outside_sources), map(_label, input_files(plan)))
 
 
-def differences(recorded: Identity, plan_text: str) -> list[str]:
+def differences_from(recorded: Identity, plan_text: str) -> list[str]:
     """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this,
     is that``.
     """
@@ -60,9 +133,7 @@ def differences(recorded: Identity, plan_text: str) -> list[str]:
 
 
 def compared(recorded: Identity, present: Identity) -> list[str]:
-    """As :func:`differences`, between two identities: a plan that is read again may find other files by the
-    same names.
-    """
+    """As :func:`differences_from`, between two identities: a plan that is read again may find other files."""
     was, now = dict(recorded.items()), dict(present.items())
     changed = [name for name in {**was, **now} if was.get(name) != now.get(name)]
     return [f"{name}: was {_shown(was.get(name))}, is {_shown(now.get(name))}" for name in changed]
@@ -81,10 +152,7 @@ def _present(
         plan=sha256(plan_text.encode()),
         sources=source_hash(),
         versions={name: known[name] for name in ("edl6dof", *libraries) if name in known},
-        plugins={
-            name: _hash(Path(name)) if name in outside_sources else _absent(name)
-            for name in sorted(set(plugins))
-        },
+        plugins={name: _plugin_hash(name) for name in sorted(set(plugins))},
         files={name: _hash(PACKAGE.parent / name) for name in files},
     )
 
@@ -96,8 +164,9 @@ def source_hash() -> str:
     return digest({file.as_posix(): _hash(PACKAGE / file) for file in files if file.parts[0] not in _ASIDE})
 
 
-def _absent(plugin: str) -> str:
-    return _NOT_LOADED if Path(plugin).is_file() else _GONE
+def _plugin_hash(name: str) -> str:
+    loaded = name in outside_sources or not Path(name).is_file()
+    return _hash(Path(name)) if loaded else _NOT_LOADED
 
 
 def _hash(path: Path) -> str:
@@ -124,13 +193,8 @@ def input_files(plan: Plan) -> list[Path]:
     found = {MAP}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
-    for key, path_of in TABLES.items():
-        found |= {
-            path_of(value_at(model, key))
-            for model in (plan.loaded.scenario, plan.loaded.truth)
-            if value_at(model, key)
-        }
     for model in (plan.loaded.scenario, plan.loaded.truth):
+        found |= {path_of(value) for key, path_of in TABLES.items() if (value := value_at(model, key))}
         found |= set(_named(PROFILES, model.atmosphere.profiles, folder))
     exchanged = list(_exchanged(plan))
     for path, value in exchanged:
