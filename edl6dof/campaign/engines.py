@@ -186,10 +186,14 @@ def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[
 
 
 def _require_same(found: list[str]) -> None:
+    if found:
+        raise OSError(f"worker {_worker()} is no copy of this program: {'; '.join(found)}")
+
+
+def _worker() -> str:
     from distributed import get_worker
 
-    if found:
-        raise OSError(f"worker {get_worker().address} is no copy of this program: {'; '.join(found)}")
+    return get_worker().address
 
 
 @lru_cache(maxsize=2)

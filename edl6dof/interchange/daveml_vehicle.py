@@ -27,11 +27,18 @@ from edl6dof.config.document.source import Mark
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml import read_daveml
 from edl6dof.interchange.daveml_aero import (
+    ALPHA,
     AREAS,
     CHORDS,
+    DRAG,
     FLOW,
     FORCES,
+    LIFT,
+    MACH,
+    MOMENTS,
+    RATES,
     SPANS,
+    SPEED,
     factor,
     is_sampled,
     length_of,
@@ -39,11 +46,9 @@ from edl6dof.interchange.daveml_aero import (
 )
 from edl6dof.interchange.daveml_model import Model
 
-DRAG, LIFT, SIDE = "totalCoefficientOfDrag", "totalCoefficientOfLift", "aeroBodyForceCoefficient_Y"
-ROLL, PITCH, YAW = (f"aeroBodyMomentCoefficient_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
-SPEED, MACH, ALPHA = "trueAirspeed", "mach", "angleOfAttack"
-RATES = tuple(f"bodyAngularRate_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
-AREA, SPAN, CHORD = "referenceWingArea", "referenceWingSpan", "referenceWingChord"
+SIDE = FORCES[1]
+ROLL, PITCH, YAW = MOMENTS
+AREA, SPAN, CHORD = AREAS[0], SPANS[0], CHORDS[0]
 MASS = "totalMass"
 INERTIA = tuple(f"bodyMomentOfInertia_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
 PRODUCTS = tuple(f"bodyProductOfInertia_{axes}" for axes in ("ZX", "XY", "YZ"))
@@ -100,10 +105,8 @@ def expand_daveml(document: Document) -> Document:
     paths = [folder / name for name in names]
     for index, path in enumerate(paths):
         if not path.is_file():
-            problem = document.problem(
-                ("vehicle", "daveml", index), f"no such file (got {names[index]!r}; looked for {path})"
-            )
-            raise ConfigError([problem])
+            words = f"no such file (got {names[index]!r}; looked for {path})"
+            raise ConfigError([document.problem(("vehicle", "daveml", index), words)])
     inputs = vehicle.get("daveml_inputs")
     numbers = inputs.values() if isinstance(inputs, dict) else ()
     if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
@@ -163,12 +166,8 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
 def _mass(model: Model, part: Part, inputs: Mapping[str, float]) -> None:
     mass, line = _constant(model, MASS, "mass", inputs)
     part.put("mass.entry_kg", mass, model, line)
-    part.put(
-        "mass.entry_inertia_kg_m2",
-        [_constant(model, name, "inertia", inputs)[0] for name in INERTIA],
-        model,
-        _line(model, INERTIA[0]),
-    )
+    inertia = [_constant(model, name, "inertia", inputs)[0] for name in INERTIA]
+    part.put("mass.entry_inertia_kg_m2", inertia, model, _line(model, INERTIA[0]))
     centre = [_constant(model, name, "length", inputs)[0] if model.named(name) else 0.0 for name in CENTRE]
     if model.named(CENTRE[0]) is None and model.named(STATION) is not None:
         centre[0] = -_constant(model, STATION, "length", inputs)[0]
@@ -184,20 +183,14 @@ def _aerodynamics(model: Model, part: Part, given: Mapping[str, float]) -> None:
     if is_sampled(model):
         _body(model, part, given)
         return
-    outputs = [
-        variable
-        for name in (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
-        if (variable := model.named(name)) is not None
-    ]
+    names = (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
+    outputs = [variable for name in names if (variable := model.named(name)) is not None]
     inputs = {model.variables[i].name for output in outputs for i in model.inputs_of(output.id)}
     if unknown := inputs - {SPEED, MACH, ALPHA, *RATES}:
         name = sorted(unknown)[0]
         known = ", ".join((SPEED, MACH, ALPHA, *RATES))
-        raise model.error(
-            _line(model, name),
-            f"aerodynamics that depend on {name} are not supported (known: {known})",
-            name,
-        )
+        words = f"aerodynamics that depend on {name} are not supported (known: {known})"
+        raise model.error(_line(model, name), words, name)
     if inputs & {MACH, ALPHA}:
         _table(model, part)
     else:
@@ -216,16 +209,14 @@ def _constants(model: Model, part: Part) -> None:
         unit = [1.0 if k == axis else 0.0 for k in range(3)]
         moment = _probe(model, name, 100.0, *unit) if model.named(name) else 0.0
         if moment != 0.0 and length is None:
-            raise model.error(
-                _line(model, name), f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless", name
-            )
+            words = f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless"
+            raise model.error(_line(model, name), words, name)
         damping[name] = moment * 200.0 / length if length else 0.0
         expected[name] = lambda v, *w, a=axis, d=damping[name], b=length: d * w[a] * (b or 0.0) / (2.0 * v)
     for name, law in expected.items():
+        near = 1e-9 * max(abs(damping.get(name, 0.0)), abs(drag), 1e-3)
         for probe in _PROBES if model.named(name) else ():
-            if abs(_probe(model, name, *probe) - law(*probe)) > 1e-9 * max(
-                abs(damping.get(name, 0.0)), abs(drag), 1e-3
-            ):
+            if abs(_probe(model, name, *probe) - law(*probe)) > near:
                 raise model.error(_line(model, name), f"is not of a supported form: {_SUPPORTED}", name)
     line_of = {name: _line(model, name) if model.named(name) else line for name in expected}
     part.put("aero.model", "constant", model, line)
@@ -277,11 +268,8 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             raise model.error(1, f"a table of aerodynamics needs {name}")
         inputs = {model.variables[identifier].name for identifier in model.inputs_of(variable.id)}
         if not inputs <= {MACH, ALPHA}:
-            raise model.error(
-                variable.line,
-                f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})",
-                name,
-            )
+            words = f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})"
+            raise model.error(variable.line, words, name)
         coefficients.append(variable)
     for function in model.functions.values():
         for identifier, axis in zip(function.inputs, function.axes, strict=True):
@@ -292,14 +280,14 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     mach, alpha = (np.array(sorted(grids[name])) for name in (MACH, ALPHA))
     if len(mach) < 2 or len(alpha) < 2:
         raise model.error(1, f"has no table over {MACH} and {ALPHA}")
-    given = {variable.id: variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None}
+    given = [variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None]
     table = np.empty((len(mach), len(alpha), 3))
     for i, j in np.ndindex(len(mach), len(alpha)):
         point = {
-            key: float(mach[i])
+            v.id: float(mach[i])
             if v.name == MACH
             else float(alpha[j]) * pi / 180.0 / factor(model, v, "angle")
-            for key, v in given.items()
+            for v in given
         }
         table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
     return mach, alpha, table
@@ -307,10 +295,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
     """A coefficient that the model has, at an airspeed (m/s) and body rates (rad/s)."""
-    values: Mapping[str, tuple[float, str]] = {
-        SPEED: (speed, "speed"),
-        **dict(zip(RATES, ((r, "rate") for r in rates), strict=True)),
-    }
+    values = {SPEED: (speed, "speed")} | {name: (r, "rate") for name, r in zip(RATES, rates, strict=True)}
     given = {
         v.id: value / factor(model, v, kind)
         for key, (value, kind) in values.items()
@@ -329,20 +314,12 @@ def _constant(
     """
     if (variable := model.named(name)) is None:
         raise model.error(1, f"lacks the variable {name}")
-    given = {
-        found.id: value for key, value in (inputs or {}).items() if (found := model.named(key)) is not None
-    }
-    unknown = sorted(
-        identifier
-        for identifier in model.inputs_of(variable.id)
-        if identifier not in given and model.variables[identifier].value is None
-    )
-    if unknown:
-        raise model.error(
-            variable.line,
-            f"depends on {', '.join(unknown)}: give a value under vehicle.daveml_inputs",
-            name,
-        )
+    own = (inputs or {}).items()
+    given = {found.id: value for key, value in own if (found := model.named(key)) is not None}
+    needed = model.inputs_of(variable.id) - given.keys()
+    if unknown := sorted(one for one in needed if model.variables[one].value is None):
+        words = f"depends on {', '.join(unknown)}: give a value under vehicle.daveml_inputs"
+        raise model.error(variable.line, words, name)
     return model.evaluate(variable.id, given) * factor(model, variable, kind), variable.line
 
 

@@ -59,11 +59,11 @@ class Mission:
 
     def fly(self, workers: int | None, progress: Callable[[int, int], None]) -> list[Row]:
         """A row for each dispersed flight, the same whatever the number of ``workers``."""
-        cases, count = self.plan.cases(), self.plan.count
-        each = fly_rows(
-            self.plan.loaded, cases, workers=workers, progress=lambda done, _: progress(done, count)
-        )
-        return list(each)
+
+        def counted(done: int, row: Row) -> None:
+            progress(done, self.plan.count)
+
+        return list(fly_rows(self.plan.loaded, self.plan.cases(), workers=workers, progress=counted))
 
 
 def shipped_missions() -> list[str]:

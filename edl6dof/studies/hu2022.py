@@ -16,6 +16,7 @@ from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import State
@@ -73,7 +74,8 @@ def run(session: Session) -> Report:
     starts = [(number, entry, way) for number, entry in enumerate(entries) for way in FORMULATIONS]
     before = avoidance_starts(session.flights)
     cases = list(avoidance_cases(before, nominal.scenario))
-    session.expect(1 + around + len(starts) + len(AGAINST_STEP) + len(cases) + len(WING))
+    single = len(AGAINST_STEP) + len(WING)
+    session.expect(1 + around + len(starts) + len(cases) + single)
     means = sample_means(fly_neighbours(nominal.loaded, around), nominal.scenario.published)
     session.step(1 + around)
     rows: list[Row] = []
@@ -85,20 +87,11 @@ def run(session: Session) -> Report:
         session.step()
     rows += [step_row(name, flight) for name, flight in torque_steps(nominal).items()]
     rows += [wing_row(name, flight) for name, flight in failed_wings().items()]
-    session.step(len(AGAINST_STEP) + len(WING))
-    return Report(
-        [
-            *_of_the_flight(nominal, means),
-            _lateral_force(nominal),
-            *_of_entries(pick(rows, experiment="entry")),
-            *_of_experiments(rows),
-        ],
-        rows,
-        session.total,
-        _avoidance_grids(nominal, pick(rows, experiment="avoidance")),
-        REMARKS,
-        _pictures(nominal, before),
-    )
+    session.step(single)
+    findings = [*_of_the_flight(nominal, means), _lateral_force(nominal)]
+    findings += [*_of_entries(pick(rows, experiment="entry")), *_of_experiments(rows)]
+    grids = _avoidance_grids(nominal, pick(rows, experiment="avoidance"))
+    return Report(findings, rows, session.total, grids, REMARKS, _pictures(nominal, before))
 
 
 def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
@@ -124,13 +117,8 @@ def carry_on(
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
     """First columns of a row."""
-    return {
-        "experiment": experiment,
-        "variant": variant,
-        "case": index,
-        "landed": bool(flight.landed),
-        "outcome": flight.outcome,
-    }
+    head = {"experiment": experiment, "variant": variant, "case": index}
+    return {**head, "landed": bool(flight.landed), "outcome": flight.outcome}
 
 
 def last_time(t: np.ndarray, outside: np.ndarray) -> float:
@@ -170,11 +158,9 @@ def _of_the_flight(nominal: Flight, means: Mapping[str, SampleMean]) -> Iterator
     """Mean and spread of every published figure beside its published value."""
     published = {name: entry for name, entry in nominal.scenario.published.items() if name in _FLIGHT}
     for figure, entry in published_figures(published):
-        own = means.get(figure.name, SampleMean(nan, nan, 0))
-        yield Finding(
-            figure.meaning, figure.unit.label, entry.of(own.mean), entry.number, entry.bound,
-            _FLIGHT[figure.name], own.deviation,
-        )  # fmt: skip
+        own, about = means.get(figure.name, SampleMean(nan, nan, 0)), (figure.meaning, figure.unit.label)
+        known = (entry.number, entry.bound, _FLIGHT[figure.name])
+        yield Finding(*about, entry.of(own.mean), *known, own.deviation)
 
 
 def _lateral_force(flight: Flight) -> Finding:
@@ -211,12 +197,12 @@ def draw_entries(count: int, seed: int) -> list[Entry]:
     """Dispersed starts of the powered descent: any roll up to 120 deg, tilts of 10 to 40 deg, rates of 5
     deg/s (1 sigma).
     """
-    rng, found = np.random.default_rng(seed), []
-    for _ in range(count):
-        roll, tilt, towards = rng.uniform(-120.0, 120.0), rng.uniform(10.0, 40.0), rng.uniform(0.0, 360.0)
-        rate = 5.0 * rng.standard_normal(3)
-        found.append(Entry(float(roll), float(tilt), float(towards), tuple(map(float, rate))))
-    return found
+    rng = np.random.default_rng(seed)
+    ranges = ((-120.0, 120.0), (10.0, 40.0), (0.0, 360.0))
+    return [
+        Entry(*(float(rng.uniform(*ends)) for ends in ranges), tuple((5.0 * rng.standard_normal(3)).tolist()))
+        for _ in range(count)
+    ]
 
 
 def hung_like(state: State, entry: Entry) -> State:
@@ -254,23 +240,16 @@ def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row
 def thrust_error_deg(flight: Flight) -> np.ndarray:
     """Angle between thrust axis and commanded thrust direction, by row of telemetry."""
     rows = flight.telemetry
-    spin = flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
-    latitude, longitude = (
-        np.radians(rows["truth.latitude_deg"]),
-        np.radians(rows["truth.longitude_deg"]) + spin,
+    east_of_I = rows["truth.longitude_deg"] + np.degrees(
+        flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
     )
-    sl, cl, so, co = np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
-    north, east = np.stack([-sl * co, -sl * so, cl]), np.stack([-so, co, np.zeros_like(so)])
-    down = -np.stack([cl * co, cl * so, sl])
-    wanted = sum(
-        rows[f"guide.thrust_direction_{name}"] * axis
-        for name, axis in (("north", north), ("east", east), ("down", down))
-    )
-    w, x, y, z = (rows[f"truth.q_I2B_{c}"] for c in "wxyz")
-    thrust = -np.stack([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)])
-    return np.degrees(
-        np.arctan2(np.linalg.norm(np.cross(thrust, wanted, axis=0), axis=0), np.sum(thrust * wanted, axis=0))
-    )
+    turns = np.column_stack([east_of_I, -rows["truth.latitude_deg"] - 90.0])  # that turn I north, east, down
+    asked = np.stack([rows[f"guide.thrust_direction_{axis}"] for axis in ("north", "east", "down")], axis=1)
+    wanted = Rotation.from_euler("ZY", turns, degrees=True).apply(asked)
+    attitude = np.stack([rows[f"truth.q_I2B_{c}"] for c in "wxyz"], axis=1)
+    thrust = Rotation.from_quat(attitude, scalar_first=True).apply([-1.0, 0.0, 0.0])
+    across = np.linalg.norm(np.cross(thrust, wanted), axis=1)
+    return np.degrees(np.arctan2(across, np.sum(thrust * wanted, axis=1)))
 
 
 def _of_entries(rows: list[Row]) -> Iterator[Finding]:
@@ -297,9 +276,7 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
     # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9,
     # lambda 8
     "equal PID": (
-        INTEGRAL,
-        f"{_PITCH_YAW}.proportional=16.6",
-        f"{_PITCH_YAW}.integral=11.2",
+        *(INTEGRAL, f"{_PITCH_YAW}.proportional=16.6", f"{_PITCH_YAW}.integral=11.2"),
         f"{_PITCH_YAW}.derivative=9.9",
     ),
 }
@@ -434,15 +411,19 @@ def pushes(scenario: Scenario) -> dict[str, tuple[float, float]]:
     """Direction north and east in which each horizontal thruster pushes the upright lander, whose y axis
     points south and whose z axis west.
     """
-    thrusters = scenario.vehicle.rcs.thrusters
-    return {
-        one.name: (-one.direction[1], -one.direction[2]) for one in thrusters if one.group == "horizontal"
-    }
+    horizontal = [one for one in scenario.vehicle.rcs.thrusters if one.group == "horizontal"]
+    return {one.name: (-one.direction[1], -one.direction[2]) for one in horizontal}
+
+
+def spot(scenario: Scenario, case: Avoidance) -> tuple[float, float]:
+    """Way north and east to the safe spot, m."""
+    north, east = pushes(scenario)[case.thruster or SHOWN]
+    return WAY_M * north, WAY_M * east
 
 
 def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
     """Fly an avoidance."""
-    north, east = pushes(scenario)[case.thruster or SHOWN]
+    north, east = spot(scenario, case)
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     when = f"{{phase: {phase}, plus_s: {case.moment_s}}}"
     dead = f"faults=[{{thruster: {case.thruster}, kind: stuck_off, at: {when}}}]"
@@ -451,8 +432,8 @@ def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
         *CONTROL[case.control],
         *DIAGNOSED[case.diagnosed],
         *((dead,) if case.thruster else ()),
-        f"{terminal}.safe_spot_north_m={WAY_M * north}",
-        f"{terminal}.safe_spot_east_m={WAY_M * east}",
+        f"{terminal}.safe_spot_north_m={north}",
+        f"{terminal}.safe_spot_east_m={east}",
         f"flight_software.estimation.first_order.torque_pole_rad_s={case.pole_rad_s}",
     )
     return carry_on(states[case.start], changes)
@@ -462,15 +443,12 @@ def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> R
     """What an avoidance does to the roll axis, and how far from the safe spot it ends."""
     flight = avoid(states, scenario, case)
     table, rows = flight.telemetry, np.flatnonzero(flight.during(HAZARD_AVOIDANCE))
-    north, east = (WAY_M * part for part in pushes(scenario)[case.thruster or SHOWN])
+    north, east = spot(scenario, case)
     places = [table[f"truth.site_{axis}_m"] for axis in ("north", "east")]
     way = [place[rows[-1]] - place[rows[0]] for place in places]
     return {
         **_head("avoidance", case.control, flight, case.start),
-        "thruster": case.thruster,
-        "moment_s": case.moment_s,
-        "diagnosed": case.diagnosed,
-        "pole_rad_s": case.pole_rad_s,
+        **{name: getattr(case, name) for name in ("thruster", "moment_s", "diagnosed", "pole_rad_s")},
         "named": [one.thruster for one in flight.isolated_faults] == [case.thruster],
         "peak_error_deg": float(np.max(np.abs(table["control.error_roll_deg"][rows]))),
         "peak_rate_deg_s": float(np.max(np.abs(table["truth.rate_p_deg_s"][rows]))),
@@ -518,18 +496,9 @@ def _avoidance_grids(nominal: Flight, avoided: list[Row]) -> list[Grid]:
         (f"{row['pole_rad_s']:g}", foreseen_deg(scenario, inertia, row["pole_rad_s"]), row["peak_error_deg"])
         for row in pick(avoided, variant=FLOWN, thruster=SHOWN, moment_s=0.0, diagnosed=False, case=0)
     ]
-    return [
-        Grid(
-            f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {each} each",
-            heads,
-            lines,
-        ),
-        Grid(
-            f"{SHOWN} dead, undiagnosed, {FLOWN}",
-            ("lambda (rad/s)", "foreseen (deg)", "flown (deg)"),
-            slower,
-        ),
-    ]
+    title = f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {each} each"
+    foreseen = ("lambda (rad/s)", "foreseen (deg)", "flown (deg)")
+    return [Grid(title, heads, lines), Grid(f"{SHOWN} dead, undiagnosed, {FLOWN}", foreseen, slower)]
 
 
 def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> list[Row]:

@@ -96,10 +96,8 @@ REMARKS = (
 
 def figures(flight: Flight) -> dict[str, float]:
     """What this study looks at besides the figures of merit of one flight."""
-    t = flight.telemetry
-    time, bank = t["t_s"], t["truth.bank_deg"]
-    heading = flight.scenario.flight_software.guidance.entry.heading_below_m_s
-    slow = t["truth.speed_m_s"] < heading
+    t, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
+    time, bank, slow = t["t_s"], t["truth.bank_deg"], t["truth.speed_m_s"] < entry.heading_below_m_s
     steered = (time > flight.metrics["lift_start_s"]) & ~slow
     crossings = time[1:][(bank[1:] * bank[:-1] < 0.0) & steered[1:]]
     times = np.append(crossings[:3], [nan] * 3)
@@ -163,13 +161,10 @@ def _pictures() -> dict[str, list[Panel]]:
         Curve(t["truth.speed_m_s"], t["truth.height_m"] / 1e3, "flown"),
         Curve(*PREDICTED, "predicted deployment", "dots"),
     )
-    height, low = "height above ground (km)", {"ylim": (0.0, 60.0)}
-    return {
-        "bank_and_path": [
-            Panel("Bank angle", "time (s)", "bank angle (deg)", bank),
-            Panel("Path", "speed (m/s)", height, path, low),
-        ]
-    }
+    low = {"ylim": (0.0, 60.0)}
+    panels = [Panel("Bank angle", "time (s)", "bank angle (deg)", bank)]
+    panels.append(Panel("Path", "speed (m/s)", "height above ground (km)", path, low))
+    return {"bank_and_path": panels}
 
 
 STUDY = Study(

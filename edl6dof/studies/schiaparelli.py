@@ -9,11 +9,12 @@ different times, and one guard at a time is switched on.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import degrees, nan
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import Case
@@ -72,18 +73,15 @@ REMARKS = (
 def run(session: Session) -> Report:
     """Fly some phases of the nutation for each persistence, and with each guard."""
     session.expect(session.flights * (len(PERSISTENCES) + len(GUARDS)))
+    sweeps = [("persistence", "nothing", x, [f"{PERSISTENCE}={x}"]) for x in PERSISTENCES]
+    sweeps += [("guard", guard.name, nan, list(guard.overrides)) for guard in GUARDS]
     rows: list[Row] = []
-    for persistence in PERSISTENCES:
-        label = {"sweep": "persistence", "guard": "nothing", "persistence_s": persistence}
-        rows += session.fly(
-            edl6dof.load(SCENARIO, [f"{PERSISTENCE}={persistence}"]), phases(session.flights, label), swing
-        )
-    for guard in GUARDS:
-        label = {"sweep": "guard", "guard": guard.name, "persistence_s": nan}
-        rows += session.fly(edl6dof.load(SCENARIO, guard.overrides), phases(session.flights, label), swing)
+    for sweep, guard, persistence, overrides in sweeps:
+        label = {"sweep": sweep, "guard": guard, "persistence_s": persistence}
+        rows += session.fly(edl6dof.load(SCENARIO, overrides), phases(session.flights, label), swing)
     flight = edl6dof.fly(SCENARIO)
     grids = [_cliff(pick(rows, sweep="persistence")), _guards(pick(rows, sweep="guard"))]
-    return Report(_chain(flight), rows, session.total + 1, grids, REMARKS, _pictures(flight, rows))
+    return Report(list(_chain(flight)), rows, session.total + 1, grids, REMARKS, _pictures(flight, rows))
 
 
 def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
@@ -91,10 +89,8 @@ def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
     are those of a shorter one.
     """
     bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
-    return [
-        Case(k, truth={"initial.bank_deg": round(float(b), 3)}, profile=k, label=label)
-        for k, b in enumerate(bank)
-    ]
+    turned = ({"initial.bank_deg": round(float(b), 3)} for b in bank)
+    return [Case(k, truth=truth, profile=k, label=label) for k, truth in enumerate(turned)]
 
 
 # ---- one flight ----------------------------------------------------------------------------------------
@@ -124,30 +120,21 @@ def swing(flight: Flight) -> dict[str, float]:
 
 def vertical_error(flight: Flight, row: int) -> float:
     """Angle (deg) between the true vertical and the one on board, of the rotation between both attitudes."""
-    north, east, down = (
-        np.radians(flight.telemetry[f"nav.error_attitude_{axis}_deg"][row])
-        for axis in ("north", "east", "down")
-    )
-    angle = np.sqrt(north**2 + east**2 + down**2)
-    if angle < 1e-9:
-        return 0.0
-    across = np.hypot(north, east) / angle
-    return degrees(2.0 * np.arcsin(min(across * np.sin(0.5 * min(angle, np.pi)), 1.0)))
+    names = (f"nav.error_attitude_{axis}_deg" for axis in ("north", "east", "down"))
+    error = np.radians([flight.telemetry[name][row] for name in names])
+    down = Rotation.from_rotvec(error).apply([0.0, 0.0, 1.0])
+    return degrees(np.arctan2(np.hypot(down[0], down[1]), down[2]))
 
 
 # ---- what came out -------------------------------------------------------------------------------------
 
 
-def _chain(flight: Flight) -> list[Finding]:
+def _chain(flight: Flight) -> Iterator[Finding]:
     """The scenario as it is, one flight, beside what is published."""
-    found = []
     for figure, entry in published_figures(flight.scenario.published):
-        own = flight.metrics.get(figure.name, nan)
+        own, about = flight.metrics.get(figure.name, nan), (figure.meaning, figure.unit.label)
         within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None
-        found.append(
-            Finding(figure.meaning, figure.unit.label, own, entry.number, entry.bound, within=within)
-        )
-    return found
+        yield Finding(*about, own, entry.number, entry.bound, within=within)
 
 
 def saturated(rows: list[Row]) -> list[Row]:
@@ -173,8 +160,14 @@ def _cliff(rows: list[Row]) -> Grid:
         hit = saturated(own)
         counts = (len(own), len(hit), landed(hit), early(hit))
         lines.append((f"{persistence:g} s", *counts, mean(hit, "vertical_deg")))
-    heads = ("flag stays on", "flights", "beyond the range", "of these landed", "released early",
-             "vertical off deg")  # fmt: skip
+    heads = (
+        "flag stays on",
+        "flights",
+        "beyond the range",
+        "of these landed",
+        "released early",
+        "vertical off deg",
+    )
     return Grid("How long the flag stays on", heads, lines)
 
 
@@ -203,12 +196,9 @@ def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
     for name, good in (("within limits", True), ("lost", False)):
         own = pick(rows, sweep="persistence", success=good)
         cliff.append(Curve(column(own, "swing_deg_s") / end, column(own, "persistence_s"), name, "dots"))
-    return {
-        "chain_and_cliff": [
-            Panel("Height above ground", "time after entry (s)", "height (km)", heights),
-            Panel("Landed and lost", "fastest swing over the gyros' range", "flag stays on (s)", cliff),
-        ]
-    }
+    panels = [Panel("Height above ground", "time after entry (s)", "height (km)", heights)]
+    panels.append(Panel("Landed and lost", "fastest swing over the gyros' range", "flag stays on (s)", cliff))
+    return {"chain_and_cliff": panels}
 
 
 STUDY = Study(

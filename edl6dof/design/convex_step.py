@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from edl6dof.design.landing.rigid_body import CONTROLS, STATES, RigidLanding
-from edl6dof.design.landing.transcription import Linear, Nodes
+from edl6dof.design.rigid_landing import CONTROLS, STATES, RigidLanding
+from edl6dof.design.transcription import Linear, Nodes
 
 #: Price of a unit of virtual control, in masses at the start; mass out of nothing would save one.
 PRICE = 10.0
@@ -121,9 +121,8 @@ class _Sparse:
         weight = np.zeros(self.unknowns)
         weight[: self.at_virtual] = 2.0 * trust / (self.n + 1)
         priced = np.zeros(self.unknowns)
-        priced[self.u(np.arange(self.n + 1)[:, None], np.arange(1, CONTROLS))] = (
-            2.0 * torque_price / (self.n + 1)
-        )
+        torques = self.u(np.arange(self.n + 1)[:, None], np.arange(1, CONTROLS))
+        priced[torques] = 2.0 * torque_price / (self.n + 1)
         cost = np.zeros(self.unknowns)
         cost[self.at_virtual :] = PRICE
         cost[self.x(self.n, 0)] = -1.0
@@ -131,9 +130,8 @@ class _Sparse:
         settings.verbose = False
         quadratic = sparse.diags(weight + priced, format="csc")
         right = np.concatenate([part[3] for part in parts])
-        answer = clarabel.DefaultSolver(
-            quadratic, cost - weight * old, matrix, right, cones, settings
-        ).solve()
+        problem = (quadratic, cost - weight * old, matrix, right, cones, settings)
+        answer = clarabel.DefaultSolver(*problem).solve()
         if str(answer.status) not in ("Solved", "AlmostSolved"):
             return None
         new = np.array(answer.x)
@@ -170,14 +168,9 @@ def _reached(
     scales, nodes, by = program.scales, program.nodes, linear.by[point, k]
     at = np.concatenate([nodes.x[k], nodes.u[k], nodes.u[k + 1], [nodes.durations[nodes.parts[k]]]])
     units = np.concatenate([scales.x, scales.u, scales.u, [scales.time]])
-    columns = np.concatenate(
-        [
-            program.x(k, np.arange(STATES)),
-            program.u(k, np.arange(CONTROLS)),
-            program.u(k + 1, np.arange(CONTROLS)),
-            [program.at_time + nodes.parts[k]],
-        ]
-    )
+    controls = (program.u(node, np.arange(CONTROLS)) for node in (k, k + 1))
+    time = [program.at_time + nodes.parts[k]]
+    columns = np.concatenate([program.x(k, np.arange(STATES)), *controls, time])
     return columns, by * units / scales.x[:, None], (linear.x[point, k] - by @ at) / scales.x
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.units import G0
-from edl6dof.design.landing.rigid_body import RigidLanding, tilt_of
+from edl6dof.design.rigid_landing import RigidLanding, tilt_of
 from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.roles import HOVER_IMAGING, POWERED_DECELERATION

@@ -10,11 +10,12 @@ variational equations.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from edl6dof.design.landing.rigid_body import CONTROLS, STATES, THRUST, RigidLanding, derivatives, motion
+from edl6dof.design.rigid_landing import CONTROLS, STATES, THRUST, RigidLanding, derivatives, motion
 
 #: Runge-Kutta steps of an interval.
 STEPS = 8
@@ -41,11 +42,7 @@ class Nodes:
     @property
     def parts(self) -> np.ndarray:
         """Index of the duration that each interval belongs to, shape (n,)."""
-        return (
-            (np.arange(len(self.x) - 1) >= self.full).astype(int)
-            if self.full
-            else np.zeros(len(self.x) - 1, int)
-        )
+        return ((np.arange(len(self.x) - 1) >= self.full) & (self.full > 0)).astype(int)
 
     @property
     def shares(self) -> np.ndarray:
@@ -94,10 +91,8 @@ def linearise(landing: RigidLanding, nodes: Nodes) -> Linear:
         u = (1.0 - at) * first + at * last
         change = motion(landing, x, u)
         by_state, by_control = derivatives(landing, x, u)
-        own = np.concatenate(
-            [np.zeros_like(by_state), (1.0 - at) * by_control, at * by_control, change[..., None] / lengths],
-            -1,
-        )
+        by_controls = ((1.0 - at) * by_control, at * by_control)
+        own = np.concatenate([np.zeros_like(by_state), *by_controls, change[..., None] / lengths], -1)
         return lengths[:, 0] * change, lengths * (by_state @ by + own)
 
     found, h = [], 1.0 / STEPS
@@ -129,15 +124,11 @@ def propagate(landing: RigidLanding, nodes: Nodes, samples: int) -> tuple[np.nda
         def control(at: float, k: int = k, length: float = float(length)) -> np.ndarray:
             return first[k] + at / length * (last[k] - first[k])
 
-        found = solve_ivp(
-            lambda at, y, control=control: motion(landing, y, control(at)),
-            (0.0, length),
-            state,
-            method="DOP853",
-            t_eval=np.linspace(0.0, length, samples + 1),
-            rtol=1e-10,
-            atol=1e-10,
-        )
+        def slopes(at: float, y: np.ndarray, control: Any = control) -> np.ndarray:
+            return motion(landing, y, control(at))
+
+        times = np.linspace(0.0, length, samples + 1)
+        found = solve_ivp(slopes, (0.0, length), state, "DOP853", times, rtol=1e-10, atol=1e-10)
         t.append(began + found.t[:-1])
         x.append(found.y[:, :-1].T)
         u.append(np.array([control(at) for at in found.t[:-1]]))
