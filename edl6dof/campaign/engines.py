@@ -7,12 +7,12 @@ from __future__ import annotations
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from itertools import chain
 from typing import TYPE_CHECKING, Protocol
 
-from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.executor import CaseRunner, Row, available_cores
 from edl6dof.campaign.fault_response import collected
@@ -42,8 +42,8 @@ LOOK_S = 2.0
 class Engine(Protocol):
     """Flies ranges of cases."""
 
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range, in order; ranges are read only a little ahead."""
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
+        """Rows of all cases, in order; ranges are read only a little ahead."""
 
 
 class Threads:
@@ -55,32 +55,10 @@ class Threads:
     def __str__(self) -> str:
         return f"{self.workers} thread{'s' if self.workers > 1 else ''}"
 
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range."""
-        runner = CaseRunner(plan.loaded, collected(plan))
-        return by_range(plan, ranges, lambda cases: runner.rows(cases, self.workers))
-
-
-def by_range(
-    plan: Plan, ranges: Iterable[Range], fly: Callable[[Iterator[Case]], Iterator[Row]]
-) -> Iterator[list[Row]]:
-    """Rows of each range, from what flies cases and hands out their rows in order; the last of a range
-    need not have flown when the first of the next is asked for.
-    """
-    pending: deque[Range] = deque()
-
-    def cases() -> Iterator[Case]:
-        for first, last in ranges:
-            pending.append((first, last))
-            yield from plan.cases(first, last)
-
-    found: list[Row] = []
-    for row in fly(cases()):
-        found.append(row)
-        if len(found) == pending[0][1] - pending[0][0]:
-            pending.popleft()
-            yield found
-            found = []
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
+        """Rows of all cases."""
+        cases = chain.from_iterable(plan.cases(*some) for some in ranges)
+        return CaseRunner(plan.loaded, collected(plan)).rows(cases, self.workers)
 
 
 class Dask:
@@ -96,31 +74,23 @@ class Dask:
         address = "a closed scheduler" if scheduler is None else scheduler.address
         return f"Dask, {len(self.client.nthreads())} workers at {address}"
 
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range.
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
+        """Rows of all cases.
 
         Raises:
             OSError: no worker is left and none has joined for a while, or one is no copy of this program.
         """
         order = plan.text, identity(plan)
-        waiting: deque[tuple[Future, bool]] = deque()
-        found: list[Row] = []
+        waiting: deque[Future] = deque()
         for first, last in ranges:
             for start in range(first, last, _TASK):
                 stop = min(start + _TASK, last)
-                waiting.append((self.client.submit(fly_range, *order, start, stop, pure=False), stop == last))
+                waiting.append(self.client.submit(fly_range, *order, start, stop, pure=False))
             ahead = _AHEAD * max(sum(self.client.nthreads().values()), 1)
             while len(waiting) >= ahead:
-                yield from self._next(waiting, found)
+                yield from self._result(waiting.popleft())
         while waiting:
-            yield from self._next(waiting, found)
-
-    def _next(self, waiting: deque[tuple[Future, bool]], found: list[Row]) -> Iterator[list[Row]]:
-        future, ends_range = waiting.popleft()
-        found += self._result(future)
-        if ends_range:
-            yield list(found)
-            found.clear()
+            yield from self._result(waiting.popleft())
 
     def _result(self, future: Future) -> list[Row]:
         """Rows of a task; one whose rows were lost with a worker is flown again by the next."""

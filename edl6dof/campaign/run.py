@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import islice
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -107,16 +108,13 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     info, parts = store.info, store.parts
     until = Until.parse(info.until) if info.until else None
     ranges = [(first, min(first + PART, plan.count)) for first in range(0, plan.count, PART)]
-    kept = {
-        k: good
-        for k, (first, last) in enumerate(ranges)
-        if (good := parts.successes(k, first, last)) is not None
-    }
+    found = {k: parts.successes(k, *cases) for k, cases in enumerate(ranges)}
+    kept = {k: good for k, good in found.items() if good is not None}
     tally, done = Tally(plan.count), 0
     flown = engine.rows(plan, (cases for k, cases in enumerate(ranges) if k not in kept))
-    for index, (_, last) in enumerate(ranges):
+    for index, (first, last) in enumerate(ranges):
         if index not in kept:
-            rows = next(flown)
+            rows = list(islice(flown, last - first))
             _require_unchanged(store, info.identity)
             parts.write(index, table_of(rows))
             tally.here += len(rows)

@@ -22,6 +22,7 @@ from functools import cache
 
 import numpy as np
 from scipy.special import betainc, betaincinv, ndtri
+from scipy.stats import rankdata
 
 #: Chance that inputs that do nothing are called a driver, of a figure or of all figures of a report.
 CHANCE = 0.05
@@ -110,24 +111,16 @@ class _Inputs:
         return cls(scores, regressors, columns, regressors.T @ regressors)
 
 
-def drivers(groups: Mapping[str, np.ndarray], figure: np.ndarray, chance: float = CHANCE) -> Drivers:
-    """The groups of inputs that drive a figure.
+def drivers(
+    groups: Mapping[str, np.ndarray], figures: Sequence[np.ndarray], chance: float = CHANCE
+) -> list[Drivers]:
+    """The groups of inputs that drive each of several figures.
 
     Args:
         groups: inputs that belong together, shape (n, inputs of the group), by name; each group independent
             of the others.
-        figure: shape (n,), NaN where a flight has none.
-        chance: probability that any group is named where none does anything.
-    """
-    return drivers_of_each(groups, [figure], chance)[0]
-
-
-def drivers_of_each(
-    groups: Mapping[str, np.ndarray], figures: Sequence[np.ndarray], chance: float = CHANCE
-) -> list[Drivers]:
-    """The groups of inputs that drive each of several figures, as :func:`drivers` tells them of one.
-
-    ``chance`` is that of any group being named for any of the figures where none does anything.
+        figures: each of shape (n,), NaN where a flight has none.
+        chance: probability that any group is named for any of the figures where none does anything.
     """
     level = _of_each(chance, len(figures))
     known: dict[bytes, _Inputs] = {}
@@ -167,14 +160,7 @@ def _of_each(chance: float, tries: int) -> float:
 
 def _scores(values: np.ndarray) -> np.ndarray:
     """Normal scores: the deviates that a sample of the normal distribution has at the ranks of the values."""
-    ranks = np.apply_along_axis(_ranks, 0, values) if values.size else values
-    return np.asarray(ndtri((ranks - 0.5) / len(values)))
-
-
-def _ranks(values: np.ndarray) -> np.ndarray:
-    """Rank of each value, from 1 on; those that are equal have the mean of theirs."""
-    _, place, equal = np.unique(values, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(equal) - 0.5 * (equal - 1))[place])
+    return np.asarray(ndtri((rankdata(values, axis=0) - 0.5) / len(values)))
 
 
 def _terms(scores: np.ndarray) -> np.ndarray:

@@ -85,14 +85,9 @@ def run(session: Session) -> Report:
             calls[vehicle.name, law] = call_time(loaded)
     far = [row for vehicle in VEHICLES if vehicle.dispersions for row in lift_up(vehicle, rows, flights)]
     beyond = {vehicle.name: out_of_reach(pick(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
-    return Report(
-        list(findings(rows, calls, beyond)),
-        [*rows, *far],
-        session.total + len(far),
-        list(_grids(rows, calls)),
-        REMARKS,
-        _pictures(pick(rows, condition=DISPERSED)),
-    )
+    found, grids = list(findings(rows, calls, beyond)), list(_grids(rows, calls))
+    pictures = _pictures(pick(rows, condition=DISPERSED))
+    return Report(found, [*rows, *far], session.total + len(far), grids, REMARKS, pictures)
 
 
 # ---- vehicles and laws ---------------------------------------------------------------------------------
@@ -130,13 +125,9 @@ _WITH_LAW = {"fnpeg": (f"{ENTRY}.reversal.logic=own_sign",)}
 
 def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     """The entry flown by a law; the open-loop law flies the bank angle that was planned."""
-    planned = vehicle.load(f"{ENTRY}.reference_bank.fit_range=true")
-    return vehicle.load(
-        "simulation.log_every=5",
-        f"{ENTRY}.law={law}",
-        *_WITH_LAW.get(law, ()),
-        f"{ENTRY}.bank_profile={json.dumps({'points': planned_bank(planned)})}",
-    )
+    points = planned_bank(vehicle.load(f"{ENTRY}.reference_bank.fit_range=true"))
+    profile = f"{ENTRY}.bank_profile={json.dumps({'points': points})}"
+    return vehicle.load("simulation.log_every=5", f"{ENTRY}.law={law}", *_WITH_LAW.get(law, ()), profile)
 
 
 def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
@@ -155,7 +146,6 @@ def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
 #: What every flight has besides; each has its own waves of density, gusts and copies of the instruments.
 WAVES_AND_GUSTS: Values = {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}
 _ANGLE = "initial.flight_path_angle_deg"
-_TRACKING, _NAVIGATION = "sensors.ground_tracking", "sensors.navigation_error"
 _SLOW_DEG_S, _WIND_M_S = 5.0, 60.0
 #: How much worse than believed the state is that the ground sends up.
 _WORSE_TRACKING = 3.0
@@ -203,17 +193,15 @@ def _poor_navigation(scenario: Scenario, flight: int) -> Values:
     """Errors of the state that the ground sends up, three times those believed; a point mass has them all the
     way.
     """
-    if scenario.dynamics == "six_dof":
-        worse = _of_each_axis(_TRACKING, scenario.sensors.ground_tracking)
-        return {path: _WORSE_TRACKING * sigma for path, sigma in worse}
-    draws, sigmas = np.random.default_rng((SEED, flight)), _of_each_axis(_NAVIGATION, GroundTrackingParams())
-    return {path: _WORSE_TRACKING * sigma * draws.standard_normal() for path, sigma in sigmas}
-
-
-def _of_each_axis(section: str, tracking: GroundTrackingParams) -> Iterator[tuple[str, float]]:
+    rigid, draws = scenario.dynamics == "six_dof", np.random.default_rng((SEED, flight))
+    tracking = scenario.sensors.ground_tracking if rigid else GroundTrackingParams()
+    found = {}
     for axis in range(3):
-        yield f"{section}.position_m.{axis}", tracking.position_m[axis]
-        yield f"{section}.velocity_m_s.{axis}", tracking.velocity_m_s[axis]
+        for name, sigmas in (("position_m", tracking.position_m), ("velocity_m_s", tracking.velocity_m_s)):
+            error = 1.0 if rigid else draws.standard_normal()
+            section = "sensors.ground_tracking" if rigid else "sensors.navigation_error"
+            found[f"{section}.{name}.{axis}"] = _WORSE_TRACKING * sigmas[axis] * error
+    return found
 
 
 def _navigation_with_errors(scenario: Scenario, flight: int) -> Values:
@@ -300,10 +288,8 @@ def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
     loaded = vehicle.load("simulation.log_every=5", *_LIFT_UP)
     truths = entries(vehicle.dispersions, flights)
     about = {"vehicle": vehicle.name, "condition": "lift up", "law": "constant_bank"}
-    planned = [
-        Case(i, {**truths[number], **WAVES_AND_GUSTS}, profile=number, label=about)
-        for i, number in enumerate(missed)
-    ]
+    flown = [(number, {**truths[number], **WAVES_AND_GUSTS}) for number in missed]
+    planned = (Case(i, truth, profile=number, label=about) for i, (number, truth) in enumerate(flown))
     return list(fly_rows(loaded, planned))
 
 
@@ -371,10 +357,12 @@ def misses(rows: Sequence[Row]) -> np.ndarray:
 
 def best_first(rows: Sequence[Row]) -> list[str]:
     """The laws of some rows, that first of which the next to last hundredth of the misses is smallest."""
-    return sorted(
-        kinds(rows, "law"),
-        key=lambda law: np.quantile(misses(pick(rows, law=law)), 0.99, method="higher"),
-    )
+    return sorted(kinds(rows, "law"), key=lambda law: _worst_hundredth(pick(rows, law=law)))
+
+
+def _worst_hundredth(rows: Sequence[Row]) -> float:
+    """Least of the largest hundredth of the misses, km."""
+    return float(np.quantile(misses(rows), 0.99, method="higher"))
 
 
 def unflown(rows: Sequence[Row]) -> list[Row]:
@@ -397,11 +385,8 @@ def _grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
 
 
 def _conditions(vehicle: str, rows: Sequence[Row]) -> Grid:
-    counts = {
-        name: len(own) // len(kinds(rows, "law"))
-        for name in (*(c.name for c in CONDITIONS), DISPERSED)
-        if (own := pick(rows, condition=name))
-    }
+    names, laws = (*(one.name for one in CONDITIONS), DISPERSED), len(kinds(rows, "law"))
+    counts = {name: len(own) // laws for name in names if (own := pick(rows, condition=name))}
     lines: list[Line] = []
     for law in best_first(rows):
         miss = [misses(pick(rows, law=law, condition=name)) for name in counts]
@@ -444,14 +429,16 @@ def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) 
     label = "flights that did not reach the mortar"
     yield Finding(label, "", float(len(failed)), 0.0, "<=", why=why)
     first = rows[0]["vehicle"]  # others may fly reversals that are found by flying ahead
-    for label, bound, predicts in (
-        (f"{first}: longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),
-        (f"{first}: longest guidance call of the others", CALL_US, False),
+    for which, bound, ahead in (
+        ("laws that fly ahead", PREDICTOR_CALL_US, True),
+        ("the others", CALL_US, False),
     ):
-        own = {law: us for (vehicle, law), us in calls.items() if vehicle == first}
-        if timed := [(us, law) for law, us in own.items() if (law in PREDICTORS) == predicts]:
-            us, law = max(timed)
-            yield Finding(label, "us", us, bound, "<=", law)
+        own = [
+            (us, law) for (name, law), us in calls.items() if name == first and (law in PREDICTORS) == ahead
+        ]
+        if own:
+            us, law = max(own)
+            yield Finding(f"{first}: longest guidance call of {which}", "us", us, bound, "<=", law)
 
 
 def _best_law(vehicle: str, flown: Sequence[Row], beyond: set[int]) -> Iterator[Finding]:
@@ -483,11 +470,10 @@ def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
         own = pick(dispersed, vehicle=vehicle)
         order = best_first(own)
         curves = [distribution(misses(pick(own, law=law)), law) for law in order]
-        limit = 3.0 * float(np.quantile(misses(pick(own, law=order[0])), 0.99, method="higher"))
+        limit = 3.0 * _worst_hundredth(pick(own, law=order[0]))
         options = {"xlim": (0.0, max(2.0 * TARGET_KM, limit))} if isfinite(limit) else {}
-        panels.append(
-            Panel(f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)", curves, options)
-        )
+        labels = (f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)")
+        panels.append(Panel(*labels, curves, options))
     return {"comparison": panels}
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from math import degrees, nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -45,23 +45,17 @@ def _five_gyros() -> str:
     return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
 
 
-class Guard(NamedTuple):
-    """One way out: its name, and the overrides that switch it on."""
-
-    name: str
-    overrides: tuple[str, ...] = ()
-
-
-GUARDS = (
-    Guard("nothing"),
-    Guard("sign", (f"{_NAVIGATION}.guards.below_ground=true",)),  # a height below the ground
-    Guard("parity", (_five_gyros(),)),  # five gyros that check each other
-    Guard("consistency", (f"{_NAVIGATION}.guards.speed=true",)),  # speed against the beams
-    Guard("persistence", (f"{PERSISTENCE}=0.015",)),  # flag on for 15 ms
-    Guard("vertical", (f"{_NAVIGATION}.guards.vertical=true",)),  # echo from above the horizon
-    Guard("left out", (f"{_NAVIGATION}.saturation.left_out=true",)),  # flagged gyro not used
-    Guard("jump", (f"{_NAVIGATION}.guards.jump=true",)),  # height that jumps
-)
+#: Ways out, one at a time: the overrides that switch one on.
+GUARDS = {
+    "nothing": (),
+    "sign": (f"{_NAVIGATION}.guards.below_ground=true",),  # a height below the ground
+    "parity": (_five_gyros(),),  # five gyros that check each other
+    "consistency": (f"{_NAVIGATION}.guards.speed=true",),  # speed against the beams
+    "persistence": (f"{PERSISTENCE}=0.015",),  # flag on for 15 ms
+    "vertical": (f"{_NAVIGATION}.guards.vertical=true",),  # echo from above the horizon
+    "left out": (f"{_NAVIGATION}.saturation.left_out=true",),  # flagged gyro not used
+    "jump": (f"{_NAVIGATION}.guards.jump=true",),  # height that jumps
+}
 REMARKS = (
     "Nothing is made to fail: gyros meet the end of their range as the canopy swings the capsule faster.",
     "The phase of the nutation at entry, which decides how hard it swings, is drawn; 3 deg are an estimate.",
@@ -74,7 +68,7 @@ def run(session: Session) -> Report:
     """Fly some phases of the nutation for each persistence, and with each guard."""
     session.expect(session.flights * (len(PERSISTENCES) + len(GUARDS)))
     sweeps = [("persistence", "nothing", x, [f"{PERSISTENCE}={x}"]) for x in PERSISTENCES]
-    sweeps += [("guard", guard.name, nan, list(guard.overrides)) for guard in GUARDS]
+    sweeps += [("guard", name, nan, list(overrides)) for name, overrides in GUARDS.items()]
     rows: list[Row] = []
     for sweep, guard, persistence, overrides in sweeps:
         label = {"sweep": sweep, "guard": guard, "persistence_s": persistence}
@@ -175,11 +169,11 @@ def _guards(rows: list[Row]) -> Grid:
     """A line for each guard."""
     lines: list[Line] = []
     for guard in GUARDS:
-        own = pick(rows, guard=guard.name)
+        own = pick(rows, guard=guard)
         hit = saturated(own)
         crashed = sum(bool(row["crashed"]) for row in hit)
         counts = (len(own), landed(own), len(hit), landed(hit), crashed, early(hit))
-        lines.append((guard.name, *counts, mean(pick(own, success=True), "propellant_used_kg")))
+        lines.append((guard, *counts, mean(pick(own, success=True), "propellant_used_kg")))
     heads = ("", "flights", "landings", "beyond the range", "of these landed", "crashed", "released early",
              "propellant kg")  # fmt: skip
     return Grid("One guard at a time", heads, lines)

@@ -19,7 +19,7 @@ NAMES = (
     *("capsule_trim", "damping", "impulses", "rocket_equation", "jettison"),
     *("terminal_velocity", "pendulum", "nesc"),
 )
-CASES: dict[str, Callable[[], Outcome]] = {
+CASES: dict[str, Callable[..., Outcome]] = {
     name: import_module(f"edl6dof.verify.cases.{name}").run for name in NAMES
 }
 

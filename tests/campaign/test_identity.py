@@ -19,6 +19,7 @@ from edl6dof.campaign import identity as origin
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.identity import input_files
+from edl6dof.campaign.parts import PART
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment import profile_file
@@ -100,11 +101,11 @@ class Changing(Threads):
         self.event = event
 
     def rows(self, plan, ranges):
-        """Rows of each range."""
-        for number, rows in enumerate(super().rows(plan, ranges)):
-            if number == 2:
+        """Rows of all cases."""
+        for number, row in enumerate(super().rows(plan, ranges)):
+            if number == 2 * PART:
                 self.event()
-            yield rows
+            yield row
 
 
 def stop():

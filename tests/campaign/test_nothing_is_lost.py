@@ -148,7 +148,7 @@ from edl6dof.config.errors import ConfigError
 class NullPlant:
     def rows(self, plan, ranges):
         for first, last in ranges:
-            yield [self.row(case) for case in plan.cases(first, last)]
+            yield from (self.row(case) for case in plan.cases(first, last))
 
     def row(self, case):
         inputs = {f"truth.{path}": value for path, value in case.truth.items()}

@@ -45,7 +45,8 @@ ALLOWED = {
     "interface/events.py:sum": "integers",
     "campaign/design/dispersions.py:sum": "integers",
     "campaign/design/sampling.py:sum": "integers",
-    "campaign/design/distributions.py:sum": "truth values, and weights that are compared with zero",
+    "campaign/design/distributions/base.py:sum": "truth values",
+    "campaign/design/distributions/discrete.py:sum": "compared with zero",
 }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.campaign.design.distributions import DISTRIBUTIONS
+from edl6dof.campaign.design.distributions.registry import DISTRIBUTIONS
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs, fill_atmosphere
 from edl6dof.environment.atmosphere_table import build_table

@@ -62,10 +62,10 @@ class Recorded:
     def __str__(self) -> str:
         return "recorded rows"
 
-    def rows(self, plan: Plan, ranges: Any) -> Iterator[list[dict[str, Any]]]:
-        """Rows of each range."""
+    def rows(self, plan: Plan, ranges: Any) -> Iterator[dict[str, Any]]:
+        """Rows of all cases."""
         for first, last in ranges:
-            yield self.flown[plan.campaign.seed][first:last]
+            yield from self.flown[plan.campaign.seed][first:last]
             if self.stops:
                 raise KeyboardInterrupt
 
