@@ -174,8 +174,9 @@ class Response:
 
 #: Rate (s) at which the law is called, and rows after which a trial that does not slow down is given up.
 CALL_S, MOST_ROWS = 0.1, 6000
-#: Height (m) of one wave of the density, and below which a wind grows with height.
-WAVE_M = 40e3
+#: Height (m) of one wave of the density, and below which a wind grows with height; half the time (s) over
+#: which a rate of drag is measured.
+WAVE_M, _NUDGE_S = 40e3, 1e-3
 #: (height, speed, flight-path angle): m, m/s, rad.
 State = tuple[float, float, float]
 NAV = np.dtype([("flight_path_angle", "f8"), ("gravity", "f8"), ("speed", "f8"), ("radius", "f8")])
@@ -194,13 +195,6 @@ class Errors(NamedTuple):
         """ln(rho / rho_model) + 2 ln(V_air / V)."""
         air = 1.0 + self.wind_m_s * height / WAVE_M / speed
         return self.density * sin(2.0 * pi * height / WAVE_M) + 2.0 * log(air)
-
-    def excess_rate(self, height: float, speed: float, climb: float, speed_rate: float) -> float:
-        """Its derivative by time (1/s), at a rate of climb (m/s) and of speed (m/s2)."""
-        head = self.wind_m_s * height / WAVE_M
-        wave = 2.0 * pi / WAVE_M
-        air_rate = head / speed * (climb / max(height, 1.0) - speed_rate / speed)
-        return self.density * wave * cos(wave * height) * climb + 2.0 * air_rate / (1.0 + head / speed)
 
 
 ERRORS = {
@@ -240,8 +234,10 @@ class Motion:
         height, speed, path = state
         drag = self.drag(height, speed)
         climb, speed_rate = speed * sin(path), -drag - self.gravity(height) * sin(path)
-        relative = -climb / self.design.scale_height + 2.0 * speed_rate / speed
-        return drag, drag * (relative + self.errors.excess_rate(height, speed, climb, speed_rate))
+        before, after = (
+            self.drag(height + dt * climb, speed + dt * speed_rate) for dt in (-_NUDGE_S, _NUDGE_S)
+        )
+        return drag, (after - before) / (2.0 * _NUDGE_S)
 
     def start(self) -> State:
         """The state on the profile but for ``START_ERROR`` of drag."""
