@@ -7,14 +7,13 @@ price on the square of what changes.  All unknowns are in units of the problem's
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 from math import pi, sin, tan
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from edl6dof.design.rigid_landing import CONTROLS, STATES, RigidLanding
+from edl6dof.design.rigid_landing import POSITION, RATE, STATES, THRUST, TORQUE, RigidLanding
 from edl6dof.design.transcription import Linear, Nodes
 
 #: Price of a unit of virtual control, in masses at the start; mass out of nothing would save one.
@@ -34,11 +33,9 @@ class Scales:
 
 def scales_of(landing: RigidLanding, time: float) -> Scales:
     """Units in which a landing of about ``time`` s is of the size of one."""
-    distance = max(float(np.linalg.norm(landing.start[1:4])), 1.0)
+    distance = max(float(np.linalg.norm(landing.start[POSITION])), 1.0)
     speed = max(float(np.linalg.norm(landing.start[4:7])), distance / time)
-    x = np.concatenate(
-        [[landing.start[0]], np.full(3, distance), np.full(3, speed), np.ones(4), np.full(3, landing.rate)]
-    )
+    x = np.repeat([landing.start[0], distance, speed, 1.0, landing.rate], [1, 3, 3, 4, 3])
     return Scales(x, np.append(landing.thrust[1], landing.torque), time)
 
 
@@ -66,166 +63,79 @@ def solve_step(landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float
     Returns:
         ``None`` where the solver finds none.
     """
-    program = _Sparse(landing, nodes)
-    _start_and_end(program, landing)
-    _motion(program, linear)
-    _bounds(program, landing)
-    _limits(program, landing, linear)
-    return program.solve(trust, landing.torque_price)
+    import cvxpy as cp  # the optional extra "design"
+
+    n, scales = len(nodes.x) - 1, scales_of(landing, float(np.sum(nodes.durations)))
+    old = (nodes.x / scales.x, nodes.u / scales.u, nodes.durations / scales.time)
+    x, u, time = unknowns = [cp.Variable(part.shape) for part in old]
+    # both signs of virtual control: each node is where the interval before it ends, but for it
+    virtual = [cp.Variable((n, STATES), nonneg=True) for _ in range(2)]
+    reached = _reached(nodes, linear, scales, unknowns)
+    limits = [
+        x[1:] == reached[-1] + virtual[0] - virtual[1],
+        *_ends(landing, scales, x),
+        *_bounds(landing, nodes, scales, u, time),
+        *(limit for states in reached[:-1] for limit in _path_limits(landing, scales, states)),
+        *_path_limits(landing, scales, reached[-1][:-1]),  # the last node is at rest
+    ]
+    torque = landing.torque_price * cp.sum_squares(u[:, TORQUE])
+    change = trust * sum(cp.sum_squares(new - part) for new, part in zip(unknowns, old, strict=True))
+    cost = PRICE * cp.sum(sum(virtual)) - x[n, 0] + torque / (n + 1)
+    problem = cp.Problem(cp.Minimize(cost + change / (n + 1)), limits)
+    problem.solve(cp.CLARABEL)
+    if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+        return None
+    largest = max(float(np.abs(new.value - part).max()) for new, part in zip(unknowns, old, strict=True))
+    found = Nodes(x.value * scales.x, u.value * scales.u, time.value * scales.time, nodes.full)
+    return Step(found, float(cost.value), largest)
 
 
-class _Sparse:
-    """A conic program in the unknowns x, u, durations, and both signs of virtual control."""
+def _reached(nodes: Nodes, linear: Linear, scales: Scales, unknowns: list[Any]) -> list[Any]:
+    """States at each checked point of all intervals, shape (n, 14), linear in the ``unknowns``."""
+    import cvxpy as cp
 
-    def __init__(self, landing: RigidLanding, nodes: Nodes) -> None:
-        self.nodes = nodes
-        self.scales = scales_of(landing, float(np.sum(nodes.durations)))
-        self.n = len(nodes.x) - 1
-        self.at_u = STATES * (self.n + 1)
-        self.at_time = self.at_u + CONTROLS * (self.n + 1)
-        self.at_virtual = self.at_time + len(nodes.durations)
-        self.unknowns = self.at_virtual + 2 * STATES * self.n
-        self._rows: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]] = {}
-        self._cones: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-
-    def x(self, node: int | np.ndarray, component: int | np.ndarray) -> np.ndarray:
-        """Indices of states."""
-        return np.asarray(STATES * np.asarray(node) + component)
-
-    def u(self, node: int | np.ndarray, component: int | np.ndarray) -> np.ndarray:
-        """Indices of controls."""
-        return np.asarray(self.at_u + CONTROLS * np.asarray(node) + component)
-
-    def add(self, cone: str, columns: np.ndarray, values: np.ndarray, constant: np.ndarray) -> None:
-        """Rows ``sum(values * unknowns[columns]) + constant``, shapes (m, j), (m, j), (m,), in a cone:
-        ``zero``, ``positive``, or one second-order cone of all of them.
-        """
-        rows = np.repeat(np.arange(len(constant)), np.shape(columns)[1])
-        part = (rows, np.ravel(columns), np.ravel(values), np.asarray(constant, float))
-        (self._cones if cone == "second_order" else self._rows.setdefault(cone, [])).append(part)
-
-    def solve(self, trust: float, torque_price: float) -> Step | None:
-        """The step that costs least."""
-        import clarabel  # the optional extra "design"
-
-        parts = [*self._rows["zero"], *self._rows["positive"], *self._cones]
-        sizes = [len(part[3]) for part in parts]
-        offsets = np.append(0, np.cumsum(sizes))
-        rows = np.concatenate([part[0] + at for part, at in zip(parts, offsets, strict=False)])
-        columns, values = (np.concatenate([part[i] for part in parts]) for i in (1, 2))
-        matrix = sparse.csc_matrix((-values, (rows, columns)), shape=(offsets[-1], self.unknowns))
-        zeros, positive = (sum(len(part[3]) for part in self._rows[name]) for name in ("zero", "positive"))
-        cones: list[Any] = [clarabel.ZeroConeT(zeros), clarabel.NonnegativeConeT(positive)]
-        cones += [clarabel.SecondOrderConeT(len(part[3])) for part in self._cones]
-        old = self._packed(self.nodes)
-        weight = np.zeros(self.unknowns)
-        weight[: self.at_virtual] = 2.0 * trust / (self.n + 1)
-        priced = np.zeros(self.unknowns)
-        torques = self.u(np.arange(self.n + 1)[:, None], np.arange(1, CONTROLS))
-        priced[torques] = 2.0 * torque_price / (self.n + 1)
-        cost = np.zeros(self.unknowns)
-        cost[self.at_virtual :] = PRICE
-        cost[self.x(self.n, 0)] = -1.0
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        quadratic = sparse.diags(weight + priced, format="csc")
-        right = np.concatenate([part[3] for part in parts])
-        problem = (quadratic, cost - weight * old, matrix, right, cones, settings)
-        answer = clarabel.DefaultSolver(*problem).solve()
-        if str(answer.status) not in ("Solved", "AlmostSolved"):
-            return None
-        new = np.array(answer.x)
-        change = float(np.max(np.abs((new - old)[: self.at_virtual])))
-        return Step(self._unpacked(new), float(cost @ new + 0.5 * priced @ new**2), change)
-
-    def _packed(self, nodes: Nodes) -> np.ndarray:
-        x, u = nodes.x / self.scales.x, nodes.u / self.scales.u
-        virtual = np.zeros(self.unknowns - self.at_virtual)
-        return np.concatenate([x.ravel(), u.ravel(), nodes.durations / self.scales.time, virtual])
-
-    def _unpacked(self, unknowns: np.ndarray) -> Nodes:
-        x = unknowns[: self.at_u].reshape(-1, STATES) * self.scales.x
-        u = unknowns[self.at_u : self.at_time].reshape(-1, CONTROLS) * self.scales.u
-        return Nodes(x, u, unknowns[self.at_time : self.at_virtual] * self.scales.time, self.nodes.full)
+    x, u, time = unknowns
+    n, units = len(nodes.x) - 1, np.concatenate([scales.x, scales.u, scales.u, [scales.time]])
+    begin = cp.hstack([x[:-1], u[:-1], u[1:], cp.reshape(time[nodes.parts], (n, 1), order="C")])
+    at = np.column_stack([nodes.x[:-1], nodes.u[:-1], nodes.u[1:], nodes.durations[nodes.parts]])
+    found = []
+    for states, by in zip(linear.x, linear.by, strict=True):
+        constant = (states - (by @ at[..., None])[..., 0]) / scales.x
+        matrix = sparse.block_diag(by * units / scales.x[:, None], format="csr")
+        found.append(cp.reshape(matrix @ cp.vec(begin, order="C"), (n, STATES), order="C") + constant)
+    return found
 
 
-def _start_and_end(program: _Sparse, landing: RigidLanding) -> None:
+def _ends(landing: RigidLanding, scales: Scales, x: Any) -> list[Any]:
     """From the given state to rest at the origin, upright, heading as at the start, without rates."""
-    held = np.arange(STATES)
-    program.add("zero", program.x(0, held)[:, None], np.ones((STATES, 1)), -landing.start / program.scales.x)
-    rest = np.array([1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 13])
-    program.add("zero", program.x(program.n, rest)[:, None], np.ones((len(rest), 1)), np.zeros(len(rest)))
-    heading = np.array([[landing.start[10], -landing.start[7]]])
-    program.add("zero", program.x(program.n, np.array([[7, 10]])), heading, np.zeros(1))
+    rest = [1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 13]
+    heading = landing.start[10] * x[-1, 7] == landing.start[7] * x[-1, 10]
+    dry = x[-1, 0] >= landing.dry_mass / scales.x[0]
+    return [x[0] == landing.start / scales.x, x[-1, rest] == 0.0, heading, dry]
 
 
-def _reached(
-    program: _Sparse, linear: Linear, k: int, point: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The state at a point of interval ``k``: columns, shape (23,), their values, (14, 23), and constant,
-    (14,), all in units of the problem.
-    """
-    scales, nodes, by = program.scales, program.nodes, linear.by[point, k]
-    at = np.concatenate([nodes.x[k], nodes.u[k], nodes.u[k + 1], [nodes.durations[nodes.parts[k]]]])
-    units = np.concatenate([scales.x, scales.u, scales.u, [scales.time]])
-    controls = (program.u(node, np.arange(CONTROLS)) for node in (k, k + 1))
-    time = [program.at_time + nodes.parts[k]]
-    columns = np.concatenate([program.x(k, np.arange(STATES)), *controls, time])
-    return columns, by * units / scales.x[:, None], (linear.x[point, k] - by @ at) / scales.x
-
-
-def _motion(program: _Sparse, linear: Linear) -> None:
-    """Each node is where the linearised interval before it ends, but for virtual control."""
-    own, signs = np.arange(STATES)[:, None], np.tile([-1.0, 1.0, -1.0], (STATES, 1))
-    for k in range(program.n):
-        columns, values, constant = _reached(program, linear, k, -1)
-        virtual = program.at_virtual + 2 * STATES * k + own
-        more = np.hstack([program.x(k + 1, own), virtual, virtual + STATES])
-        columns = np.hstack([np.tile(columns, (STATES, 1)), more])
-        program.add("zero", columns, np.hstack([values, signs]), constant)
-
-
-def _bounds(program: _Sparse, landing: RigidLanding) -> None:
-    """Bounds of single unknowns: controls, mass, durations, and the signs of virtual control."""
-    scales, nodes, nodes_of = program.scales, program.nodes, np.arange(program.n + 1)
-    low, high = np.full(program.n + 1, landing.thrust[0]), np.full(program.n + 1, landing.thrust[1])
-    low[: nodes.full] = high[: nodes.full] = landing.thrust[1]  # the full thrust flown there is given
-    _between(program, program.u(nodes_of, 0), low / scales.u[0], high / scales.u[0])
-    for axis in range(3):
-        most = np.full(program.n + 1, landing.torque[axis] / scales.u[1 + axis])
-        _between(program, program.u(nodes_of, 1 + axis), -most, most)
+def _bounds(landing: RigidLanding, nodes: Nodes, scales: Scales, u: Any, time: Any) -> list[Any]:
+    """Bounds of thrust, torque and durations."""
     least = np.array([landing.full_time, landing.throttled_time][-len(nodes.durations) :])
-    time = program.at_time + np.arange(len(least))
-    _between(program, time, least / scales.time, np.full(len(least), LONGEST))
-    _above(program, program.x(program.n, 0)[None], np.array([landing.dry_mass / scales.x[0]]))
-    _above(program, np.arange(program.at_virtual, program.unknowns), np.zeros(2 * STATES * program.n))
+    low = np.full(len(nodes.u), landing.thrust[0])
+    low[: nodes.full] = landing.thrust[1]  # the full thrust flown there is given
+    most = np.tile(landing.torque / scales.u[TORQUE], (len(nodes.u), 1))
+    thrust = [u[:, THRUST] >= low / scales.u[0], u[:, THRUST] <= landing.thrust[1] / scales.u[0]]
+    return [
+        *thrust,
+        u[:, TORQUE] <= most,
+        u[:, TORQUE] >= -most,
+        time >= least / scales.time,
+        time <= LONGEST,
+    ]
 
 
-def _between(program: _Sparse, which: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
-    _above(program, which, low)
-    program.add("positive", which[:, None], -np.ones((len(which), 1)), high)
+def _path_limits(landing: RigidLanding, scales: Scales, states: Any) -> list[Any]:
+    """Tilt, rate and glide slope of states of shape (n, 14)."""
+    import cvxpy as cp
 
-
-def _above(program: _Sparse, which: np.ndarray, low: np.ndarray) -> None:
-    program.add("positive", which[:, None], np.ones((len(which), 1)), -low)
-
-
-def _limits(program: _Sparse, landing: RigidLanding, linear: Linear) -> None:
-    """Tilt, rate and glide slope at the checked points; the last node is at rest."""
-    tilt, rate = sin(0.5 * landing.tilt), landing.rate / program.scales.x[11]
-    for point, k in product(range(len(linear.x)), range(program.n)):
-        if point == len(linear.x) - 1 and k == program.n - 1:
-            continue
-        columns, values, constant = _reached(program, linear, k, point)
-        for which, most in (([8, 9], tilt), ([11, 12, 13], rate)):
-            rows = np.vstack([np.zeros_like(columns, float), values[which]])
-            _within(program, columns, rows, np.append(most, constant[which]))
-        if landing.glide_slope > -pi / 2.0:
-            scale = np.array([1.0, tan(landing.glide_slope), tan(landing.glide_slope)])
-            rows, constant = values[[3, 1, 2]] * scale[:, None], constant[[3, 1, 2]] * scale
-            _within(program, columns, rows, constant)
-
-
-def _within(program: _Sparse, columns: np.ndarray, rows: np.ndarray, constant: np.ndarray) -> None:
-    """Rows of which the first is not less than the length of the others."""
-    program.add("second_order", np.tile(columns, (len(rows), 1)), rows, constant)
+    tilt, rate = sin(0.5 * landing.tilt), landing.rate / scales.x[RATE][0]
+    found = [cp.norm(states[:, 8:10], axis=1) <= tilt, cp.norm(states[:, RATE], axis=1) <= rate]
+    if landing.glide_slope > -pi / 2.0:
+        found.append(tan(landing.glide_slope) * cp.norm(states[:, 1:3], axis=1) <= states[:, 3])
+    return found

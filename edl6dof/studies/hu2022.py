@@ -158,9 +158,9 @@ def _of_the_flight(nominal: Flight, means: Mapping[str, SampleMean]) -> Iterator
     """Mean and spread of every published figure beside its published value."""
     published = {name: entry for name, entry in nominal.scenario.published.items() if name in _FLIGHT}
     for figure, entry in published_figures(published):
-        own, about = means.get(figure.name, SampleMean(nan, nan, 0)), (figure.meaning, figure.unit.label)
-        known = (entry.number, entry.bound, _FLIGHT[figure.name])
-        yield Finding(*about, entry.of(own.mean), *known, own.deviation)
+        own, note = means.get(figure.name, SampleMean(nan, nan, 0)), _FLIGHT[figure.name]
+        label, unit, computed = figure.meaning, figure.unit.label, entry.of(own.mean)
+        yield Finding(label, unit, computed, entry.number, entry.bound, note, own.deviation)
 
 
 def _lateral_force(flight: Flight) -> Finding:
@@ -199,10 +199,11 @@ def draw_entries(count: int, seed: int) -> list[Entry]:
     """
     rng = np.random.default_rng(seed)
     ranges = ((-120.0, 120.0), (10.0, 40.0), (0.0, 360.0))
-    return [
-        Entry(*(float(rng.uniform(*ends)) for ends in ranges), tuple((5.0 * rng.standard_normal(3)).tolist()))
-        for _ in range(count)
-    ]
+    found = []
+    for _ in range(count):
+        roll, tilt, towards = (float(rng.uniform(*ends)) for ends in ranges)
+        found.append(Entry(roll, tilt, towards, tuple((5.0 * rng.standard_normal(3)).tolist())))
+    return found
 
 
 def hung_like(state: State, entry: Entry) -> State:

@@ -29,7 +29,7 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.underway import moments_at
-from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.studies.samples import (
     column,
     distribution,
@@ -160,7 +160,8 @@ def of_flight(flight: Flight) -> dict[str, float]:
       start at full level left out.
     """
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
-    burning, found = braking[rows["guide.thrust_n"][braking] > 0.0], {"came_down": flight.landed}
+    burning = braking[rows["guide.thrust_n"][braking] > 0.0]
+    found: dict[str, float] = {"came_down": flight.landed}
     if not len(burning):
         return found
     start, hover = burning[0], np.flatnonzero(flight.during(HOVER_IMAGING))
@@ -292,7 +293,7 @@ def _grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
     flights = f"{len(of(rows, laws[0]))} dispersed landings"
     fuels = ("hover_fuel_kg", "ground_fuel_kg")
     heads = ("law", *(f"{to}: {what}" for to in ("hover", "ground") for what in ("kg", "less kg", "95 % +-")))
-    lines = []
+    lines: list[Line] = []
     for law in laws:
         used = [(mean(of(rows, law), fuel), *difference(rows, law, fuel)) for fuel in fuels]
         lines.append((law, *used[0], *used[1]))

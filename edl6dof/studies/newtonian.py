@@ -7,6 +7,8 @@ sonic line, no separation.  What that costs is the table.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 import edl6dof
@@ -16,8 +18,8 @@ from edl6dof.vehicle.aerodynamics.newtonian import capsule_rings, newtonian_coef
 from edl6dof.vehicle.aerodynamics.table import read_static_table
 
 #: Shape of Phoenix: diameter 2.65 m, nose D/4, shoulder D/40 as printed; the afterbody is an estimate.
-_FRONT = {"diameter_m": 2.65, "nose_radius_m": 0.6638, "shoulder_radius_m": 0.0662}
-_AFT = {"backshell_break_radius_m": 0.8, "backshell_base_radius_m": 0.35}
+_FRONT: dict[str, Any] = {"diameter_m": 2.65, "nose_radius_m": 0.6638, "shoulder_radius_m": 0.0662}
+_AFT: dict[str, Any] = {"backshell_break_radius_m": 0.8, "backshell_base_radius_m": 0.35}
 PHOENIX = CapsuleParams(coefficients="newtonian", **_FRONT, **_AFT)
 #: Axial force coefficient of Stardust's capsule at no angle, by computed flow.
 STARDUST_CA = ((10.5, 1.515), (12.2, 1.4992), (17.1, 1.4939), (24.7, 1.4816), (35.4, 1.4828), (40.0, 1.4959),

@@ -247,8 +247,9 @@ def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Fin
     miss, error = column(rows, "parachute_miss_m") / 1e3, column(rows, "rms_error_m_s2")
     published = None if experiment in (NAVIGATED, FLOWN) else MISS_KM[law]
     why = CAUSES.get((experiment.name, law)) if len(miss) >= ENOUGH else None
-    about = {"note": f"{len(miss)} entries", "within": None if why is None else MISS_WITHIN, "why": why or ""}
-    yield Finding(f"{LAWS[law]}: largest miss", "km", float(np.max(miss)), published, **about)
+    note, within = f"{len(miss)} entries", None if why is None else MISS_WITHIN
+    label, worst = f"{LAWS[law]}: largest miss", float(np.max(miss))
+    yield Finding(label, "km", worst, published, note=note, within=within, why=why or "")
     yield Finding(f"{LAWS[law]}: RMS drag error", "m/s2", float(np.mean(error)), note="from 30 s, mean")
 
 

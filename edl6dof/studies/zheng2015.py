@@ -130,7 +130,8 @@ def run(session: Session) -> Report:
 
 def all_cases(runs: int) -> list[Case]:
     """The same draws flown in each experiment, one experiment after the other."""
-    flights, found = list(enumerate(draw(SPREADS, runs, SEED))), []
+    flights = list(enumerate(draw(SPREADS, runs, SEED)))
+    found: list[Case] = []
     for one in EXPERIMENTS:
         for number, values in flights:
             truth, label = one.truth(values), {"experiment": one.name}

@@ -17,7 +17,7 @@ import pytest
 from edl6dof.design.rigid_landing import LandingFigures, RigidLanding, excesses, figures_of
 from edl6dof.design.transcription import Nodes, linearise, propagate
 
-pytest.importorskip("clarabel")
+pytest.importorskip("cvxpy")
 from edl6dof.design import successive
 from edl6dof.design.successive import first_guess, land
 

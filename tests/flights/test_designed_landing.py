@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("clarabel")
+pytest.importorskip("cvxpy")
 from edl6dof.design.powered_start import landing_of, powered_rows, states_of
 from edl6dof.design.rigid_landing import figures_of, tilt_of
 from edl6dof.design.successive import land

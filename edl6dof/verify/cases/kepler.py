@@ -71,8 +71,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     t = flight.telemetry["t_s"]
     r_expected, v_expected = orbit(nominal.planet.gravity.mu_m3_s2, r[0], v[0], t)
     far, fast = np.linalg.norm(r - r_expected, axis=1), np.linalg.norm(v - v_expected, axis=1)
-    about = {"verifies": "gravity and translation over an orbit", "source": "Kepler's equation"}
-    result = partial(Result, why="rounding of 160,000 steps; truncation is 1000 times smaller", **about)
+    about, why = (
+        "gravity and translation over an orbit",
+        "rounding of 160,000 steps; truncation is 1000 times smaller",
+    )
+    result = partial(Result, verifies=about, source="Kepler's equation", why=why)
     results = (result("position", far.max(), 1e-4, "m"), result("velocity", fast.max(), 1e-7, "m/s"))
     distance = (np.linalg.norm(each, axis=1) / 1e3 for each in (r, r_expected))
     return Outcome(results, History("Kepler arc", "time (s)", "distance from the centre (km)", t, *distance))

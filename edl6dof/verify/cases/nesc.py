@@ -103,8 +103,8 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     """
     if not any(DATA.glob("*.csv")):
         raise NotInstalledError("the NESC reference data are not part of this installation")
-    about = {"verifies": "whole plant on Earth", "why": "set beforehand; room for the constants of US76"}
-    result = partial(Result, source="NASA/TM-2015-218675, simulation 04", **about)
+    source, why = "NASA/TM-2015-218675, simulation 04", "set beforehand; room for the constants of US76"
+    result = partial(Result, verifies="whole plant on Earth", source=source, why=why)
     results = []
     for number in CASES:
         found = differences(flown(number, planted), reference(number))

@@ -105,8 +105,8 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     east = radius * np.radians(place[2] - np.degrees(lon)) * np.cos(lat)
     off = np.sqrt((place[0] + radius - r) ** 2 + north**2 + east**2)
     speed = np.abs(rows["truth.speed_m_s"][::50] - v)
-    about = {"verifies": "point-mass dynamics", "source": "Vinh, Busemann & Culp, section 2-3"}
-    result = partial(Result, why="truncation of RK4 at 10 ms", **about)
+    source, why = "Vinh, Busemann & Culp, section 2-3", "truncation of RK4 at 10 ms"
+    result = partial(Result, verifies="point-mass dynamics", source=source, why=why)
     results = (result("place", off.max(), 1e-3, "m"), result("speed", speed.max(), 1e-5, "m/s"))
     labels = ("Banked point mass", "longitude (deg)", "latitude (deg)")
     return Outcome(results, History(*labels, np.degrees(lon), place[1], np.degrees(lat)))
