@@ -120,9 +120,7 @@ class Fit:
 
     @property
     def resolution(self) -> np.ndarray:
-        """Share of each parameter that the figures tell and not its prior, 0 to 1: the diagonal of
-        1 - covariance.
-        """
+        """Share of each parameter that figures tell, not its prior: the diagonal of 1 - covariance."""
         return 1.0 - np.diag(self.covariance)
 
     @property

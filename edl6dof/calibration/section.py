@@ -20,9 +20,7 @@ def least_flights(parameters: int) -> int:
 
 
 class Prior(Params):
-    """Prior knowledge of a parameter, before the flight is looked at, in the unit of the parameter: normal,
-    cut at its bounds.
-    """
+    """Prior knowledge of a parameter, in its unit: normal, cut at its bounds."""
 
     mean: float = param(REQUIRED, "most likely value")
     sigma: float = param(REQUIRED, "standard deviation", gt=0.0)

@@ -130,9 +130,7 @@ class Covariance:
 
     @property
     def axes(self) -> np.ndarray:
-        """Directions of the ellipse of the position in the space of the figures, long axis first, shape
-        (figures, 2).
-        """
+        """Directions of the position's ellipse among the figures, long axis first, shape (figures, 2)."""
         size = len(self.event.position)
         directions = np.zeros((len(self.event.all), size))
         directions[:size] = principal(self.pairs.covariance[:size, :size])
@@ -140,9 +138,7 @@ class Covariance:
 
     @property
     def budget(self) -> np.ndarray:
-        """Variance that each source apart gives to each figure, shape (sources, figures); what chance alone
-        would give is taken off.
-        """
+        """Variance of each figure by each source apart, less chance alone, shape (sources, figures)."""
         squared = self._slopes**2 - self.pairs.slope_error**2
         return np.stack([part.sum(axis=0) for part in self._by_source(squared)])
 

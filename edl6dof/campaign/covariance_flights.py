@@ -45,9 +45,7 @@ class Source:
         return sum(len(draw.targets) for draw in self.draws)
 
     def values(self, steps: np.ndarray) -> Iterator[tuple[Target, np.ndarray]]:
-        """Values of each parameter, shape (flights,); ``steps``, shape (flights, width), in standard
-        deviations.
-        """
+        """Values of each parameter, shape (flights,), at ``steps`` sigmas, shape (flights, width)."""
         column = 0
         for draw in self.draws:
             width = len(draw.targets)

@@ -62,9 +62,7 @@ class Threads:
 
 
 class Dask:
-    """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins
-    takes part.
-    """
+    """Workers of a Dask cluster: the cases of one that dies go to another, one that joins takes part."""
 
     def __init__(self, client: Client):
         self.client = client

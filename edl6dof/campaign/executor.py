@@ -37,9 +37,7 @@ _NUMBERS = re.compile(r"[\[(]|\b\d")
 
 
 def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
-    """Row of a case that has flown: what was changed, how it ended, every figure of the flight, what the
-    caller adds.
-    """
+    """Row of a flown case: changes, how it ended, figures of the flight, what the caller adds."""
     row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
     row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
     for more in (flight.metrics, collect(flight) if collect is not None else {}):
@@ -134,9 +132,7 @@ def fly_rows(
 def in_threads(
     work: Callable[[Item], Result], items: Iterable[Item], workers: int | None = None
 ) -> Iterator[Result]:
-    """``map`` over threads: results in order, items read only a little ahead, nothing left running when the
-    caller stops.
-    """
+    """``map`` over threads: in order, read a little ahead, nothing left running when the caller stops."""
     count = workers or available_cores()
     waiting: deque[Future[Result]] = deque()
     pool = ThreadPoolExecutor(count, thread_name_prefix="edl6dof")
@@ -157,9 +153,7 @@ def available_cores() -> int:
 
 
 def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
-    """Cases in the portions that threads take: first single ones, so that a few cases keep all workers
-    busy.
-    """
+    """Cases as threads take them: first single ones, so that a few cases keep all workers busy."""
     cases = iter(cases)
     for count in chain(repeat(1, _BATCH * workers), repeat(_BATCH)):
         if not (some := list(islice(cases, count))):
@@ -217,9 +211,7 @@ class CaseRunner:
         return flown_row(case, changes, flight, self.collect)
 
     def _log(self, rows: int) -> np.ndarray:
-        """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of
-        it.
-        """
+        """Telemetry rows that are used again: fresh pages for each flight cost 3 % of it."""
         if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
             self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
         return self._buffers.log

@@ -148,9 +148,7 @@ def _list(isolations: Iterable[Isolation]) -> str | None:
 
 
 def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Return whether an isolation says what has failed by then; that all gyros saturate isolates none of
-    them.
-    """
+    """Return whether an isolation says what has failed; that all gyros saturate isolates none."""
     return isolation.failure.component == "inertial_unit" or any(
         isolation.failure == failure and isolation.t_s >= since for failure, since in true
     )

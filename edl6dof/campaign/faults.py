@@ -54,18 +54,14 @@ def usual_phases_of(scenario: Scenario, kind: str) -> list[str]:
 
 
 def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[str]:
-    """The first phases of the ``wanted`` roles as far as the scenario has them, otherwise all in which
-    thrusters may fire.
-    """
+    """First phases of the ``wanted`` roles that the scenario has, else all in which thrusters may fire."""
     roles = scenario.phase_roles
     usual = [scenario.phase_names[roles.index(role)] for role in wanted if role in roles]
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
 
 
 def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
-    """Return the kinds of component that a fault is about, such as an engine, and the names of those that
-    fly.
-    """
+    """Kinds of component that a fault is about, such as an engine, and the names of those that fly."""
     return {component: list(scenario.components.get(component, ())) for component in components_of(kind)}
 
 

@@ -125,9 +125,7 @@ def identity(plan: Plan) -> Identity:
 
 
 def differences_from(recorded: Identity, plan_text: str) -> list[str]:
-    """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this,
-    is that``.
-    """
+    """Items of ``recorded`` that differ in this process, each as ``item: was this, is that``."""
     plugins = [*recorded.plugins, *outside_sources]
     return compared(recorded, _present(plan_text, recorded.versions, plugins, recorded.files))
 
@@ -187,9 +185,7 @@ def _shown(value: str | None) -> str:
 
 
 def input_files(plan: Plan) -> list[Path]:
-    """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases
-    that name them do not fly.
-    """
+    """Every file that a case may read, sorted; cases that name files which are not there do not fly."""
     found = {MAP}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
@@ -206,9 +202,7 @@ def input_files(plan: Plan) -> list[Path]:
 
 
 def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of everything but numbers that some cases have instead of what the scenario
-    says.
-    """
+    """Dotted path and value of everything but numbers that some cases have in place of the scenario's."""
     values = [(target.path, point) for target, points in plan.axes for point in points]
     values += [
         (target.path, item)

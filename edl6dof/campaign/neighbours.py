@@ -28,9 +28,7 @@ FLIGHTS = 30
 
 
 class SampleMean(NamedTuple):
-    """A figure over several flights: mean, standard deviation (``nan`` of a single one), and how many flights
-    reached it.
-    """
+    """Mean, standard deviation (``nan`` of a single flight), and how many flights reached a figure."""
 
     mean: float
     deviation: float
@@ -60,9 +58,7 @@ def fly_neighbours(
     belief: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Fly neighbours and return their rows; ``belief`` changes all of them, by dotted path, and the truth
-    with it.
-    """
+    """Fly neighbours; ``belief`` changes all of them, by dotted path, and the truth with it."""
     cases = [
         Case(case.index, case.truth, dict(belief or {}), case.profile)
         for case in neighbours(loaded, count, step_m_s)

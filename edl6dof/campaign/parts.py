@@ -84,9 +84,7 @@ class Parts:
         return file
 
     def successes(self, index: int, first: int, last: int) -> int | None:
-        """How many cases of a part succeeded; ``None`` when it does not count, or does not hold exactly its
-        cases.
-        """
+        """Number of successes; ``None`` if a part does not count or does not hold exactly its cases."""
         with suppress(ConfigError):
             table = self.read(index).read(["case", "success"])
             if table["case"].to_pylist() == list(range(first, last)):
@@ -133,9 +131,7 @@ def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
 
 
 def _schema(files: Iterable[pq.ParquetFile]) -> pa.Schema:
-    """Columns of parts, in the order in which they first appear; an all-empty column takes the type of a
-    later part.
-    """
+    """Columns in the order in which they appear; an empty one takes the type of a later part."""
     found = [file.schema_arrow.remove_metadata() for file in files]
     return pa.unify_schemas(found, promote_options="permissive")
 

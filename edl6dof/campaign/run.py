@@ -138,9 +138,7 @@ def _require_unchanged(store: Store, recorded: Identity) -> None:
 
 
 def _summary(plan: Plan, tally: Tally, table: pa.Table, engine: str) -> Summary:
-    """Outcome of a campaign; of a design of Sobol indices those flights count that share nothing with
-    another.
-    """
+    """Outcome of a campaign; of Sobol designs, of those flights that share nothing with another."""
     success = tally.success
     if plan.swaps is not None:
         success = Proportion.of(

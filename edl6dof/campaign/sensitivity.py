@@ -223,9 +223,7 @@ def _whitening(covariance: np.ndarray) -> np.ndarray:
 
 
 def _p_value(unexplained: float, terms: int, free: int) -> float:
-    """Probability that regressors which do nothing leave as little unexplained: the F test, by the beta
-    distribution of that share.
-    """
+    """Probability that idle regressors leave as little unexplained: the F test, by the beta distribution."""
     return float(betainc(0.5 * free, 0.5 * terms, min(max(unexplained, 0.0), 1.0)))
 
 
@@ -324,9 +322,7 @@ def sobol_indices(a: np.ndarray, b: np.ndarray, swapped: Mapping[str, np.ndarray
 
 
 def _indices(figure: np.ndarray) -> np.ndarray:
-    """First-order and total indices, shape (2, groups, samples), of figures of shape (2 + groups, samples,
-    rows).
-    """
+    """Indices (2, groups, samples), first-order and total, of figures (2 + groups, samples, rows)."""
     spread = np.concatenate([figure[0], figure[1]], axis=-1)
     a, b, swapped = figure[0], figure[1] - spread.mean(axis=-1, keepdims=True), figure[2:]
     variance = np.maximum(spread.var(axis=-1), np.finfo(float).tiny)

@@ -97,17 +97,13 @@ class Until:
 def ellipse(
     east: np.ndarray, north: np.ndarray, sigmas: float, points: int = 181
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Closed curve at ``sigmas`` standard deviations of the normal distribution with the points' mean and
-    covariance.
-    """
+    """Curve at ``sigmas`` standard deviations of the normal distribution fitted to the points."""
     curve = contour(np.cov(np.stack([east, north])), sigmas, points)
     return curve[0] + east.mean(), curve[1] + north.mean()
 
 
 def contour(covariance: np.ndarray, sigmas: float, points: int = 181) -> np.ndarray:
-    """Closed curve at ``sigmas`` standard deviations about zero of a normal distribution, shape (2, points);
-    ``covariance`` has shape (2, 2).
-    """
+    """Curve (2, points) at ``sigmas`` deviations about zero of a normal ``covariance`` (2, 2)."""
     values, vectors = np.linalg.eigh(covariance)
     angle = np.linspace(0.0, 2.0 * np.pi, points)
     return vectors @ (

@@ -41,9 +41,7 @@ def scales_of(landing: RigidLanding, time: float) -> Scales:
 
 @dataclass(frozen=True)
 class Step:
-    """A flight, the cost that the linearised problem promises of it, and the largest change, both in units of
-    the problem.
-    """
+    """A flight, its promised cost, and the largest change, both in units of the problem."""
 
     nodes: Nodes
     promised: float

@@ -34,9 +34,7 @@ def powered_rows(flight: Flight) -> np.ndarray:
 
 
 def states_of(flight: Flight, rows: np.ndarray) -> np.ndarray:
-    """True states of some rows, shape (n, 14), from the target as guidance has put it from the lander's
-    navigated place.
-    """
+    """True states of some rows, shape (n, 14), from the target as guidance has put it."""
     of, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
     # the target lies where navigation believed it when it was chosen
     east, north = (

@@ -203,9 +203,7 @@ class _Reader:
         return values.reshape(shape)
 
     def function(self, element: _Element) -> tuple[str, Function]:
-        """Output variable and table of a ``function``, whose points stand inside it or in a table it refers
-        to.
-        """
+        """Output variable and table of a ``function``; its points stand inside it or are referred to."""
         inputs = list(self.independent(element))
         names = tuple(self.need(item, "varID") for item in inputs)
         if inputs and local_name(inputs[0]) == "independentVarPts":

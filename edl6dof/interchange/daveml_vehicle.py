@@ -70,9 +70,7 @@ _PROBES = (
 
 @dataclass
 class Part:
-    """Values below ``vehicle`` in the form of the YAML file, each with the line of a ``.dml`` file it came
-    from.
-    """
+    """Values below ``vehicle`` as in YAML, each with its line of a ``.dml`` file."""
 
     data: dict[str, Any] = field(default_factory=dict)
     lines: dict[tuple[str, ...], tuple[Path, int]] = field(default_factory=dict)
@@ -309,9 +307,7 @@ def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
 def _constant(
     model: Model, name: str, kind: str, inputs: Mapping[str, float] | None = None
 ) -> tuple[float, int]:
-    """SI value and line of a variable that depends on nothing but ``inputs``, by name, and on inputs that
-    have an initial value.
-    """
+    """SI value and line of a variable that depends on nothing but ``inputs`` and initial values."""
     if (variable := model.named(name)) is None:
         raise model.error(1, f"lacks the variable {name}")
     own = (inputs or {}).items()

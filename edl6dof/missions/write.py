@@ -69,9 +69,7 @@ def sigmas(one: Predicted) -> str:
 
 
 def remark(one: Predicted) -> str:
-    """Return whether the flown value is predicted, why it does not count, or how many flights keep a
-    requirement.
-    """
+    """Say if the flown value is predicted, or why it does not count; how many keep a requirement."""
     if one.published.required:
         return f"{100.0 * one.below:.3g} % keep" if isfinite(one.below) else "not reached"
     if one.counted:

@@ -71,9 +71,7 @@ Calls = dict[tuple[str, str], float]
 
 
 def run(session: Session) -> Report:
-    """Fly the laws: dispersed entries, and a twentieth of that in each condition; then with lift up the
-    entries that all laws missed.
-    """
+    """Fly dispersed entries and conditions by all laws; with lift up the entries that all laws missed."""
     flights, rows = session.flights, []
     calls: Calls = {}
     each = [len(cases(vehicle, vehicle.load().scenario, "", flights)) for vehicle in VEHICLES]
@@ -94,9 +92,7 @@ def run(session: Session) -> Report:
 
 
 class Vehicle(NamedTuple):
-    """An entry by the name of its scenario, with ``--set`` texts that this comparison adds, and the campaign
-    whose dispersions it is flown with, too, if any.
-    """
+    """An entry: its scenario, added ``--set`` texts, and the campaign that disperses it, if any."""
 
     name: str
     changes: tuple[str, ...] = ()
@@ -164,9 +160,7 @@ def _entry_angle(more_deg: float, scenario: Scenario, flight: int) -> Values:
 
 
 def _less_lift(scenario: Scenario, flight: int) -> Values:
-    """A fifth of the lift-to-drag ratio gone: of a capsule by its centre of mass, a third of whose offset
-    makes that of the trim angle.
-    """
+    """A fifth of the lift-to-drag ratio gone, of a capsule by a third of its centre's offset."""
     rigid = scenario.dynamics == "six_dof"
     path = "vehicle.mass.entry_centre_m.2" if rigid else "vehicle.aero.lift_drag.lift_to_drag"
     return {path: (2.0 / 3.0 if rigid else 0.8) * value_at(scenario, path)}
@@ -190,9 +184,7 @@ def _slow_bank(scenario: Scenario, flight: int) -> Values:
 
 
 def _poor_navigation(scenario: Scenario, flight: int) -> Values:
-    """Errors of the state that the ground sends up, three times those believed; a point mass has them all the
-    way.
-    """
+    """State errors three times those believed, sent up by the ground; of a point mass all the way."""
     rigid, draws = scenario.dynamics == "six_dof", np.random.default_rng((SEED, flight))
     tracking = scenario.sensors.ground_tracking if rigid else GroundTrackingParams()
     found = {}
@@ -275,9 +267,7 @@ _LIFT_UP = (
 
 
 def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
-    """Rows of the entries of a vehicle that all laws missed, of ``flights`` drawn ones, with lift up; the
-    others are in reach by what was flown.
-    """
+    """Rows, flown with lift up, of those of ``flights`` drawn entries that all laws missed."""
     best: dict[int, float] = {}
     own = pick(rows, vehicle=vehicle.name, condition=DISPERSED)
     for row, miss in zip(own, misses(own), strict=True):
@@ -302,9 +292,7 @@ def out_of_reach(rows: Sequence[Row]) -> set[int]:
 
 
 def of_flight(flight: Flight) -> dict[str, float]:
-    """Control effort, saturation and tracking of one flight, in the phase of lift control above the alignment
-    speed.
-    """
+    """Control effort, saturation and tracking in lift control above the alignment speed."""
     rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     lift = flight.during(LIFT)
     steered = lift & (rows["truth.speed_m_s"] > max(entry.align_speed_m_s, entry.heading_below_m_s))
@@ -334,9 +322,7 @@ def _repeat(law, onboards, navs, memories, work, outs, repeats):
 
 
 def call_time(loaded: LoadedScenario) -> float:
-    """Mean processor time of one guidance call (us), the compiled law alone, over states of the nominal
-    flight, steering and air data included.
-    """
+    """Mean processor time (us) of a call of the compiled law, steering and air data included."""
     onboard, saved = build_records(loaded).onboard, moments_at(loaded, TIMED_AT)
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
@@ -371,9 +357,7 @@ def unflown(rows: Sequence[Row]) -> list[Row]:
 
 
 def _grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
-    """For each vehicle: the largest miss in each condition, quantiles of the dispersed entries, and what the
-    flights cost.
-    """
+    """For each vehicle: largest miss in each condition, quantiles of dispersed entries, and cost."""
     for vehicle in kinds(rows, "vehicle"):
         flown = pick(rows, vehicle=vehicle)
         yield _conditions(vehicle, flown)
@@ -418,9 +402,7 @@ def _effort(vehicle: str, rows: Sequence[Row], calls: Calls) -> Grid:
 
 
 def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) -> Iterator[Finding]:
-    """The best laws of the dispersed entries, flights that failed, and the time of a call; ``beyond`` are the
-    entries of each vehicle that are out of reach.
-    """
+    """Best laws, failed flights, times of a call; ``beyond``: entries of each vehicle out of reach."""
     dispersed = pick(rows, condition=DISPERSED)
     for vehicle in kinds(dispersed, "vehicle"):
         yield from _best_law(vehicle, pick(dispersed, vehicle=vehicle), beyond.get(vehicle, set()))
@@ -442,9 +424,7 @@ def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) 
 
 
 def _best_law(vehicle: str, flown: Sequence[Row], beyond: set[int]) -> Iterator[Finding]:
-    """Misses of the best law, of all entries and of those in reach, and how often it keeps the deployment
-    box.
-    """
+    """Misses of the best law, of all entries and of those in reach, and its deployment box."""
     best = best_first(flown)[0]
     mine = pick(flown, law=best)
     share, words = 100.0 * len(beyond) / len(mine), f"{vehicle}: {percent(TARGET_SHARE)} of misses"

@@ -90,9 +90,7 @@ def blind_share(abundance: float) -> float:
 
 
 def on_a_rock(rows: list[Row]) -> float:
-    """Share (%) of flights that came down on a rock that counts; one that did not come down to stand counts
-    as one that did.
-    """
+    """Share (%) of flights that came down on a rock that counts, or did not come down to stand."""
     return percentage(column(rows, "rocks_under_lander", inf) > 0.0)
 
 

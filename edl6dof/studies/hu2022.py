@@ -64,9 +64,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the nominal and its neighbours, dispersed starts of the powered descent with either formulation,
-    and the single experiments.
-    """
+    """Fly the nominal and its neighbours, dispersed powered descents, and the single experiments."""
     nominal = edl6dof.fly(SCENARIO, [_PERFECT])
     around = min(FLIGHTS, max(2, session.flights))
     release = state_at(nominal.metrics["backshell_s"] + AFTER_RELEASE_S)
@@ -106,9 +104,7 @@ def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
 def carry_on(
     state: State, changes: Sequence[str] = (), truth: Mapping[str, Any] | None = None, until_s: float = 900.0
 ) -> Flight:
-    """Fly on from a state under changed settings, and under a truth of which the flight computer is not
-    told.
-    """
+    """Fly on from a state under changed settings, and a truth that the flight computer does not know."""
     overrides = [*changes, f"simulation.time_limit_s={until_s}"]
     if truth:
         overrides.append(f"truth={json.dumps(dict(truth))}")
@@ -183,9 +179,7 @@ FOUND_DEG, WATCHED_S = 5.0, 12.0
 
 
 class Entry(NamedTuple):
-    """How the lander hangs when the powered descent begins: roll error, tilt towards an azimuth of the body,
-    body rate.
-    """
+    """Roll error, tilt towards an azimuth of the body, and body rate where powered descent begins."""
 
     roll_deg: float
     tilt_deg: float
@@ -194,9 +188,7 @@ class Entry(NamedTuple):
 
 
 def draw_entries(count: int, seed: int) -> list[Entry]:
-    """Dispersed starts of the powered descent: any roll up to 120 deg, tilts of 10 to 40 deg, rates of 5
-    deg/s (1 sigma).
-    """
+    """Draw starts: roll up to 120 deg, tilts of 10 to 40 deg, rates of 5 deg/s (1 sigma)."""
     rng = np.random.default_rng(seed)
     ranges = ((-120.0, 120.0), (10.0, 40.0), (0.0, 360.0))
     found = []
@@ -291,9 +283,7 @@ WING = {HELD: True, "left to trim": False}
 
 
 def torque_steps(flight: Flight) -> dict[str, Flight]:
-    """The hover with the engine suddenly off the centre of mass, so that it turns the vehicle about z of
-    B.
-    """
+    """Fly the hover with the engine suddenly off the centre of mass, which turns about z of B."""
     start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
@@ -371,9 +361,7 @@ _ENTRIES_FOR_A_START = 33
 
 
 class Avoidance(NamedTuple):
-    """One avoidance: from which start, under which control, and which thruster dies; none where it is
-    empty.
-    """
+    """One avoidance: its start, its control, and the thruster that dies; none where it is empty."""
 
     start: int
     control: str
@@ -394,9 +382,7 @@ def avoidance_starts(entries: int) -> list[State]:
 
 
 def avoidance_cases(states: list[State], scenario: Scenario) -> Iterator[Avoidance]:
-    """Every control with all thrusters sound, and with each horizontal one dead at every moment, diagnosed
-    and not; and the slower estimators.
-    """
+    """Every control with all thrusters sound, and each horizontal one dead; slower estimators."""
     for start in range(len(states)):
         for control in CONTROL:
             yield Avoidance(start, control, True)
@@ -409,9 +395,7 @@ def avoidance_cases(states: list[State], scenario: Scenario) -> Iterator[Avoidan
 
 
 def pushes(scenario: Scenario) -> dict[str, tuple[float, float]]:
-    """Direction north and east in which each horizontal thruster pushes the upright lander, whose y axis
-    points south and whose z axis west.
-    """
+    """North and east parts of each horizontal push on the upright lander: y points south, z west."""
     horizontal = [one for one in scenario.vehicle.rcs.thrusters if one.group == "horizontal"]
     return {one.name: (-one.direction[1], -one.direction[2]) for one in horizontal}
 
@@ -509,9 +493,7 @@ def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> lis
 
 
 def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
-    """Fig. 7: roll in hazard avoidance with the thruster of the paper's figure dead from the start; Fig. 11:
-    the disturbance torque that is estimated in the powered descent.
-    """
+    """Fig. 7: roll with the paper's thruster dead from the start; Fig. 11: estimated torque."""
     roll, table = [], nominal.telemetry
     for control in CONTROL:
         for diagnosed in DIAGNOSED:

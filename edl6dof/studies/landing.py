@@ -80,9 +80,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the laws: dispersed landings each, a tenth of that on each divert, and one with each late release
-    and each fault of the engine.
-    """
+    """Fly dispersed landings, diverts, late releases and faults of the engine by every law."""
     rows: list[Row] = []
     calls: dict[str, float] = {}
     truths = dispersed(session.flights)
@@ -271,9 +269,7 @@ def came_down(rows: Sequence[Row]) -> list[bool]:
 
 
 def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
-    """Mean of a figure less that of the reference in the same flights, and half of its 95 % interval; no
-    numbers without a pair.
-    """
+    """Mean of a figure less the reference's in the same flights, and half of its 95 % interval."""
     ours, theirs = ({row["flight"]: row.get(name, nan) for row in of(rows, one)} for one in (law, REFERENCE))
     pairs = np.array([ours[flight] - theirs[flight] for flight in ours.keys() & theirs.keys()], float)
     pairs = pairs[np.isfinite(pairs)]
@@ -342,9 +338,7 @@ def ground_speed(rows: Sequence[Row], law: str, condition: str) -> float:
 
 
 def _findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Finding]:
-    """Landings of every law, the longest divert, late releases, fuel against the reference, and the time of a
-    call.
-    """
+    """Landings, the longest divert, late releases, fuel against the reference, times of a call."""
     laws, longest = kinds(rows, "law"), divert(DIVERTS[-1])
     for law in laws:
         share = percentage(came_down(of(rows, law)))

@@ -396,9 +396,7 @@ def _trial_grid(trials: list[Trial]) -> Grid:
 
 
 class Flown(NamedTuple):
-    """One flight from the beginning of the profile to its end, and the share of it with the bank angle at a
-    limit.
-    """
+    """One flight along the profile, and the share of it with the bank angle at a limit."""
 
     response: Response
     at_limit: float

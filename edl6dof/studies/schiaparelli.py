@@ -79,9 +79,7 @@ def run(session: Session) -> Report:
 
 
 def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
-    """Flights whose nutation has any phase at entry, each in gusts of its own; the first of a longer series
-    are those of a shorter one.
-    """
+    """Flights of any nutation phase in their own gusts; a longer series begins with a shorter one."""
     bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
     turned = ({"initial.bank_deg": round(float(b), 3)} for b in bank)
     return [Case(k, truth=truth, profile=k, label=label) for k, truth in enumerate(turned)]

@@ -172,9 +172,7 @@ def run(session: Session) -> Report:
 
 
 def all_cases(runs: int) -> list[Case]:
-    """The cases of all experiments, in their order and that of their laws; the entries of a share are the
-    first of the whole.
-    """
+    """Cases of all experiments, law by law; the entries of a share are the first of the whole."""
     truths = draw(SPREADS, runs, SEED)
     normal = np.random.default_rng(SEED + 1).standard_normal((runs, 7))
     found: list[Case] = []
@@ -203,9 +201,7 @@ def _nominal(share: float) -> Flight:
 
 
 def history(flight: Flight) -> dict[str, np.ndarray]:
-    """Curves of one flight at the guidance rate; the true drag rate follows from the true state and the drag
-    that the law is told.
-    """
+    """Curves of one flight at the guidance rate; the true drag rate follows from the true state."""
     every = flight.scenario.flight_software.rates.entry_guidance_every
     lift = flight.during(LIFT)[::every]
     rows = {name: values[::every][lift] for name, values in flight.telemetry.items()}

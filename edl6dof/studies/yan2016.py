@@ -115,9 +115,7 @@ def case(number: int, experiment: Experiment, law: str, signs: tuple[float, ...]
 
 
 def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
-    """How far one flight is from the nominal, when its drag settles, how long its bank is saturated, and how
-    good its disturbance estimate is.
-    """
+    """Distance from the nominal, settling of drag, saturation of bank, error of the estimate."""
     rows, planned = flight.telemetry, nominal.telemetry
     shared = min(len(rows["t_s"]), len(planned["t_s"]))
     altitude = (rows["truth.altitude_m"][:shared] - planned["truth.altitude_m"][:shared]) / 1e3
@@ -150,9 +148,7 @@ def downrange_m(flight: Flight) -> np.ndarray:
 
 
 def _estimate_error(flight: Flight) -> float:
-    """Largest error of the estimated disturbance once the observer has settled, % of the amplitude; NaN where
-    there is none.
-    """
+    """Largest error of the settled disturbance estimate, % of the amplitude; NaN without one."""
     rows, guided, d = flight.telemetry, flight.during(LIFT), flight.loaded.truth.point_mass.disturbance
     t, estimate = rows["t_s"][guided], np.radians(rows["guide.path_disturbance_deg_s"][guided])
     true = d.amplitude_rad_s * np.sin(d.frequency_rad_s * t)

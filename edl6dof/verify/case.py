@@ -142,18 +142,14 @@ def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
 
 
 def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scenario, LoadedScenario]:
-    """The scenario that expected values follow from, and the one to fly: the same but for overrides that
-    plant an error.
-    """
+    """The scenario of expected values, and the one to fly: the same but for ``planted`` errors."""
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
 def flown(
     overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit"
 ) -> tuple[Scenario, Flight]:
-    """The scenario that expected values follow from, and the flight, as :func:`scenes` and
-    :func:`to_the_end`.
-    """
+    """The scenario of expected values, and the flight: :func:`scenes` and :func:`to_the_end`."""
     nominal, loaded = scenes(overrides, planted)
     return nominal, to_the_end(loaded, ends=ends)
 
@@ -171,9 +167,7 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
 
 
 def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
-    """The initial state with ``change(plant, fsw)`` (record arrays' only elements) applied, mass properties
-    made consistent.
-    """
+    """The initial state after ``change(plant, fsw)`` of its records, mass properties made consistent."""
     tables = records.build_tables(loaded.truth)
     case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario)
     plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)

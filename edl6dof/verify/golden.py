@@ -62,9 +62,7 @@ def traced(name: str) -> Trace:
 
 
 def difference(golden: Trace, found: Trace) -> str:
-    """The first that differs: a part of the records, or a channel with time and difference, or a figure;
-    empty if nothing does.
-    """
+    """The first part, channel (with time and difference) or figure that differs; empty if none."""
     names = [*golden.hashes, *(name for name in found.hashes if name not in golden.hashes)]
     wrong = [name for name in names if golden.hashes.get(name) != found.hashes.get(name)]
     if not wrong:
@@ -107,9 +105,7 @@ def write_golden(traces: Mapping[str, Trace]) -> None:
 
 
 def record_parts(name: str) -> Iterator[tuple[str, np.ndarray]]:
-    """Every field of the records that a scenario's flight reads, by its path, in the order in which they are
-    made.
-    """
+    """Every field of the records that a scenario's flight reads, by its path, in order."""
     records = build_records(load_scenario(name))
     for record in ("tables", "case", "onboard"):
         for field in numbers(getattr(records, record), record):

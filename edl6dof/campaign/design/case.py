@@ -202,9 +202,7 @@ def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:
 
 
 def _is_plain(path: str, value: Any) -> bool:
-    """Return whether a change is a number, numbers, or the list of faults: it leaves the document as it is
-    built.
-    """
+    """Return whether a change is a number, numbers, or faults, and leaves the document as it is built."""
     if isinstance(value, list | tuple):
         return path == "faults" or all(_is_plain(path, item) for item in value)
     return isinstance(value, int | float)

@@ -184,9 +184,7 @@ def _check_kind(draw: Draw, locator: Locator) -> bool:
 
 
 def check_values(target: Target, values: np.ndarray, first: int, locator: Locator) -> bool:
-    """Return whether all numbers drawn for a parameter are within its bounds; a violation goes to the
-    locator.
-    """
+    """Return whether all drawn numbers are within the bounds; a violation goes to the locator."""
     if values.dtype == object:
         return True
     limits = bounds(target.slot)
@@ -250,9 +248,7 @@ def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
 
 
 def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
-    """Problems of the faults, found before anything flies; they go to the locator.  ``vehicles``: on which
-    each cell is flown.
-    """
+    """Send the problems of a matrix of faults, each flown on some ``vehicles``, to the locator."""
     number = sum(len(group.moments) * comb(len(group.names), matrix.together) for group in matrix.groups)
     if number > _MOST_CELLS or number * vehicles > _MOST_FLIGHTS:
         words = f"makes {number:,} cells on {counted(vehicles, 'vehicle')}"

@@ -251,9 +251,7 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
 def _with_pins(
     loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]
 ) -> LoadedScenario:
-    """The scenario with the true values written out of those parameters that have one and of which only the
-    belief will differ.
-    """
+    """Write out the true values of those parameters of which only the belief will differ."""
     targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
     believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:

@@ -50,9 +50,7 @@ def _generator(seed: int, name: str, block: int = 0) -> Stream:
 
 @lru_cache(maxsize=1024)
 def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
-    """A Latin hypercube is made whole, 8 bytes for each case and quantity; its columns are independent of
-    each other.
-    """
+    """Make a Latin hypercube whole, 8 bytes for each case and quantity; its columns are independent."""
     numbers = _generator(seed, name)
     stratum = np.argsort(numbers.uniform(cases), kind="stable")
     return (stratum + numbers.uniform(cases)) / cases

@@ -17,9 +17,7 @@ from edl6dof.vehicle.faults.fault import FaultStart
 
 
 class Correlated(Params):
-    """Parameters dispersed together: normal, about their nominal values, with a correlation or covariance
-    matrix.
-    """
+    """Parameters dispersed together, normally about their nominal values, by a matrix."""
 
     of: Of = param("truth", "whose values differ: truth, belief or both")
     paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
@@ -135,9 +133,7 @@ class Axis(Params):
 
 
 class SweepParams(Params):
-    """A grid over some parameters; with a campaign section, its cases are flown at every point of the
-    grid.
-    """
+    """A grid over some parameters; with a campaign section, its cases are flown at every point."""
 
     axes: list[Axis] = param(
         REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6

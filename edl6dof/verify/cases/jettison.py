@@ -51,9 +51,7 @@ CASES = (
 
 
 def _vehicle(plant: np.void, tanks: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity and spin angular momentum in I of the vehicle with what is left in its ``count``
-    ``tanks``.
-    """
+    """Position, velocity and spin in I of the vehicle with what is left in ``count`` ``tanks``."""
     y = plant["y"]
     i = with_propellant(plant["dry"], tanks, count, y)[2]
     inertia = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])

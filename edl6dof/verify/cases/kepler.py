@@ -44,9 +44,7 @@ _SCENE = (
 
 
 def orbit(mu: float, r: np.ndarray, v: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Position and velocity at times ``t`` of the orbit that passes ``r``, ``v`` at time 0 at an apsis; each
-    shape (times, 3).
-    """
+    """Position and velocity (times, 3) at times ``t`` of the orbit at an apsis ``r``, ``v`` at 0."""
     radius, speed = np.linalg.norm(r), np.linalg.norm(v)
     axis = 1.0 / (2.0 / radius - speed**2 / mu)
     momentum = np.cross(r, v)

@@ -122,9 +122,7 @@ class Planar:
         return state(speed, apart)
 
     def modes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Eigenvalues with positive frequency of motion out of the vertical, ascending, and their modes
-        (columns, unit tilt).
-        """
+        """Eigenvalues of motion off the vertical, ascending, and their modes (columns, unit tilt)."""
         rest = self.equilibrium()
         step = 1e-5 * np.eye(10)
         matrix = np.stack([(self.rates(rest + h) - self.rates(rest - h)) / 2e-5 for h in step], axis=1)

@@ -92,9 +92,7 @@ def integrated(scenario: Scenario, times: np.ndarray) -> np.ndarray:
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
-    """Fly banked through the atmosphere of a rotating planet; compare place and speed with the spherical
-    equations.
-    """
+    """Fly banked over a rotating planet; compare place and speed with the spherical equations."""
     nominal, flight = flown(_SCENE, planted)
     rows = flight.telemetry
     radius = nominal.planet.equatorial_radius_m
