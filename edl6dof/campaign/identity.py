@@ -1,5 +1,5 @@
-"""What the rows of a campaign follow from, and the JSON files of its folder that say so: the plan, the code
-that flies, every file that it reads.
+"""Identity of a campaign, which its rows follow from (the plan, the code that flies, every file that it
+reads), and the JSON files of its folder.
 
 Two programs with the same identity give the same table, bit for bit, on any processor and operating system;
 rows of two that differ never stand in one table.  What cannot move a bit is left out: Python's version, and

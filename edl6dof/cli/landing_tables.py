@@ -11,6 +11,7 @@ from rich.table import Table
 
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.errors import refusal
+from edl6dof.design.convex_step import propagate
 from edl6dof.design.powered_start import landing_of, powered_rows, states_of
 from edl6dof.design.rigid_landing import (
     TOLERANCE,
@@ -22,7 +23,6 @@ from edl6dof.design.rigid_landing import (
     tilt_of,
 )
 from edl6dof.design.successive import Converged, land
-from edl6dof.design.transcription import propagate
 from edl6dof.report.figure import GREY, Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.terminal import open_table

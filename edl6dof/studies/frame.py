@@ -56,7 +56,7 @@ class Finding:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
+        """True if the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
         if self.published is None:
             return None
         if self.bound:
@@ -68,7 +68,7 @@ class Finding:
 
     @property
     def ok(self) -> bool:
-        """Whether the figure is as the study says; one that could not be formed is not."""
+        """True if the figure is as the study says; one that could not be formed is not."""
         return self.holds is None or (isfinite(self.computed) and self.holds != bool(self.why))
 
     @property
@@ -128,7 +128,7 @@ SQUARE = {"aspect": "equal"}
 
 @dataclass(frozen=True)
 class Report:
-    """What a study found.
+    """Findings of a study, and all that is shown with them.
 
     Attributes:
         findings: computed beside published.
@@ -148,7 +148,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether every figure is as the study says."""
+        """True if every figure is as the study says."""
         return all(finding.ok for finding in self.findings)
 
 

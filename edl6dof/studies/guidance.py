@@ -13,7 +13,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from math import cos, degrees, inf, isfinite, nan, radians, sin
 from typing import Any, NamedTuple
 
@@ -147,18 +146,6 @@ _SLOW_DEG_S, _WIND_M_S = 5.0, 60.0
 _WORSE_TRACKING = 3.0
 
 
-def _nothing(scenario: Scenario, flight: int) -> Values:
-    return {}
-
-
-def _density(factor: float, scenario: Scenario, flight: int) -> Values:
-    return {"atmosphere.density_factor": factor}
-
-
-def _entry_angle(more_deg: float, scenario: Scenario, flight: int) -> Values:
-    return {_ANGLE: value_at(scenario, _ANGLE) + more_deg}
-
-
 def _less_lift(scenario: Scenario, flight: int) -> Values:
     """A fifth of the lift-to-drag ratio gone, of a capsule by a third of its centre's offset."""
     rigid = scenario.dynamics == "six_dof"
@@ -201,18 +188,22 @@ def _navigation_with_errors(scenario: Scenario, flight: int) -> Values:
     return {} if rigid else {"sensors.carried": ["perfect", "imu", "navigation_error"]}
 
 
+#: Values by dotted path, of the scenario and the number of the flight.
+Change = Callable[[Scenario, int], Values]
+
+
 class Condition(NamedTuple):
     """One thing that is other than planned.
 
     Attributes:
         name: as it stands in the table.
-        truth: what is so, of the scenario and the number of the flight, and the flight computer is not told.
-        belief: what it is told.
+        truth: what is so, and the flight computer does not know.
+        belief: what it knows.
     """
 
     name: str
-    truth: Callable[[Scenario, int], Values] = _nothing
-    belief: Callable[[Scenario, int], Values] = _nothing
+    truth: Change = lambda scenario, flight: {}
+    belief: Change = lambda scenario, flight: {}
 
     def case(self, index: int, scenario: Scenario, flight: int, label: Values) -> Case:
         """Case number ``index``: the condition's flight number ``flight``."""
@@ -223,12 +214,12 @@ class Condition(NamedTuple):
 
 CONDITIONS = (
     Condition("nominal"),
-    Condition("density -40 %", partial(_density, 0.6)),
-    Condition("density +40 %", partial(_density, 1.4)),
+    Condition("density -40 %", lambda scenario, flight: {"atmosphere.density_factor": 0.6}),
+    Condition("density +40 %", lambda scenario, flight: {"atmosphere.density_factor": 1.4}),
     Condition("L/D -20 %", _less_lift),
     Condition("bank 5 deg/s", belief=_slow_bank),
-    Condition("entry -0.3 deg", partial(_entry_angle, -0.3)),
-    Condition("entry +0.3 deg", partial(_entry_angle, 0.3)),
+    Condition("entry -0.3 deg", lambda scenario, flight: {_ANGLE: value_at(scenario, _ANGLE) - 0.3}),
+    Condition("entry +0.3 deg", lambda scenario, flight: {_ANGLE: value_at(scenario, _ANGLE) + 0.3}),
     Condition("wind 60 m/s", wind),
     Condition("navigation", _poor_navigation, _navigation_with_errors),
 )

@@ -277,7 +277,7 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
 STEP_AFTER_S, STEP_WATCHED_S = 11.0, 25.0
 #: Attitude error below which a torque step counts as settled: above the limit cycle of the thrusters.
 SETTLED_DEG = 0.5
-#: Whether thrusters hold the angle of attack after the wing failed, or it is left to trim.
+#: Thrusters hold the angle of attack after the wing failed, or it is left to trim.
 HELD = "alpha held"
 WING = {HELD: True, "left to trim": False}
 
@@ -425,7 +425,7 @@ def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
 
 
 def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> Row:
-    """What an avoidance does to the roll axis, and how far from the safe spot it ends."""
+    """Effect of an avoidance on the roll axis, and its distance from the safe spot at the end."""
     flight = avoid(states, scenario, case)
     table, rows = flight.telemetry, np.flatnonzero(flight.during(HAZARD_AVOIDANCE))
     north, east = spot(scenario, case)

@@ -255,7 +255,7 @@ def of(rows: Sequence[Row], law: str, condition: str = DISPERSED) -> list[Row]:
 
 
 def reached(row: Row) -> bool:
-    """Whether hover began at the target."""
+    """Return whether hover began at the target."""
     return (
         row.get("target_miss_m", inf) <= MISS_M
         and row["hover_speed_m_s"] <= SPEED_M_S
@@ -264,7 +264,7 @@ def reached(row: Row) -> bool:
 
 
 def came_down(rows: Sequence[Row]) -> list[bool]:
-    """Whether each flight landed."""
+    """Return whether each flight landed."""
     return [row.get("came_down", False) for row in rows]
 
 

@@ -109,7 +109,7 @@ def run(session: Session) -> Report:
 
 @dataclass(frozen=True)
 class Design:
-    """What the controller is told.
+    """Settings of the controller, and the planet that it believes in.
 
     Attributes:
         gain, weight, energy: lambda (s2), rho (s4) and epsilon (m2/s3) of the law.
@@ -183,8 +183,8 @@ NAV = np.dtype([("flight_path_angle", "f8"), ("gravity", "f8"), ("speed", "f8"),
 
 
 class Errors(NamedTuple):
-    """What the law is not told: amplitude of a wave of ln(density) over height, head wind (m/s) at the height
-    ``WAVE_M`` and in proportion below, relative error of L/D.
+    """Errors that the law does not know: amplitude of a wave of ln(density) over height, head wind (m/s) at
+    the height ``WAVE_M`` and in proportion below, relative error of L/D.
     """
 
     density: float = 0.0

@@ -83,7 +83,7 @@ REMARKS = (
 
 
 def figures(flight: Flight) -> dict[str, float]:
-    """What this study looks at besides the figures of merit of one flight."""
+    """Figures of one flight that only this study looks at."""
     t, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     time, bank, slow = t["t_s"], t["truth.bank_deg"], t["truth.speed_m_s"] < entry.heading_below_m_s
     steered = (time > flight.metrics["lift_start_s"]) & ~slow

@@ -1,4 +1,4 @@
-"""What check cases are made of: the shipped scenario stripped down by overrides, flights from a state of
+"""Building blocks of check cases: the shipped scenario stripped down by overrides, flights from a state of
 one's own, what is measured in them, and comparisons.
 """
 
@@ -81,7 +81,7 @@ class Result:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the tolerance; an error that is not a number is not."""
+        """True if the error is within the tolerance; an error that is not a number is not."""
         return bool(self.error <= self.tolerance)
 
 
@@ -106,7 +106,7 @@ class Outcome:
 
     @property
     def passed(self) -> bool:
-        """Whether every comparison is within its tolerance; a case without any has proved nothing."""
+        """True if every comparison is within its tolerance; a case without any has proved nothing."""
         return bool(self.results) and all(result.passed for result in self.results)
 
 

@@ -26,7 +26,7 @@ CASES: dict[str, Callable[..., Outcome]] = {
 
 @dataclass(frozen=True, repr=False)
 class Report:
-    """What became of one case.
+    """Outcome of one case, or why it has none.
 
     Attributes:
         note: why it was skipped or broke; empty otherwise.
@@ -46,7 +46,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether every comparison of the case is within its tolerance."""
+        """True if every comparison of the case is within its tolerance."""
         return self.skipped or Outcome(self.results).passed
 
     def as_dict(self) -> dict[str, Any]:

@@ -33,7 +33,7 @@ _RECORD = np.dtype([(name, "f8") for name in _SAMPLED])
 
 
 class Trace(NamedTuple):
-    """What a flight or a campaign gave.
+    """Results of a flight or a campaign, as they are kept.
 
     Attributes:
         hashes: of records, channels and figures, by name, in the order in which they are made.

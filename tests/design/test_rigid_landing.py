@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from edl6dof.design.convex_step import Nodes, linearise, propagate
 from edl6dof.design.rigid_landing import LandingFigures, RigidLanding, excesses, figures_of
-from edl6dof.design.transcription import Nodes, linearise, propagate
 
 pytest.importorskip("cvxpy")
 from edl6dof.design import successive

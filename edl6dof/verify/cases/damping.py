@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from edl6dof.verify.capsule import TRIM_DEG, scene, stiffness
 from edl6dof.verify.case import History, Outcome, Result, fit, flown
+from edl6dof.verify.cases.capsule_trim import TRIM_DEG, scene, stiffness
 
 MACH = 15.0
 ABOUT = {
