@@ -448,13 +448,7 @@ def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
     return {"comparison": panels}
 
 
+TITLE = "Entry laws on the same entries: other air, lift, wind and entry angle, slow bank, and all dispersed"
 STUDY = Study(
-    "guidance",
-    "Entry laws on the same entries: other air, lift, wind and entry angle, slow bank, and all dispersed",
-    "this simulator, 2026",
-    run,
-    runs=200,
-    quick_runs=20,
-    counted=True,
-    parts=LAWS,
+    "guidance", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
 )

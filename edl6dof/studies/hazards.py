@@ -175,13 +175,7 @@ def _pictures(rows: list[Row]) -> dict[str, list[Panel]]:
     return {"comparison": panels}
 
 
+TITLE = "Landings among rocks with and without hazard avoidance, at rock abundances of 4, 10 and 20 %"
 STUDY = Study(
-    "hazards",
-    "Landings among rocks with and without hazard avoidance, at rock abundances of 4, 10 and 20 %",
-    "this simulator, 2026",
-    run,
-    runs=200,
-    quick_runs=10,
-    counted=True,
-    parts=WAYS,
+    "hazards", TITLE, "this simulator, 2026", run, runs=200, quick_runs=10, counted=True, parts=WAYS
 )

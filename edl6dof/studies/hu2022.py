@@ -512,12 +512,5 @@ def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
     }
 
 
-STUDY = Study(
-    "hu2022",
-    "Attitude control of Tianwen-1 from entry to touchdown",
-    "Hu et al. 2022",
-    run,
-    runs=100,
-    quick_runs=6,
-    counted=True,
-)
+TITLE = "Attitude control of Tianwen-1 from entry to touchdown"
+STUDY = Study("hu2022", TITLE, "Hu et al. 2022", run, runs=100, quick_runs=6, counted=True)

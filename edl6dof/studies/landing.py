@@ -382,13 +382,7 @@ def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
     return {"comparison": panels}
 
 
+TITLE = "Powered guidance laws from the same dispersed ignitions: fuel, miss, tilt, diverts, engine faults"
 STUDY = Study(
-    "landing",
-    "Powered guidance laws from the same dispersed ignitions: fuel, miss, tilt, diverts, engine faults",
-    "this simulator, 2026",
-    run,
-    runs=200,
-    quick_runs=20,
-    counted=True,
-    parts=LAWS,
+    "landing", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
 )

@@ -471,11 +471,5 @@ def _pictures(trials: list[Trial], flights: Mapping[str, Flown]) -> dict[str, li
     }
 
 
-STUDY = Study(
-    "lu_bayard",
-    "Adaptive H-infinity tracking of a drag-velocity profile",
-    "Lu & Bayard",
-    run,
-    runs=COUNT,
-    quick_runs=COUNT,
-)
+TITLE = "Adaptive H-infinity tracking of a drag-velocity profile"
+STUDY = Study("lu_bayard", TITLE, "Lu & Bayard", run, runs=COUNT, quick_runs=COUNT)

@@ -156,12 +156,7 @@ def _pictures() -> dict[str, list[Panel]]:
     return {"bank_and_path": panels}
 
 
+TITLE = "Entry of MSL beside the published deployment"
 STUDY = Study(
-    "msl",
-    "Entry of MSL beside the published deployment",
-    "Karlgaard et al. 2014; Way et al. 2013",
-    run,
-    runs=FLIGHTS,
-    quick_runs=3,
-    counted=True,
+    "msl", TITLE, "Karlgaard et al. 2014; Way et al. 2013", run, runs=FLIGHTS, quick_runs=3, counted=True
 )

@@ -102,9 +102,5 @@ def _pictures(mach: np.ndarray, alpha: np.ndarray, *tables: np.ndarray) -> dict[
     return {"phoenix": panels}
 
 
-STUDY = Study(
-    "newtonian",
-    "Coefficients from the shape alone beside published ones",
-    "Edquist et al. 2008; Mitcheltree et al. 1997",
-    run,
-)
+TITLE = "Coefficients from the shape alone beside published ones"
+STUDY = Study("newtonian", TITLE, "Edquist et al. 2008; Mitcheltree et al. 1997", run)

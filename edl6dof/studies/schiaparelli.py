@@ -193,12 +193,6 @@ def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
     return {"chain_and_cliff": panels}
 
 
-STUDY = Study(
-    SCENARIO,
-    "The landing of Schiaparelli: the chain, the cliff and the guards",
-    "T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN, 2017",
-    run,
-    runs=40,
-    quick_runs=3,
-    counted=True,
-)
+TITLE = "The landing of Schiaparelli: the chain, the cliff and the guards"
+SOURCE = "T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN, 2017"
+STUDY = Study(SCENARIO, TITLE, SOURCE, run, runs=40, quick_runs=3, counted=True)

@@ -272,12 +272,5 @@ def _pictures(start: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[P
     return {"fig3_estimates": estimates, "fig5_fig6_misses": misses}
 
 
-STUDY = Study(
-    SCENARIO,
-    "Extended high-gain observer with feedback linearisation",
-    "Wu, Cui & Cui 2013",
-    run,
-    runs=2000,
-    quick_runs=20,
-    counted=True,
-)
+TITLE = "Extended high-gain observer with feedback linearisation"
+STUDY = Study(SCENARIO, TITLE, "Wu, Cui & Cui 2013", run, runs=2000, quick_runs=20, counted=True)

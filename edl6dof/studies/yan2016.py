@@ -279,11 +279,5 @@ def _pictures(nominal: Flight) -> dict[str, list[Panel]]:
     return {"fig4_fig6": panels}
 
 
-STUDY = Study(
-    SCENARIO,
-    "Finite-time drag tracking against a sinusoidal disturbance",
-    "Yan, Sun & Guo 2016",
-    run,
-    runs=RUNS,
-    quick_runs=RUNS,
-)
+TITLE = "Finite-time drag tracking against a sinusoidal disturbance"
+STUDY = Study(SCENARIO, TITLE, "Yan, Sun & Guo 2016", run, runs=RUNS, quick_runs=RUNS)

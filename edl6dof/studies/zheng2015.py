@@ -309,12 +309,5 @@ def _pictures(h: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel
     }
 
 
-STUDY = Study(
-    SCENARIO,
-    "Disturbance-observer sliding guidance with input saturation",
-    "Zheng & Cui 2015",
-    run,
-    runs=500,
-    quick_runs=40,
-    counted=True,
-)
+TITLE = "Disturbance-observer sliding guidance with input saturation"
+STUDY = Study(SCENARIO, TITLE, "Zheng & Cui 2015", run, runs=500, quick_runs=40, counted=True)
