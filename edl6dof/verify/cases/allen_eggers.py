@@ -17,21 +17,10 @@ import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.config.units import G0
-from edl6dof.verify.case import (
-    BARE,
-    ENDLESS,
-    NO_RATE,
-    ONE_BODY,
-    WEIGHTLESS,
-    History,
-    Outcome,
-    Result,
-    flown,
-    largest,
-)
+from edl6dof.verify.case import FREE, NO_RATE, History, Outcome, Result, flown, largest
 
 _SCENE = (
-    *(*BARE, *WEIGHTLESS, *ONE_BODY, *ENDLESS, NO_RATE),
+    *(*FREE, NO_RATE),
     "atmosphere.model=exponential",
     "vehicle.aero.model=constant",
     "vehicle.aero.constant={drag_coefficient: 1.5, reference_area_m2: 9, moment_reference_x_m: -0.85}",

@@ -15,21 +15,10 @@ from functools import partial
 import numpy as np
 from scipy.optimize import newton
 
-from edl6dof.verify.case import (
-    BARE,
-    ENDLESS,
-    NO_RATE,
-    ONE_BODY,
-    VACUUM,
-    History,
-    Outcome,
-    Result,
-    flown,
-    vectors,
-)
+from edl6dof.verify.case import FREE, NO_RATE, History, Outcome, Result, flown, vectors
 
 _SCENE = (
-    *(*BARE, *VACUUM, *ONE_BODY, *ENDLESS, NO_RATE),
+    *(*FREE, NO_RATE),
     "planet.gravity.model=central",
     "initial.altitude_m=5e6",
     "initial.latitude_deg=20",
