@@ -134,7 +134,7 @@ class Design:
 
     def dynamics(self, drag: float, rate: float, speed: float) -> Any:
         """D'' at this state: what is known, the regressor of theta, and what u adds."""
-        return uncertain_drag(drag, rate, speed, self.gravity, self.radius, self.scale_height)
+        return uncertain_drag(drag, rate, speed, self.gravity, self.radius, scale_height=self.scale_height)
 
 
 @dataclass(frozen=True)
@@ -258,7 +258,8 @@ class Motion:
         goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
         error, error_rate = drag - goal, rate - goal_rate
         dynamics = self.design.dynamics(drag, rate, speed)
-        u = track(self.law, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u)
+        wanted = {"goal_free": goal_free, "goal_per_u": goal_per_u}
+        u = track(self.law, memory, dt, flown, error, error_rate=error_rate, dynamics=dynamics, **wanted)
         return error, error_rate, u
 
     def step(self, state: State, u: float) -> State:
