@@ -14,7 +14,6 @@ evaluating it; a file that says more than the vehicle can carry is refused, neve
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
@@ -68,21 +67,13 @@ _PROBES = (
 )
 
 
-@dataclass
-class Part:
-    """Values below ``vehicle`` as in YAML, each with its line of a ``.dml`` file."""
+#: Values by dotted path below ``vehicle``, as in YAML, each with its place in a ``.dml`` file.
+Part = dict[str, tuple[Any, Mark]]
 
-    data: dict[str, Any] = field(default_factory=dict)
-    lines: dict[tuple[str, ...], tuple[Path, int]] = field(default_factory=dict)
 
-    def put(self, path: str, value: Any, model: Model, line: int) -> None:
-        """Set a value at a dotted path."""
-        node: Any = self.data
-        keys = path.split(".")
-        for key in keys[:-1]:
-            node = node.setdefault(key, {})
-        node[keys[-1]] = value
-        self.lines[tuple(keys)] = (model.path, line)
+def _put(part: Part, model: Model, line: int, values: Mapping[str, Any]) -> None:
+    """Add values that stand in a line of the file of a model."""
+    part.update((path, (value, Mark(str(model.path), line, 1))) for path, value in values.items())
 
 
 def expand_daveml(document: Document) -> Document:
@@ -112,26 +103,26 @@ def expand_daveml(document: Document) -> Document:
     part = vehicle_part(paths, {str(name): float(x) for name, x in inputs.items()} if inputs else {})
     document.forget(("vehicle", "daveml"))
     vehicle["daveml"] = []
-    for keys, (path, line) in part.lines.items():
-        _adopt(document, keys, part.data, Mark(str(path), line, 1))
+    for name, (value, place) in part.items():
+        _adopt(document, ("vehicle", *name.split(".")), value, place)
     document.files += tuple(paths)
     return document
 
 
-def _adopt(document: Document, keys: tuple[str, ...], data: Any, mark: Mark) -> None:
-    node = document.data["vehicle"]
-    for depth, key in enumerate(keys[:-1]):
-        data = data[key]
+def _adopt(document: Document, keys: tuple[str, ...], value: Any, mark: Mark) -> None:
+    """Put a value in the document unless it is there."""
+    node = document.data
+    for depth, key in enumerate(keys[:-1], start=1):
         if key not in node:
             node[key] = {}
-            document.marks["vehicle", *keys[: depth + 1]] = mark
+            document.marks[keys[:depth]] = mark
         node = node[key]
         if not isinstance(node, dict):
             return  # for the validation to refuse
     if keys[-1] not in node:
-        node[keys[-1]] = data[keys[-1]]
-        document.marks["vehicle", *keys] = mark
-        document.sources[".".join(("vehicle", *keys))] = Path(mark.file).name
+        node[keys[-1]] = value
+        document.marks[keys] = mark
+        document.sources[".".join(keys)] = Path(mark.file).name
 
 
 def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = None) -> Part:
@@ -144,7 +135,8 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
     Raises:
         ConfigError: a file cannot be read, says what a vehicle cannot carry, or no file has such an input.
     """
-    part, unused, inputs = Part(), set(inputs or ()), inputs or {}
+    part: Part = {}
+    unused, inputs = set(inputs or ()), inputs or {}
     model = None
     for path in paths:
         model = read_daveml(path)
@@ -163,18 +155,17 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
 
 def _mass(model: Model, part: Part, inputs: Mapping[str, float]) -> None:
     mass, line = _constant(model, MASS, "mass", inputs)
-    part.put("mass.entry_kg", mass, model, line)
     inertia = [_constant(model, name, "inertia", inputs)[0] for name in INERTIA]
-    part.put("mass.entry_inertia_kg_m2", inertia, model, _line(model, INERTIA[0]))
     centre = [_constant(model, name, "length", inputs)[0] if model.named(name) else 0.0 for name in CENTRE]
     if model.named(CENTRE[0]) is None and model.named(STATION) is not None:
         centre[0] = -_constant(model, STATION, "length", inputs)[0]
-    part.put("mass.entry_centre_m", centre, model, line)
+    _put(part, model, line, {"mass.entry_kg": mass, "mass.entry_centre_m": centre})
+    _put(part, model, _line(model, INERTIA[0]), {"mass.entry_inertia_kg_m2": inertia})
     zx, xy, yz = (
         _constant(model, name, "inertia", inputs)[0] if model.named(name) else 0.0 for name in PRODUCTS
     )
     if zx or xy or yz:
-        part.put("mass.entry_products_kg_m2", [xy, zx, yz], model, _line(model, PRODUCTS[0]))
+        _put(part, model, _line(model, PRODUCTS[0]), {"mass.entry_products_kg_m2": [xy, zx, yz]})
 
 
 def _aerodynamics(model: Model, part: Part, given: Mapping[str, float]) -> None:
@@ -217,14 +208,13 @@ def _constants(model: Model, part: Part) -> None:
             if abs(_probe(model, name, *probe) - law(*probe)) > near:
                 raise model.error(_line(model, name), f"is not of a supported form: {_SUPPORTED}", name)
     line_of = {name: _line(model, name) if model.named(name) else line for name in expected}
-    part.put("aero.model", "constant", model, line)
-    part.put("aero.constant.reference_area_m2", area, model, line)
-    part.put("aero.constant.drag_coefficient", drag, model, line_of[DRAG])
-    for key, length in (("span_m", span), ("chord_m", chord)):
+    _put(part, model, line, {"aero.model": "constant", "aero.constant.reference_area_m2": area})
+    _put(part, model, line_of[DRAG], {"aero.constant.drag_coefficient": drag})
+    for key, length, name in (("span_m", span, SPAN), ("chord_m", chord, CHORD)):
         if length is not None:
-            part.put(f"aero.constant.{key}", length, model, _line(model, SPAN if key == "span_m" else CHORD))
+            _put(part, model, _line(model, name), {f"aero.constant.{key}": length})
     for key, name in (("roll_damping", ROLL), ("pitch_damping", PITCH), ("yaw_damping", YAW)):
-        part.put(f"aero.constant.{key}", damping[name], model, line_of[name])
+        _put(part, model, line_of[name], {f"aero.constant.{key}": damping[name]})
 
 
 def _body(model: Model, part: Part, given: Mapping[str, float]) -> None:
@@ -234,22 +224,22 @@ def _body(model: Model, part: Part, given: Mapping[str, float]) -> None:
         raise model.error(1, f"lacks the reference area ({' or '.join(AREAS)})")
     area, line = _constant(model, named.name, "area", {})
     settings(model, given, FLOW)
-    part.put("aero.model", "body", model, line)
-    part.put("aero.body.file", str(model.path.resolve()), model, line)
-    part.put("aero.body.inputs", {k: v for k, v in given.items() if model.named(k) is not None}, model, line)
-    part.put("aero.body.reference_area_m2", area, model, line)
-    for key, names in (("chord_m", CHORDS), ("span_m", SPANS)):
-        if (length := length_of(model, names)) is not None:
-            part.put(f"aero.body.{key}", length, model, line)
+    lengths = {"chord_m": length_of(model, CHORDS), "span_m": length_of(model, SPANS)}
+    values = {
+        "file": str(model.path.resolve()),
+        "inputs": {k: v for k, v in given.items() if model.named(k) is not None},
+        "reference_area_m2": area,
+        **{key: length for key, length in lengths.items() if length is not None},
+    }
+    _put(part, model, line, {"aero.model": "body"} | {f"aero.body.{key}": x for key, x in values.items()})
 
 
 def _table(model: Model, part: Part) -> None:
     """Tables over Mach and angle of attack: the capsule's static table is read from the same file."""
     area, line = _constant(model, AREA, "area")
     static_table(model.path)
-    part.put("aero.model", "capsule", model, line)
-    part.put("aero.capsule.static_table", str(model.path.resolve()), model, line)
-    part.put("aero.capsule.diameter_m", 2.0 * sqrt(area / pi), model, line)
+    values = {"static_table": str(model.path.resolve()), "diameter_m": 2.0 * sqrt(area / pi)}
+    _put(part, model, line, {"aero.model": "capsule"} | {f"aero.capsule.{k}": x for k, x in values.items()})
 
 
 def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
