@@ -14,7 +14,7 @@ from time import thread_time
 
 import numpy as np
 
-from edl6dof.campaign.design.case import Variants
+from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.interface.roles import POWERED_DECELERATION

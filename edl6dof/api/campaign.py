@@ -18,9 +18,9 @@ from edl6dof.api.optional import library
 from edl6dof.api.results import html_table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.documents import Summary
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.executor import CaseRunner
-from edl6dof.campaign.identity import Summary
 from edl6dof.campaign.run import case_scenario, differences
 from edl6dof.campaign.statistics import SHARES, Quantile, Until, quantile
 from edl6dof.campaign.store import Store

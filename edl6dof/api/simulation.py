@@ -12,8 +12,9 @@ from edl6dof.api.errors import naming_arguments, scenario_name
 from edl6dof.api.flight import Flight
 from edl6dof.api.functions import activate
 from edl6dof.api.overrides import texts
-from edl6dof.campaign.design.case import Case, Variant, Variants
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
+from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, load_scenario

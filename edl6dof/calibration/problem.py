@@ -10,7 +10,8 @@ import numpy as np
 
 from edl6dof.calibration.fit import Data
 from edl6dof.calibration.section import CalibrationFile, CalibrationParams
-from edl6dof.campaign.design.case import Case, scenario_of
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import Progress, Row, fly_rows
 from edl6dof.campaign.neighbours import fly_neighbours
 from edl6dof.config.document.document import Document

@@ -14,9 +14,10 @@ from itertools import chain
 from typing import TYPE_CHECKING, Protocol
 
 from edl6dof.campaign.design.plan import Plan, parse_plan
+from edl6dof.campaign.documents import Identity
 from edl6dof.campaign.executor import CaseRunner, Row, available_cores
 from edl6dof.campaign.fault_response import collected
-from edl6dof.campaign.identity import Identity, changed_files, compared, differences_from, identity
+from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 
 if TYPE_CHECKING:
     from distributed import Client, Future

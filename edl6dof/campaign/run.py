@@ -15,20 +15,12 @@ import pyarrow.compute as pc
 import edl6dof
 from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B
 from edl6dof.campaign.design.plan import Plan, parse_plan
+from edl6dof.campaign.documents import Cause, Identity, Info, Summary
 from edl6dof.campaign.engines import Engine
 from edl6dof.campaign.executor import table_of
 from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.faults import fault_figures
-from edl6dof.campaign.identity import (
-    Cause,
-    Identity,
-    Info,
-    Summary,
-    changed_files,
-    compared,
-    differences_from,
-    identity,
-)
+from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 from edl6dof.campaign.parts import PART
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.store import Store

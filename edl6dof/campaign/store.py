@@ -28,7 +28,7 @@ from typing import Any
 import pyarrow as pa
 from filelock import FileLock, Timeout
 
-from edl6dof.campaign.identity import Info, Summary
+from edl6dof.campaign.documents import Info, Summary
 from edl6dof.campaign.parts import NAMES, Parts, open_parquet
 from edl6dof.config.errors import refusal
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic

@@ -9,9 +9,10 @@ import pytest
 from pydantic import BaseModel
 
 import edl6dof
-from edl6dof.campaign.design import case as variants
-from edl6dof.campaign.design.case import Case, Variants
+from edl6dof.campaign.design import variants
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.design.variants import Variants
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records

@@ -9,7 +9,8 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
-from edl6dof.campaign.design.case import Case, Variants
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.navigation.derived import NAV

@@ -1,32 +1,12 @@
-"""Cases of a campaign: what differs from the scenario, and the validated override of it that flies.
-
-Numbers are put into the validated scenario: every model on the way to one is validated again, and so is what
-must fit together between the sections; the other models are shared, and so are the tables and plans that
-follow from the same inputs.  The result is the same, bit for bit, as loading the scenario with the same
-``--set`` texts.  A change that is no number may bring another structure with it: the whole document is
-checked, as it is to find words for a number that is refused.
-"""
+"""One case of a campaign, study or fault matrix: what differs from the scenario."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from functools import cached_property
-from math import isclose
 from os.path import commonprefix
 from typing import Any, Literal, get_args
-
-from edl6dof.config.document.document import Document
-from edl6dof.config.document.overrides import with_values
-from edl6dof.config.document.source import Mark
-from edl6dof.config.errors import Inconsistent
-from edl6dof.config.model_paths import Keys, overridden, value_at, walk
-from edl6dof.scenario.cross_checks import section_problems
-from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.loading import check_document, truth_problem
-from edl6dof.scenario.records import Records, build_records
-from edl6dof.scenario.schema import Scenario
 
 #: Who knows of a change: nature alone, the flight computer alone, or both.
 Of = Literal["truth", "belief", "both"]
@@ -84,125 +64,3 @@ def group_of(column: str, campaign: Mapping[str, Any]) -> str:
             return f"{mark}{commonprefix(together['paths'])}*"
     patterns = (pattern for of in get_args(Of) for pattern in campaign.get(of, ()))
     return mark + next((pattern for pattern in patterns if fnmatchcase(path, pattern)), path)
-
-
-class NotApplied(Exception):
-    """A change of a case did not reach what is flown."""
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One case ready to fly."""
-
-    loaded: LoadedScenario
-    parts: Records
-
-    def applied(self, case: Case) -> dict[str, Any]:
-        """Return the values of all changes of the case by column name, read back from what flies.
-
-        A dispersion that is silently not applied is the classic failure of Monte Carlo tools; here it stops
-        the case.
-
-        Raises:
-            NotApplied: the validated scenario holds another value.
-        """
-        row = {TRUTH + path: _confirmed(self.loaded.truth, path, value) for path, value in case.truth.items()}
-        for path, value in case.told.items():
-            column = path if path == "profile" else BELIEF + path
-            row[column] = _confirmed(self.loaded.scenario, path, value)
-        return row
-
-
-def _confirmed(scenario: Scenario, path: str, wanted: Any) -> Any:
-    value = value_at(scenario, path)
-    if not _same(value, wanted):
-        raise NotApplied(f"{path} should be {wanted!r} and is {value!r}")
-    return value
-
-
-def _same(value: Any, wanted: Any) -> bool:
-    if isinstance(wanted, list | tuple):
-        return len(value) == len(wanted) and all(map(_same, value, wanted))
-    if isinstance(wanted, float) or isinstance(value, float):
-        # a model may bring a value to its normal form, such as a direction to length one
-        return isclose(value, wanted, rel_tol=1e-3, abs_tol=1e-12)
-    return not isinstance(wanted, bool | int | str) or value == wanted
-
-
-def scenario_of(loaded: LoadedScenario, case: Case) -> LoadedScenario:
-    """The scenario of a case, checked like a file.
-
-    Raises:
-        ConfigError: a path does not exist, or its value is not allowed.
-    """
-    return check_document(with_values(loaded.document, case.changes(loaded.scenario.truth), Scenario))
-
-
-class Variants:
-    """Makes the cases of one scenario; may be used by several threads at once."""
-
-    def __init__(self, loaded: LoadedScenario):
-        self.base = loaded
-        self._keys: dict[str, Keys] = {}
-
-    @cached_property
-    def nominal(self) -> Variant:
-        """The scenario itself, ready to fly."""
-        return Variant(self.base, build_records(self.base))
-
-    def build(self, case: Case) -> Variant:
-        """Scenario, truth and records of a case.
-
-        Raises:
-            ConfigError: a path does not exist, or its value is not allowed.
-        """
-        loaded = self._overridden(case) or self._checked(case)
-        return Variant(loaded, build_records(loaded))
-
-    def _overridden(self, case: Case) -> LoadedScenario | None:
-        """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""
-        truth = case.changes(self.base.scenario.truth)["truth"]
-        plain = all(_is_plain(path, value) for path, value in (*case.told.items(), *truth.items()))
-        if not plain or any(map(truth_problem, truth)):
-            return None
-        try:
-            told = {**self._by_keys(case.told), ("truth",): truth}
-            scenario = _changed(self.base.scenario, told)
-            return LoadedScenario(scenario, _changed(scenario, self._by_keys(truth)), self.base.document)
-        except (ValueError, LookupError, AttributeError):
-            return None
-
-    def _by_keys(self, changes: Mapping[str, Any]) -> dict[Keys, Any]:
-        """Changes by the keys that their dotted paths mean.
-
-        Raises:
-            ValueError, LookupError, AttributeError: there is no such path.
-        """
-        for path in changes:
-            if path not in self._keys:
-                self._keys[path] = walk(self.base.truth, path)[0]
-        return {self._keys[path]: value for path, value in changes.items()}
-
-    def _checked(self, case: Case) -> LoadedScenario:
-        """Any case, or what is wrong with it, in words without places: a row is the same on every machine."""
-        document = Document(self.base.document.data, {(): Mark("")}, files=self.base.document.files)
-        return scenario_of(replace(self.base, document=document), case)
-
-
-def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:
-    """A scenario with other values, validated.
-
-    Raises:
-        ValueError, LookupError: they are not allowed.
-    """
-    changed = overridden(scenario, values)
-    if problems := section_problems(changed):
-        raise Inconsistent(problems)
-    return changed
-
-
-def _is_plain(path: str, value: Any) -> bool:
-    """Return whether a change is a number, numbers, or faults, and leaves the document as it is built."""
-    if isinstance(value, list | tuple):
-        return path == "faults" or all(_is_plain(path, item) for item in value)
-    return isinstance(value, int | float)
