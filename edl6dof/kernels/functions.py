@@ -9,7 +9,7 @@ flight first carries it, and one that comes after the loop was compiled flies in
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from hashlib import sha256
 from inspect import Parameter, Signature
@@ -67,7 +67,7 @@ class Passed(types.FunctionType):
     those of functions, and its own takes a hundred thousand letters.
     """
 
-    def __init__(self, title: str, names: Sequence[str], returns: types.Type, *arguments: types.Type) -> None:
+    def __init__(self, title: str, names: Iterable[str], returns: types.Type, *arguments: types.Type) -> None:
         super().__init__(returns(*arguments))
         self.title = title
         parameters = [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in names]
@@ -93,7 +93,7 @@ class Passed(types.FunctionType):
 _known: dict[str, Passed] = {}
 
 
-def function_type(title: str, names: Sequence[str], returns: types.Type, *arguments: types.Type) -> Passed:
+def function_type(title: str, names: Iterable[str], returns: types.Type, *arguments: types.Type) -> Passed:
     """Type of a function that is passed, whose arguments have these names."""
     key = types.FunctionType(returns(*arguments)).key
     return Passed(f"{title}_{sha256(key.encode()).hexdigest()[:16]}", names, returns, *arguments)
