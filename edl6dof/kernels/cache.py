@@ -2,7 +2,8 @@
 
 numba stamps a cache entry with the file of the compiled function only; when a helper in another file is
 edited, its callers keep running the old machine code (numba issues 1833 and 8851).  Here the name of a file
-contains a hash of the function's source and of those it imports, so that no entry is ever stale.
+contains a hash of the function's source and of those it imports, so that no entry is ever stale.  Files
+are sealed with a hash of their content, which Python's ``pickle`` reads past: a flipped bit is found.
 """
 
 from __future__ import annotations
@@ -47,6 +48,9 @@ _STARTED = time.time() - 0.1
 _PATIENCE_S = 20.0
 _IMPORT = re.compile(rb"^from edl6dof\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 _ADVICE = "(NUMBA_CACHE_DIR can name a better place)"
+
+#: Files that numba changed and that are to be sealed: folder and begin of their names.
+_changed: set[tuple[Path, str]] = set()
 
 #: Content of the plugins of this process by absolute path: the bytes that run.
 received: dict[str, bytes] = {}
@@ -164,9 +168,40 @@ def say_once(message: str) -> None:
 def drop() -> None:
     """Remove all machine code: a file of it is damaged."""
     if (place := folder()) is not None:
-        say_once(f"machine code in {place} is damaged; it is compiled again")
         for file in place.iterdir():
-            file.unlink(missing_ok=True)
+            _drop(file)
+
+
+def _drop(file: Path) -> None:
+    say_once(f"machine code in {file.parent} is damaged; it is compiled again")
+    file.unlink(missing_ok=True)
+
+
+def _is_sound(file: Path) -> bool:
+    """Whether a file has the content that was sealed; so has one without a seal, which ends as pickles do."""
+    try:
+        content = file.read_bytes()
+    except OSError:  # another process has removed it
+        return True
+    return content.endswith(b".") or content[-64:] == hash_of(content[:-64]).encode()
+
+
+def _seal(place: Path, name: str) -> None:
+    for file in place.glob(f"{name}*.nb[ci]"):
+        if (content := file.read_bytes()).endswith(b"."):
+            with file.open("ab") as to:
+                to.write(hash_of(content).encode())
+
+
+def compiled(call: Callable[..., Any], *given: Any, **named: Any) -> Any:
+    """Result of a call that may compile; where the code cannot be written, of another: it is in memory."""
+    try:
+        return call(*given, **named)
+    except OSError as error:  # no kernel raises it
+        say_once(f"machine code is not kept: {error.strerror}: {folder()} {_ADVICE}")
+        return call(*given, **named)
+    finally:
+        written()
 
 
 @cache
@@ -175,8 +210,11 @@ def _writing(place: Path) -> FileLock:
 
 
 def written() -> None:
-    """Let other processes write machine code again."""
+    """Seal what numba has written, and let other processes write machine code again."""
     if (place := folder()) is not None and (lock := _writing(place)).is_locked:
+        while _changed:
+            with suppress(OSError):  # the disk is full: without a seal
+                _seal(*_changed.pop())
         lock.release()
 
 
@@ -193,7 +231,14 @@ class Locator:
     def from_function(cls, function: Callable[..., Any], file: str) -> Locator | None:
         """The locator of a variant of a kernel; ``None`` where its code cannot be kept."""
         place = folder()
-        return None if place is None else cls(function, file, place)
+        return None if place is None else cls(function, file, place)._without_damage()
+
+    def _without_damage(self) -> Locator:
+        """Itself, once damaged files of its function are removed."""
+        for name in _left_behind(self._folder).get(self._name, ()):
+            if self._stamp in name and not _is_sound(self._folder / name):
+                _drop(self._folder / name)
+        return self
 
     def ensure_cache_path(self) -> None:
         """Keep other processes from writing until :func:`written`, since numba reads, changes and writes an
@@ -201,6 +246,7 @@ class Locator:
         """
         with suppress(Timeout):
             _writing(self._folder).acquire(timeout=_PATIENCE_S)
+        _changed.add((self._folder, f"{self._name}-{self._stamp}"))
         for name in _left_behind(self._folder).pop(self._name, ()):
             if self._stamp not in name:
                 (self._folder / name).unlink(missing_ok=True)

@@ -21,7 +21,7 @@ from numba import types
 from numba.experimental.function_type import FunctionModel, unbox_function_type
 from numba.extending import register_model, typeof_impl, unbox
 
-from edl6dof.kernels.cache import written
+from edl6dof.kernels.cache import compiled
 from edl6dof.kernels.jit import Kernel, kernel
 
 #: What a kernel returns that is passed as a function: nothing, or a number.
@@ -131,8 +131,7 @@ class Given(NamedTuple):
 
     def compile(self) -> None:
         """Compile the kernel."""
-        self.kernel.passed.compile(self.type.signature)
-        written()
+        compiled(self.kernel.passed.compile, self.type.signature)
 
 
 @typeof_impl.register(Given)

@@ -12,7 +12,7 @@ import numba
 from numba import types
 from numba.extending import models, register_model, typeof_impl
 
-from edl6dof.kernels.cache import SETTINGS, drop, in_own_folder, written
+from edl6dof.kernels.cache import SETTINGS, compiled, drop, in_own_folder
 
 
 class Kernel:
@@ -41,12 +41,10 @@ class Kernel:
     def __call__(self, *given: Any, **named: Any) -> Any:
         """Call the function from Python, compiled."""
         try:
-            return self.called(*given, **named)
+            return compiled(self.called, *given, **named)
         except (EOFError, UnpicklingError):  # no kernel raises them
             drop()
-            return self.called(*given, **named)
-        finally:
-            written()
+            return compiled(self.called, *given, **named)
 
     @cached_property
     def called(self) -> Any:
@@ -83,9 +81,7 @@ class _KernelType(types.Dispatcher):
     def get_call_type(self, context: Any, args: Sequence[types.Type], kws: dict[str, types.Type]) -> Any:
         """Signature of a call with arguments of these types."""
         named = {name: types.unliteral(kind) for name, kind in kws.items()}
-        found = super().get_call_type(context, tuple(map(types.unliteral, args)), named)
-        written()
-        return found
+        return compiled(super().get_call_type, context, tuple(map(types.unliteral, args)), named)
 
 
 register_model(_KernelType)(models.OpaqueModel)

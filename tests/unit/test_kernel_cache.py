@@ -133,12 +133,14 @@ def test_processes_that_compile_at_once_leave_sound_code(package):
 
 
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
-@pytest.mark.parametrize("keep", [0, 40])
-def test_damaged_code_is_compiled_again(package, kind, keep):
-    """A file that was cut short, as by a power failure, costs a line."""
+@pytest.mark.parametrize("damage", ["emptied", "cut short", "a bit flipped"])
+def test_damaged_code_is_compiled_again(package, kind, damage):
+    """As by a power failure or a failing disk; it costs a line."""
     call(package)
     (file,) = package.glob(f"cache/edl6dof/*/caller.area.called*.{kind}")
-    file.write_bytes(file.read_bytes()[:keep])
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes({"emptied": b"", "cut short": content[:40], "a bit flipped": content}[damage])
     ran = small_programs.run(
         CALL.format(root=str(package)), cwd=package, NUMBA_CACHE_DIR=str(package / "cache")
     )
@@ -155,6 +157,23 @@ def test_a_full_disk_costs_a_line_and_nothing_else(package):
     )  # fmt: skip
     assert ran.stdout.split()[0] == "6.0" and not list(package.rglob("*.nbc"))
     assert ran.stderr.startswith("edl6dof: no folder for machine code")
+
+
+def test_a_disk_that_fills_while_code_is_written_costs_a_line_and_nothing_else(package):
+    """By an index that is written to a full device, for each function and the one that calls it."""
+    full = (
+        "import os\n"
+        "def save(*given, **named):\n    raise OSError(28, 'No space left on device')\n"
+        "os.replace = save\nprint"
+    )
+    ran = small_programs.run(
+        CALL.replace("print", full).format(root=str(package)), cwd=package,
+        NUMBA_CACHE_DIR=str(package / "cache"),
+    )  # fmt: skip
+    assert (ran.returncode, ran.stdout.split()[0]) == (0, "6.0"), ran.stderr
+    (line,) = ran.stderr.splitlines()
+    assert line.startswith("edl6dof: machine code is not kept: No space left on device: ")
+    assert call(package) == (6.0, 0)
 
 
 def test_folders_that_nobody_used_for_thirty_days_go(package):
