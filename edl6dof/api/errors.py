@@ -1,4 +1,4 @@
-"""Errors in the words of the caller: arguments in Python, options on a command line."""
+"""Errors in the words of the caller: arguments in Python, options on a command line, extras not installed."""
 
 from __future__ import annotations
 
@@ -6,10 +6,24 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
+from importlib import import_module
 from os import PathLike, fspath
 from typing import Any
 
 from edl6dof.config.errors import ConfigError
+
+
+def library(name: str, caller: str, extra: str = "") -> Any:
+    """The module of a library, of the extra that is called as it is, or as ``extra`` says.
+
+    Raises:
+        ImportError: it is not installed; says what ``caller`` needs and how to get it.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise ImportError(f"{caller} needs {name}: pip install 'edl6dof[{extra or name}]'") from None
+
 
 #: Whether a command line asks, whose user has typed options.
 _OPTIONS = ContextVar("options", default=False)

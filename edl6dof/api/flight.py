@@ -17,9 +17,9 @@ from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.viewed import viewed_scenario
+from edl6dof.scenario.loading import viewed_scenario
 from edl6dof.sim import flight as sim
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import attitude_at

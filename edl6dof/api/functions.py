@@ -146,7 +146,7 @@ def report(
         ConfigError: there is nothing to report on, or a file must not be replaced.
     """
     from edl6dof.api.reports import write_report
-    from edl6dof.runs.needing import needing_channels
+    from edl6dof.runs.files import needing_channels
 
     folder = _folder_of(run)
     with needing_channels(folder):
@@ -195,7 +195,7 @@ def replay(
     if folders[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
         activate(folders[0])
     from edl6dof.api.replays import show_replay
-    from edl6dof.runs.needing import needing_channels
+    from edl6dof.runs.files import needing_channels
 
     page_file, picture, film = (None if path is None else Path(path) for path in (html, screenshot, video))
     with needing_channels(*folders):

@@ -1,17 +1,92 @@
-"""JSON schemas of scenario, vehicle and planet files."""
+"""JSON schemas of scenario, vehicle and planet files, for completion and checks in editors."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
+
+from pydantic import BaseModel
 
 from edl6dof.calibration.section import CalibrationFile
 from edl6dof.campaign.design.sections import CampaignFile
-from edl6dof.config.document.extends import EXTENDS
-from edl6dof.config.json_schema import json_schema
+from edl6dof.config.document.document import EXTENDS
+from edl6dof.config.document.scalars import BOOLEAN_WORDS
+from edl6dof.config.document.source import INCLUDES
+from edl6dof.config.units import split_unit
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
+
+DRAFT = "http://json-schema.org/draft-07/schema#"
+
+
+def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) -> dict[str, Any]:
+    """Schema of a scenario file; the include keys also accept the name of a file."""
+    schema = _draft7(model.model_json_schema())
+    for key, kind in includes.items():
+        if (own := schema.get("properties", {}).get(key)) is not None:
+            by_name = {"type": "string", "description": f"name or path of a file of {kind}"}
+            schema["properties"][key] = {"description": own.get("description", ""), "anyOf": [by_name, own]}
+    definitions = schema.get("$defs", {})
+    for part in (schema, *definitions.values()):
+        for name, field in part.get("properties", {}).items():
+            if item := _named_item(field, definitions):
+                definitions[item]["required"] = ["name"]
+                part["properties"][name] = {
+                    "description": field.get("description", ""),
+                    "anyOf": [field, _BY_NAME],
+                }
+    return {"$schema": DRAFT, "title": schema.pop("title", model.__name__), **schema}
+
+
+#: A file that extends another may change the items of a list by their names, and say no more of one than what
+#: changes; what a whole item lacks is told by ``edl6dof check``.
+_BY_NAME = {"type": "object", "description": "changes to items of what this file extends, by their names"}
+
+
+def _named_item(field: Mapping[str, Any], definitions: Mapping[str, Any]) -> str:
+    """Definition of the items of a property that is a list of things that have names; empty for any other."""
+    items = field.get("items")
+    item = items.get("$ref", "").rsplit("/", 1)[-1] if isinstance(items, dict) else ""
+    return item if "name" in definitions.get(item, {}).get("properties", {}) else ""
+
+
+def _draft7(node: Any) -> Any:
+    if isinstance(node, list):
+        return [_draft7(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    changed = {key: _draft7(value) for key, value in node.items()}
+    if isinstance(changed.get("prefixItems"), list):
+        changed["items"] = changed.pop("prefixItems")
+        changed["additionalItems"] = False
+    if isinstance(changed.get("enum"), list) and (otherwise := _read_otherwise(changed["enum"])):
+        changed["enum"] = [*changed["enum"], *otherwise]
+        changed.pop("type", None)
+    if isinstance(changed.get("properties"), dict):
+        changed["properties"] = {name: _described(name, item) for name, item in changed["properties"].items()}
+    return changed
+
+
+def _read_otherwise(words: list[Any]) -> list[bool]:
+    """Return the values that editors which read YAML 1.1 take some words for: ``off`` for false."""
+    return list({BOOLEAN_WORDS[word]: None for word in words if word in BOOLEAN_WORDS})
+
+
+#: Keywords of a declaration that no schema knows.
+_OWN_WORDS = ("record", "status", "source", "printed")
+
+
+def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
+    """A property with unit, status and source in the description, where an editor shows them, and without our
+    own keywords.
+    """
+    plain = {key: value for key, value in field.items() if key not in _OWN_WORDS}
+    unit = split_unit(name)[1].label
+    claim = ", ".join(part for part in (field.get("status"), field.get("source")) if part)
+    words = [field.get("description", ""), f"[{unit}]" if unit else "", f"({claim})" if claim else ""]
+    description = " ".join(word for word in words if word)
+    return {**plain, "description": description} if description else plain
 
 
 def scenario_schema() -> dict[str, Any]:

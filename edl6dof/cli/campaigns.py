@@ -16,7 +16,7 @@ import typer
 
 from edl6dof.api.functions import activate
 from edl6dof.cli.exit_status import INTERRUPTED
-from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.cli.group import Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 #: Forms of the files of ``covariance``.

@@ -17,7 +17,7 @@ from edl6dof.campaign.rows import Row
 from edl6dof.campaign.storage.store import Store
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.base import stated
-from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted
 
 #: A matrix of more moments or components is left to the report, and so are more lines of one kind.

@@ -10,7 +10,7 @@ import typer
 
 from edl6dof.api import functions
 from edl6dof.cli.exit_status import UNAVAILABLE, refusing_damage
-from edl6dof.cli.options import argument, flag, option
+from edl6dof.cli.group import argument, flag, option
 from edl6dof.config.errors import refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
@@ -120,7 +120,7 @@ def plot(
     force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
 ) -> int:
     """Plot channels of a run; those of one unit share a panel."""
-    from edl6dof.cli.channel_plots import list_channels, write_plot
+    from edl6dof.cli.result_views import list_channels, write_plot
 
     with refusing_damage(run):
         if not channels:
@@ -144,7 +144,7 @@ def compare(
     shows one flight over the other. Two campaigns of the same dispersions are compared in pairs: success, and
     every figure that differs clearly.
     """
-    from edl6dof.cli.comparison import compare_campaigns, compare_flights
+    from edl6dof.cli.result_views import compare_campaigns, compare_flights
 
     with refusing_damage(first, second):
         campaigns = [(folder / "campaign.json").is_file() for folder in (first, second)]

@@ -12,7 +12,7 @@ from typing import Annotated
 
 from edl6dof.api.functions import activate
 from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.cli.group import Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 

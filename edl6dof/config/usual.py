@@ -2,7 +2,7 @@
 
 A declaration gives the usual range and its reason (``param(..., usual=(low, high, reason))``).  Without one,
 values up to ten times larger or smaller than the default are usual.  Parameters without either (directions,
-places, angles, times of a plan) have no usual range; :mod:`edl6dof.scenario.plausible` relates some of them
+places, angles, times of a plan) have no usual range; :mod:`edl6dof.scenario.loaded` relates some of them
 to the size of the vehicle.
 """
 

@@ -15,8 +15,8 @@ from edl6dof.export.nesc import check_case_table, write_table
 from edl6dof.export.tables import Description, write_csv, write_mat, write_netcdf
 from edl6dof.runs.files import atomic_file
 from edl6dof.runs.run import Run
+from edl6dof.scenario.loading import viewed_scenario
 from edl6dof.scenario.records import build_case, build_tables
-from edl6dof.scenario.viewed import viewed_scenario
 
 #: Forms that can be written, and the file each goes to inside the run folder.
 FILES = {

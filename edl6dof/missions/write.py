@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from edl6dof import __version__
 from edl6dof.campaign.rows import Row, table_of
-from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.dump import json_text
 from edl6dof.missions.comparison import WITHIN, Compared, Predicted, inside, reached_goal
 from edl6dof.missions.words import HEADS, causes, cells, failures, heading, outcome
 from edl6dof.report.figure import BLUE, PHASES, SKY, VERMILION, Axis, Band, Figure, Mark, Panel, Trace

@@ -15,7 +15,7 @@ from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.manifest import Manifest
-from edl6dof.runs.contents import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
+from edl6dof.runs.run_files import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times

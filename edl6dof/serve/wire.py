@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.api.optional import library
+from edl6dof.api.errors import library
 
 #: Bytes of a message; the largest saved state fits.
 LARGEST = 16 * 1024 * 1024

@@ -16,7 +16,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof.campaign.rows import Collect, Row, table_of
-from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.dump import json_text
 from edl6dof.config.units import split_unit
 
 

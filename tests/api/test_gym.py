@@ -16,8 +16,8 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import edl6dof.gym as gym  # noqa: E402
-from edl6dof.gym.starts import StartPool  # noqa: E402
-from edl6dof.gym.tasks import task_called  # noqa: E402
+from edl6dof.gym.environments import task_called  # noqa: E402
+from edl6dof.gym.episodes import StartPool  # noqa: E402
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,7 @@ from edl6dof.manifest import seal
 from edl6dof.replay import viewer
 from edl6dof.replay.program import NoViewer
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 
 
 @pytest.fixture(scope="module")

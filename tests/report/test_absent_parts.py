@@ -12,7 +12,7 @@ from edl6dof.report.document import Listing, Report, Table, Text
 from edl6dof.report.figure import Figure
 from edl6dof.report.flight.build import flight_report
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 
 #: What a body without parts, flight software or limits has none of.
 PARTS = re.compile(

@@ -13,7 +13,7 @@ from edl6dof.report.flight import hazards
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.panels import CELLS
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 from edl6dof.telemetry.landing_map import CELL_CLASSES
 
 

@@ -15,7 +15,7 @@ from edl6dof.report.flight import navigation, parts
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.panels import STATES
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 from edl6dof.telemetry.channels import CHANNELS
 from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 

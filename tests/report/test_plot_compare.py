@@ -18,7 +18,7 @@ import pytest
 from PIL import Image, ImageChops
 
 from edl6dof.api import reports
-from edl6dof.cli.comparison import MOST
+from edl6dof.cli.result_views import MOST
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.report.channels import channel_plot, chosen

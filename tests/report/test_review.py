@@ -19,7 +19,7 @@ from edl6dof.report.flight.build import flight_report
 from edl6dof.report.plotly_figure import plotly_figure
 from edl6dof.report.zones import aimed_rate, firing_error
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 
 
 @pytest.fixture(scope="module")

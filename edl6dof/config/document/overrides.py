@@ -12,7 +12,7 @@ from pydantic_core import PydanticUndefined, to_jsonable_python
 from edl6dof.config.base import Params
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import INCLUDES, Mark, include
-from edl6dof.config.document.yamltree import REPLACE, Path, parse_yaml
+from edl6dof.config.document.yamltree import REPLACE, Keys, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, root_slot
 from edl6dof.config.wording import got, nearest, unknown_key
@@ -138,14 +138,14 @@ def _set(
 
 def _reach(
     document: Document, parts: list[str], mark: Mark, model: type[BaseModel]
-) -> tuple[Any, Slot, Path]:
+) -> tuple[Any, Slot, Keys]:
     """Container that holds the value at a path, its place in the model, and the path as keys and indices.
 
     Containers on the way that the file leaves out are filled with their defaults.
     """
     node: Any = document.data
     slot = root_slot(model)
-    path: Path = ()
+    path: Keys = ()
     for part in parts[:-1]:
         key, slot = _step(node, slot, part)
         path = (*path, key)
@@ -157,7 +157,7 @@ def _reach(
     return node, slot, (*path, key)
 
 
-def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> Path:
+def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> Keys:
     """Keys and indices of a dotted path, after writing into ``document`` the containers on the way that it
     leaves out.
 
@@ -235,7 +235,7 @@ def _decided(slot: Slot, key: str) -> set[str]:
     return {name for model in slot.models if issubclass(model, Params) for name in model.decided_by(key)}
 
 
-def _forget(document: Document, path: Path) -> None:
+def _forget(document: Document, path: Keys) -> None:
     """Drop the provenance of a value, and of a list of numbers it is part of: it no longer holds what its
     source says.
     """

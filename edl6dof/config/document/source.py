@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from edl6dof.config.document.document import Document
-from edl6dof.config.document.extends import EXTENDS, lay_over, refuse_replacing
+from edl6dof.config.document.document import EXTENDS, Document, lay_over, refuse_replacing
 from edl6dof.config.document.locate import (
     find_include,
     find_shipped,

@@ -16,7 +16,7 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.document.scalars import read_scalar
 from edl6dof.config.errors import ConfigError, Problem
 
-Path = tuple[str | int, ...]
+Keys = tuple[str | int, ...]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 40
@@ -45,13 +45,13 @@ class Tree:
     """
 
     data: Any = None
-    marks: dict[Path, Mark] = field(default_factory=dict)
-    replacing: set[Path] = field(default_factory=set)
+    marks: dict[Keys, Mark] = field(default_factory=dict)
+    replacing: set[Keys] = field(default_factory=set)
     status: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
 
 
-def dotted(path: Path) -> str:
+def dotted(path: Keys) -> str:
     """``("thrusters", 2, "thrust_n")`` as ``thrusters.2.thrust_n``."""
     return ".".join(str(part) for part in path)
 
@@ -108,8 +108,8 @@ class _Builder:
         self.events = yaml.parse(text, Loader=LOADER)
         # line -> column behind the last token: a comment can only follow there
         self.ends: dict[int, int] = {}
-        self.claim_lines: dict[Path, tuple[int, ...]] = {}
-        self.plain: dict[Path, bool] = {}  # whether a value holds no mapping: only such values carry a status
+        self.claim_lines: dict[Keys, tuple[int, ...]] = {}
+        self.plain: dict[Keys, bool] = {}  # whether a value holds no mapping: only such values carry a status
         self.problems: list[Problem] = []
         self.tree = Tree(marks={(): Mark(file, 1, 1)})
 
@@ -129,11 +129,11 @@ class _Builder:
             self.ends[end.line] = max(end.column, self.ends.get(end.line, 0))
         return event
 
-    def _problem(self, event: yaml.Event, path: Path, message: str) -> None:
+    def _problem(self, event: yaml.Event, path: Keys, message: str) -> None:
         mark = event.start_mark
         self.problems.append(Problem(self.file, mark.line + 1, mark.column + 1, dotted(path), message))
 
-    def _value(self, path: Path, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
+    def _value(self, path: Keys, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
         """Value that begins with ``event``; ``key_lines`` is the line of its key, where a mark may stand."""
         if len(path) > DEEPEST:
             self._problem(event, path[:4], f"nested more than {DEEPEST} levels deep")
@@ -152,7 +152,7 @@ class _Builder:
             return self._sequence(path, flow, key_lines)
         return self._scalar(path, event)
 
-    def _tag(self, path: Path, event: yaml.Event) -> None:
+    def _tag(self, path: Keys, event: yaml.Event) -> None:
         if event.tag != REPLACE:
             self._problem(
                 event, path, f"tags ({event.tag}) are not supported, except {REPLACE} before a list"
@@ -162,7 +162,7 @@ class _Builder:
         else:
             self.tree.replacing.add(path)
 
-    def _scalar(self, path: Path, event: yaml.ScalarEvent) -> Any:
+    def _scalar(self, path: Keys, event: yaml.ScalarEvent) -> Any:
         if _SURROGATE.search(event.value):
             self._problem(event, path, "half of a surrogate pair is not text")
         if not event.implicit[0]:
@@ -174,7 +174,7 @@ class _Builder:
             self._problem(event, path, f"{error} (got {shown})")
             return None
 
-    def _sequence(self, path: Path, flow: bool, key_lines: tuple[int, ...]) -> list[Any]:
+    def _sequence(self, path: Keys, flow: bool, key_lines: tuple[int, ...]) -> list[Any]:
         items: list[Any] = []
         while not isinstance(event := self._take(), yaml.SequenceEndEvent):
             item_path = (*path, len(items))
@@ -187,7 +187,7 @@ class _Builder:
             self.claim_lines[path] = (event.end_mark.line, *key_lines)
         return items
 
-    def _mapping(self, path: Path, flow: bool, key_lines: tuple[int, ...]) -> dict[str, Any]:
+    def _mapping(self, path: Keys, flow: bool, key_lines: tuple[int, ...]) -> dict[str, Any]:
         self.plain[path] = False
         items: dict[str, Any] = {}
         while not isinstance(event := self._take(), yaml.MappingEndEvent):
@@ -211,7 +211,7 @@ class _Builder:
         """Give every value the mark of its own line, of its key's line, or of the nearest parent that has
         one.
         """
-        found: dict[Path, tuple[str, str] | None] = {}
+        found: dict[Keys, tuple[str, str] | None] = {}
         for path, lines in self.claim_lines.items():
             own = next((claim for line in lines if (claim := self._claim(line))), None)
             found[path] = claim = own or found.get(path[:-1])

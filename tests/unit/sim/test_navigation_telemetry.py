@@ -14,7 +14,7 @@ from edl6dof.metrics.forms import Flown
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.telemetry.channels import TICK
 from edl6dof.telemetry.columns import Telemetry, describe
-from edl6dof.telemetry.navigation import (
+from edl6dof.telemetry.sample import (
     farthest,
     mask,
     record_claims,
