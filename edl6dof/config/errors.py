@@ -76,10 +76,9 @@ class UnknownName(KeyError):
         self.kind, self.name, self._known = kind, name, known
 
     def __str__(self) -> str:
-        from edl6dof.config.wording import nearest  # which loads pydantic
+        from edl6dof.config.wording import did_you_mean  # which loads pydantic
 
-        near = nearest(str(self.name), self._known)
-        return f"no {self.kind} {self.name!r}" + (f"; did you mean {near!r}?" if near else "")
+        return f"no {self.kind} {self.name!r}{did_you_mean(str(self.name), self._known)}"
 
 
 class Named(dict[str, Value]):

@@ -16,7 +16,7 @@ from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
-from edl6dof.config.wording import expected, got, in_bounds, in_length, nearest, unknown_key
+from edl6dof.config.wording import did_you_mean, expected, got, in_bounds, in_length, unknown_key
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -162,9 +162,8 @@ def _wrong_name(slot: Slot, context: dict[str, Any], value: Any) -> str:
         names = _tags(slot, _tag_key(context))
     else:
         names = [str(name) for name in literal_names(slot)]
-    near = nearest(value, names) if isinstance(value, str) else None
-    hint = f"unknown name; did you mean {near!r}?" if near else "unknown name"
-    return f"{hint} (got {got(value)}; allowed {', '.join(names)})"
+    hint = did_you_mean(value, names) if isinstance(value, str) else ""
+    return f"unknown name{hint} (got {got(value)}; allowed {', '.join(names)})"
 
 
 def _tag_key(context: dict[str, Any]) -> str:

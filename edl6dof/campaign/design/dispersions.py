@@ -15,7 +15,7 @@ from edl6dof.campaign.design.distributions.base import DistributionParams, devia
 from edl6dof.campaign.design.sections import CampaignParams, Correlated
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
-from edl6dof.config.document.overrides import make_room
+from edl6dof.config.document.overrides import ensure_path
 from edl6dof.config.document.yamltree import Keys
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, bounds, root_slot
@@ -83,7 +83,7 @@ class Locator:
             if of == "truth" and (words := truth_problem(path)):
                 raise ValueError(words)
             for found in _expanded(model, path):
-                keys = make_room(self._template, found, Scenario)
+                keys = ensure_path(self._template, found, Scenario)
                 yield Target(of, found, value_at(model, found), _slot(keys), place)
         except (ValueError, AttributeError, LookupError) as error:
             self.refuse(place, str(error))

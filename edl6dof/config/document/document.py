@@ -48,6 +48,10 @@ class Document:
         """A problem of the value at ``path``, shown at the place of ``at`` (by default the same)."""
         return Problem(*self.mark(path if at is None else at), dotted(path), message)
 
+    def error(self, path: Keys, message: str) -> ConfigError:
+        """The error of the value at ``path``."""
+        return ConfigError([self.problem(path, message)])
+
     def forget(self, path: Keys) -> None:
         """Drop places and provenance of a value that is being replaced, and of everything inside it."""
         self.marks = {known: mark for known, mark in self.marks.items() if known[: len(path)] != path}
@@ -105,15 +109,23 @@ def _merge(base: Document, top: Document, path: Keys, above_path: Keys, unused: 
     if isinstance(above, list):
         _require_single_names(top, above_path, above)
     for key, value in enumerate(above) if isinstance(above, list) else above.items():
-        place = (*path, _place(below, value["name"] if isinstance(above, list) else key))
-        source, present = (*above_path, key), _inside(below, place[-1])
+        where = value["name"] if isinstance(above, list) else key
+        if isinstance(below, list):
+            where = _named(below).get(where, len(below))
+            present = below[where] if where < len(below) else None
+        else:
+            present = below.get(where)
+        place, source = (*path, where), (*above_path, key)
         if source not in top.replacing and _takes(present, value):
             _merge(base, top, place, source, unused)
             continue
         if isinstance(present, list):
             unused.discard(source)
         base.forget(place)
-        _put(below, place[-1], value)
+        if isinstance(below, list):
+            below[where : where + 1] = [value]
+        else:
+            below[where] = value
         _copy_claims(base, top, place, source)
 
 
@@ -153,39 +165,15 @@ def _named(items: list[Any]) -> dict[Any, int]:
     return {item["name"]: k for k, item in enumerate(items) if _has_name(item)}
 
 
-def _place(below: Any, key: Any) -> Any:
-    """Key or index at which ``below`` has what is called ``key``; of a new item, that behind the last."""
-    return _named(below).get(key, len(below)) if isinstance(below, list) else key
-
-
-def _inside(below: Any, place: Any) -> Any:
-    if isinstance(below, list):
-        return below[place] if place < len(below) else None
-    return below.get(place)
-
-
-def _put(below: Any, place: Any, value: Any) -> None:
-    if isinstance(below, list) and place == len(below):
-        below.append(value)
-    else:
-        below[place] = value
-
-
 def _copy_claims(base: Document, top: Document, path: Keys, above_path: Keys) -> None:
     """Places and provenance of a value that was taken over."""
-    depth = len(above_path)
-    base.marks.update(
-        {(*path, *known[depth:]): mark for known, mark in top.marks.items() if known[:depth] == above_path}
-    )
-    inside = dotted(above_path) + "."
+    depth, inside = len(above_path), dotted(above_path) + "."
+    inner = {known: mark for known, mark in top.marks.items() if known[:depth] == above_path}
+    base.marks |= {(*path, *known[depth:]): mark for known, mark in inner.items()}
     for mine, theirs in ((base.status, top.status), (base.sources, top.sources)):
-        mine.update(
-            {
-                f"{dotted(path)}.{known[len(inside) :]}".rstrip("."): claim
-                for known, claim in theirs.items()
-                if f"{known}.".startswith(inside)
-            }
-        )
+        for known, claim in theirs.items():
+            if f"{known}.".startswith(inside):
+                mine[f"{dotted(path)}.{known[len(inside) :]}".rstrip(".")] = claim
 
 
 def _value_at(data: Any, path: Keys) -> Any:

@@ -129,7 +129,6 @@ def test_reading_a_configuration_does_not_import_numpy():
             "document.overrides",
             "validate",
             "parameter_table",
-            "json_schema",
             "dump",
         )
     )
