@@ -38,7 +38,7 @@ ENGINES, MOST_WORKERS = ("threads", "dask"), 1024
 Progress = Callable[[int, int], None]
 
 #: Makes what is called with the standing of a campaign of so many cases.
-Watch = Callable[[int], AbstractContextManager[run.Report | None]]
+Watch = Callable[[int], AbstractContextManager[run.Report]]
 
 
 @dataclass(frozen=True, repr=False)
@@ -174,7 +174,7 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """An engine, one of :data:`ENGINES`; how many workers, and the address of a scheduler."""
+    """An engine, one of :data:`ENGINES`, its number of workers, and the address of a Dask scheduler."""
 
     name: str = "threads"
     workers: int | None = None
@@ -206,11 +206,6 @@ class EngineChoice:
             raise refusal("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
 
 
-def unwatched(total: int) -> AbstractContextManager[None]:
-    """Tell nobody."""
-    return nullcontext()
-
-
 def check_until(until: str | None, plan: Plan | None = None) -> None:
     """See that a campaign can stop early so.
 
@@ -233,7 +228,7 @@ def fly_new(
     engine: EngineChoice,
     until: str | None = None,
     force: bool = False,
-    watch: Watch = unwatched,
+    watch: Watch | None = None,
 ) -> None:
     """Fly a plan from its first case.
 
@@ -248,7 +243,7 @@ def fly_new(
             _fly(plan, store, started, watch)
 
 
-def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
+def go_on(store: Store, engine: EngineChoice, watch: Watch | None = None) -> Plan:
     """Fly what is missing of the plan of a folder; returns the plan.
 
     Raises:
@@ -264,15 +259,15 @@ def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
         return plan
 
 
-def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch) -> None:
-    with watch(plan.count) as report:
+def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch | None) -> None:
+    with nullcontext() if watch is None else watch(plan.count) as report:
         if not is_compiled():  # before anything flies in parallel: two processes would do the work twice
             CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
         run.fly(plan, store, engine, report)
 
 
 def open_campaign(folder: Path) -> CampaignResult:
-    """Return the result of a complete campaign, from its folder.
+    """Read the result of a complete campaign from its folder.
 
     Raises:
         ConfigError: the folder holds none, or it is not complete, or damaged.
@@ -304,13 +299,7 @@ def flown(
         return CampaignResult(store.summary, store.table(), store.folder if out is not None else None, plan)
 
 
-def _watch(progress: Progress | None) -> Watch:
+def _watch(progress: Progress | None) -> Watch | None:
     if progress is None:
-        return unwatched
-    called = progress
-
-    @contextmanager
-    def watch(total: int) -> Iterator[run.Report]:
-        yield lambda tally: called(tally.flown, total)
-
-    return watch
+        return None
+    return lambda total: nullcontext(lambda tally: progress(tally.flown, total))

@@ -1,13 +1,10 @@
-"""A matrix of faults from the lists that somebody writes: what is to fail, and when."""
+"""A matrix of faults from the lists that a user writes: what fails, and when."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
-
-import numpy as np
+from collections.abc import Iterable, Sequence
 
 from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
 from edl6dof.campaign.fault_kinds import (
@@ -19,7 +16,7 @@ from edl6dof.campaign.fault_kinds import (
     usual_phases_of,
 )
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import did_you_mean
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
@@ -35,7 +32,7 @@ _MOST = 2000
 #: Events that no mission names.
 _ALWAYS = ("bank_reversal", "trim_wing_open", "line_stretch", "touchdown")
 
-#: What a part of ``at`` asks for: times, an interval, or the name of an event.
+#: A part of ``at``: a time, an interval, or the name of an event.
 _Wanted = float | tuple[float] | str
 
 
@@ -68,7 +65,7 @@ def matrix_of(
         at: moments instead: ``60,129.5``, ``every 10 s``, ``bank_reversal,mortar``, or several of these.
 
     Raises:
-        ConfigError: everything that is wrong with what is wanted.
+        ConfigError: everything that is wrong with the request.
     """
     choice = _Choice(loaded, sensors, 2 if pairs else 1)
     failing = choice.failing(kinds, components)
@@ -83,7 +80,7 @@ def matrix_of(
 
 
 class _Choice:
-    """Looks up what is wanted in a scenario, and collects what is wrong with it."""
+    """Looks up a request in a scenario, and collects what is wrong with it."""
 
     def __init__(self, loaded: LoadedScenario, sensors: bool, together: int):
         self.loaded, self.scenario = loaded, loaded.scenario
@@ -92,13 +89,13 @@ class _Choice:
 
     def failing(self, kinds: str, components: str) -> list[tuple[str, Component, list[str]]]:
         """Kinds of fault, each with a kind of component and the names of those that fail so."""
-        there = {kind: may_fail(self.scenario, kind) for kind in self._kinds(kinds)}
+        possible = {kind: may_fail(self.scenario, kind) for kind in self._kinds(kinds)}
         every = dict.fromkeys(
-            name for of_kind in there.values() for names in of_kind.values() for name in names
+            name for of_kind in possible.values() for names in of_kind.values() for name in names
         )
         only = self._listed("--components", components, list(every)) or list(every)
         found = []
-        for kind, of_kind in there.items():
+        for kind, of_kind in possible.items():
             chosen = {what: [one for one in names if one in only] for what, names in of_kind.items()}
             enough = [(kind, what, names) for what, names in chosen.items() if len(names) >= self.together]
             if not enough and (not self.sensors or kinds not in ("", "all")):
@@ -110,9 +107,9 @@ class _Choice:
 
     def _nothing(self, components: Sequence[str]) -> str:
         what = " or ".join(components).replace("_", " ")
-        return f"there are not two of {what} to fail together" * (self.together - 1) or (
-            f"there is no {what} that could fail"
-        )
+        if self.together == 2:
+            return f"there are not two of {what} to fail together"
+        return f"there is no {what} that could fail"
 
     def _kinds(self, kinds: str) -> list[str]:
         if not self.sensors:
@@ -131,7 +128,7 @@ class _Choice:
     def moments(
         self, kinds: Sequence[str], phases: str, after_s: float | None, at: str | None
     ) -> dict[str, list[FaultMoment]]:
-        """When what fails by each kind of fault does."""
+        """Moments of the faults of each kind."""
         if at is None:
             return self._in_phases(kinds, phases, AFTER_S if after_s is None else after_s)
         if phases or after_s is not None:
@@ -162,8 +159,7 @@ class _Choice:
         names = [name.strip() for name in text.split(",") if name.strip()]
         for name in names:
             if name not in allowed:
-                near = nearest(name, list(allowed))
-                hint = f"; did you mean {near!r}?" if near else ""
+                hint = did_you_mean(name, allowed)
                 self._refuse(option, f"no {name!r}{hint} (there are: {', '.join(allowed) or 'none'})")
         return [name for name in allowed if name in names]
 
@@ -173,95 +169,61 @@ class _Choice:
 
 def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
     """The moments that ``--at`` names, in the order of time; of events and intervals those of the nominal
-    flight, which is flown for it.
+    flight, which is flown for it.  Several events of one name are numbered.
 
     Raises:
         ConfigError: every part of the text that is none.
     """
-    wanted, problems = _parsed(text, loaded.scenario)
-    if problems:
-        raise ConfigError(problems)
-    if all(isinstance(one, float) for one in wanted):
-        found = {_seconds(one): one for one in wanted if isinstance(one, float)}
-    else:
-        found = _of_flight(wanted, fly(loaded).events)
+    wanted = _parsed(text, loaded.scenario)
+    events = [] if all(isinstance(one, float) for one in wanted) else fly(loaded).events
+    found: dict[str, float] = {}
+    missing = []
+    for one in wanted:
+        if isinstance(one, float):
+            found[f"{one:g} s"] = one
+        elif isinstance(one, tuple):
+            end = next((event["t_s"] for event in events if event["key"] == "touchdown"), events[-1]["t_s"])
+            times = [round(k * one[0], 9) for k in range(math.ceil(end / one[0]))]  # no rounding of a sum
+            found |= {f"{t:g} s": t for t in times}
+        else:
+            times = [event["t_s"] for event in events if one in (event["key"], event.get("milestone"))]
+            numbers = [""] if len(times) == 1 else [f" {k}" for k in range(1, len(times) + 1)]
+            found |= {one + number: t for number, t in zip(numbers, times, strict=False)}
+            if not times:
+                missing.append(Problem("--at", 0, 0, "", f"there is no {one} in the nominal flight"))
+    if missing:
+        raise ConfigError(missing)
     return [
         FaultMoment.model_validate({"name": name, "at": {"time_s": time}})
         for name, time in sorted(found.items(), key=lambda item: item[1])
     ]
 
 
-def _parsed(text: str, scenario: Scenario) -> tuple[list[_Wanted], list[Problem]]:
-    allowed = event_names(scenario)
+def _parsed(text: str, scenario: Scenario) -> list[_Wanted]:
+    allowed, shortest = event_names(scenario), scenario.simulation.time_limit_s / _MOST
     wanted: list[_Wanted] = []
-    problems: list[Problem] = []
+    refused = []
     for part in filter(None, (part.strip() for part in text.split(","))):
         if match := _TIME.fullmatch(part):
             wanted.append(float(match[1]))
-        elif (match := _EVERY.fullmatch(part)) and float(
-            match[1]
-        ) >= scenario.simulation.time_limit_s / _MOST:
+        elif match := _EVERY.fullmatch(part):
             wanted.append((float(match[1]),))
-        elif match:
-            least = scenario.simulation.time_limit_s / _MOST
-            problems.append(_problem(f"{part!r}: the interval must be at least {least:g} s"))
+            if float(match[1]) < shortest:
+                refused.append(f"{part!r}: the interval must be at least {shortest:g} s")
         elif part in allowed:
             wanted.append(part)
         else:
-            problems.append(_problem(_not_known(part, allowed)))
-    if not wanted and not problems:
-        problems.append(
-            _problem(f"names no moment; such as 60,129.5 or 'every 10 s' or {', '.join(allowed)}")
-        )
-    return wanted, problems
+            events = f"(a time in s, 'every 10 s', or an event: {', '.join(allowed)})"
+            refused.append(f"no {part!r}{did_you_mean(part, allowed)} {events}")
+    if not wanted and not refused:
+        refused.append(f"names no moment; such as 60,129.5 or 'every 10 s' or {', '.join(allowed)}")
+    if refused:
+        raise ConfigError(Problem("--at", 0, 0, "", words) for words in refused)
+    return wanted
 
 
 def event_names(scenario: Scenario) -> list[str]:
     """Names of the events of a flight, their own and those of milestones, in the order of the mission."""
-    mission = scenario.mission
-    own = [name for event in mission.events.values()
-           for name in (event.name, milestone(event, scenario.vehicle))]  # fmt: skip
+    events = scenario.mission.events.values()
+    own = (name for event in events for name in (event.name, milestone(event, scenario.vehicle)))
     return [name for name in dict.fromkeys((*own, *_ALWAYS)) if name != NO_MILESTONE]
-
-
-def _of_flight(wanted: Sequence[_Wanted], events: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Time (s) of each moment by its name; of several events of one name each has its number."""
-    end = next((event["t_s"] for event in events if event["key"] == "touchdown"), events[-1]["t_s"])
-    found: dict[str, float] = {}
-    problems: list[Problem] = []
-    for one in wanted:
-        if isinstance(one, float):
-            found[_seconds(one)] = one
-        elif isinstance(one, tuple):
-            found.update((_seconds(t), t) for t in _every(one[0], end))
-        elif times := _times_of(one, events):
-            numbers = [f" {k}" for k in range(1, len(times) + 1)] if len(times) > 1 else [""]
-            found.update((one + number, t) for number, t in zip(numbers, times, strict=True))
-        else:
-            problems.append(_problem(f"there is no {one} in the nominal flight"))
-    if problems:
-        raise ConfigError(problems)
-    return found
-
-
-def _times_of(name: str, events: Iterable[Mapping[str, Any]]) -> list[float]:
-    return [event["t_s"] for event in events if event["key"] == name or event.get("milestone") == name]
-
-
-def _every(step: float, end: float) -> list[float]:
-    """Multiples of a step from 0 to the end of a flight, without the rounding of a sum."""
-    return [round(k * step, 9) for k in range(int(np.ceil(end / step)))]
-
-
-def _seconds(time: float) -> str:
-    return f"{time:g} s"
-
-
-def _not_known(part: str, allowed: Sequence[str]) -> str:
-    near = nearest(part, allowed)
-    hint = f"; did you mean {near!r}?" if near else ""
-    return f"no {part!r}{hint} (a time in s, 'every 10 s', or an event: {', '.join(allowed)})"
-
-
-def _problem(words: str) -> Problem:
-    return Problem("--at", 0, 0, "", words)

@@ -194,25 +194,13 @@ def replay(
     folders = [_folder_of(run) for run in runs]
     if folders[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
         activate(folders[0])
-    from edl6dof.api.replays import show_replay
+    from edl6dof.api.replays import Film, show_replay
     from edl6dof.runs.files import needing_channels
 
-    page_file, picture, film = (None if path is None else Path(path) for path in (html, screenshot, video))
+    html, screenshot, video = (None if path is None else Path(path) for path in (html, screenshot, video))
+    film = Film(video, start_s, end_s, length_s, fps)
     with needing_channels(*folders):
-        return show_replay(
-            folders,
-            web=web,
-            html=page_file,
-            screenshot=picture,
-            at_s=at_s,
-            page=page,
-            video=film,
-            start_s=start_s,
-            end_s=end_s,
-            length_s=length_s,
-            fps=fps,
-            force=force,
-        )
+        return show_replay(folders, film, web, html, screenshot, at_s, page, force)
 
 
 def _folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:
@@ -431,11 +419,10 @@ def verify(*cases: str) -> list[Report]:
     Raises:
         ValueError: there is no such case.
     """
-    from edl6dof.config.wording import nearest
+    from edl6dof.config.wording import did_you_mean
     from edl6dof.verify.check import CASES, run_case
 
     for name in cases:
         if name not in CASES:
-            near = nearest(name, CASES)
-            raise ValueError(f"no check case {name!r}" + (f"; did you mean {near!r}?" if near else ""))
+            raise ValueError(f"no check case {name!r}{did_you_mean(name, CASES)}")
     return [run_case(name) for name in cases or CASES]

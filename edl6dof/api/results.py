@@ -193,24 +193,16 @@ def flight_html(flight: FlightResults) -> str:
         f"at t = {flight.time_s:.1f} s</p>"
     )
     formats = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
-    timeline = html_table(
-        ("t (s)", "event", "height (m)", "speed (m/s)", "Mach"),
-        (
-            (
-                f"{event['t_s']:.2f}",
-                str(event["name"]),
-                *(_number(event[key], form) for key, form in formats.items()),
-            )
-            for event in flight.events
-        ),
-    )
-    limits = html_table(
-        ("limit", "unit", "this flight", "allowed", ""),
-        (
-            (one.label, one.unit, *aligned_pair(one.value, one.limit, one.ok), LIMIT_STATUS[one.ok])
-            for one in flight.checks
-        ),
-    )
+    events = [
+        (f"{event['t_s']:.2f}", str(event["name"]), *(_number(event[key], formats[key]) for key in formats))
+        for event in flight.events
+    ]
+    checks = [
+        (one.label, one.unit, *aligned_pair(one.value, one.limit, one.ok), LIMIT_STATUS[one.ok])
+        for one in flight.checks
+    ]
+    timeline = html_table(("t (s)", "event", "height (m)", "speed (m/s)", "Mach"), events)
+    limits = html_table(("limit", "unit", "this flight", "allowed", ""), checks)
     return f"<div>{head}{_picture(flight)}<div>{timeline}</div><div>{limits}</div></div>"
 
 

@@ -60,17 +60,15 @@ def _draft7(node: Any) -> Any:
     if isinstance(changed.get("prefixItems"), list):
         changed["items"] = changed.pop("prefixItems")
         changed["additionalItems"] = False
-    if isinstance(changed.get("enum"), list) and (otherwise := _read_otherwise(changed["enum"])):
-        changed["enum"] = [*changed["enum"], *otherwise]
+    words = changed.get("enum", ())
+    # editors that read YAML 1.1 take some words for truth values: ``off`` for false
+    truths = [BOOLEAN_WORDS[one] for one in words if one in BOOLEAN_WORDS] if isinstance(words, list) else []
+    if truths:
+        changed["enum"] = [*words, *dict.fromkeys(truths)]
         changed.pop("type", None)
     if isinstance(changed.get("properties"), dict):
         changed["properties"] = {name: _described(name, item) for name, item in changed["properties"].items()}
     return changed
-
-
-def _read_otherwise(words: list[Any]) -> list[bool]:
-    """Return the values that editors which read YAML 1.1 take some words for: ``off`` for false."""
-    return list({BOOLEAN_WORDS[word]: None for word in words if word in BOOLEAN_WORDS})
 
 
 #: Keywords of a declaration that no schema knows.

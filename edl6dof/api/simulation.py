@@ -57,8 +57,9 @@ class Starts:
         if isinstance(campaign := document.data.get(CAMPAIGN_SECTIONS[0]), dict):
             if faults:
                 campaign["faults"] = [{"chance": 1.0, "one_of": [dict(fault) for fault in faults]}]
-            self._plan = _endless(plan_of(document, texts(overrides), cases=1, sampling="monte_carlo"))
-            self.loaded = self._plan.loaded
+            plan = plan_of(document, texts(overrides), cases=1, sampling="monte_carlo")
+            endless = plan.campaign and plan.campaign.model_copy(update={"cases": _ENDLESS})
+            self._plan, self.loaded = replace(plan, campaign=endless), plan.loaded
         else:
             self.loaded = load_scenario(scenario, texts(overrides))
 
@@ -82,11 +83,6 @@ class Starts:
     @cached_property
     def _variants(self) -> Variants:
         return Variants(self.loaded)
-
-
-def _endless(plan: Plan) -> Plan:
-    campaign = plan.campaign
-    return replace(plan, campaign=campaign.model_copy(update={"cases": _ENDLESS}) if campaign else None)
 
 
 class Simulation(SteppedFlight):

@@ -15,8 +15,7 @@ from rich.markup import escape
 from rich.progress import TextColumn
 from rich.table import Table
 
-from edl6dof.api.campaign import EngineChoice, Watch, fly_new
-from edl6dof.api.campaign import go_on as go_on_with
+from edl6dof.api.campaign import EngineChoice, Watch, fly_new, go_on
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.quantiles import SHARES, flights_needed, quantile
 from edl6dof.campaign.run import Report, Tally
@@ -32,10 +31,10 @@ from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
 
 
-def fly_plan(
-    plan: Plan,
+def fly_campaign(
     store: Store,
     engine: EngineChoice,
+    plan: Plan | None = None,
     *,
     command: str = "campaign",
     until: str | None = None,
@@ -43,38 +42,32 @@ def fly_plan(
     quiet: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Fly a plan from its first case; returns the exit status.
+    """Fly a plan from its first case, or without one what is missing of the campaign in the folder, and print
+    its result; returns the exit status.
 
     Raises:
-        ConfigError: there is something in the folder that the plan must not replace.
+        ConfigError: the folder holds what the plan must not replace, or no campaign of this program.
+        KeyboardInterrupt: while a campaign goes on.
     """
+    watch = _watch(quiet or as_json)
     try:
-        fly_new(plan, store, engine, until, force, _watch(quiet or as_json))
-        return _show(plan, store, quiet, as_json)
+        if plan is None:
+            flown = go_on(store, engine, watch)
+        else:
+            fly_new(plan, store, engine, until, force, watch)
+            flown = plan
+        if flown.fault_matrix is not None:
+            return show_matrix(store, as_json)
+        show(store, quiet, as_json)
+        return 0
     except KeyboardInterrupt:
+        if plan is None:
+            raise
         print(f"interrupted; {_standing(store, plan, command)}", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
-        return refuse(f"{_reason(store, error)}; {_standing(store, plan, command)}")
-
-
-def go_on(
-    store: Store,
-    engine: EngineChoice,
-    *,
-    command: str = "campaign",
-    quiet: bool = False,
-    as_json: bool = False,
-) -> int:
-    """Fly what is missing of a campaign; returns the exit status.
-
-    Raises:
-        ConfigError: the folder holds none, or one of another program, or is damaged.
-    """
-    try:
-        return _show(go_on_with(store, engine, _watch(quiet or as_json)), store, quiet, as_json)
-    except OSError as error:
-        return refuse(f"{_reason(store, error)}; {_going_on(store, command)}")
+        reason = f"{error.filename2 or error.filename or store.folder}: {error.strerror or error}"
+        return refuse(f"{reason}; {_standing(store, plan, command)}")
 
 
 def require_plan(store: Store, plan: Plan, command: str = "campaign") -> None:
@@ -98,29 +91,17 @@ def require_no_values(folder: Path, *values: object) -> None:
         raise refusal(folder, "has its plan; it takes no other values when it goes on")
 
 
-def _reason(store: Store, error: OSError) -> str:
-    return f"{error.filename2 or error.filename or store.folder}: {error.strerror or error}"
-
-
-def _going_on(store: Store, command: str) -> str:
-    return f"what has flown is kept; go on with: edl6dof {command} {store.folder} --resume"
-
-
-def _standing(store: Store, plan: Plan, command: str) -> str:
-    """Say what has become of a new campaign that was stopped."""
+def _standing(store: Store, plan: Plan | None, command: str) -> str:
+    """Say what is left of a campaign that was stopped: a new one of a ``plan``, or one that went on."""
+    kept = f"what has flown is kept; go on with: edl6dof {command} {store.folder} --resume"
+    if plan is None:
+        return kept
     if store.is_half_begun:
         return f"{store.folder} was being begun or replaced; begin it anew with --force"
     with suppress(ConfigError):
         if store.plan_text == plan.text:
-            return _going_on(store, command)
+            return kept
     return "nothing was written"
-
-
-def _show(plan: Plan, store: Store, quiet: bool, as_json: bool) -> int:
-    if plan.fault_matrix is not None:
-        return show_matrix(store, as_json)
-    show(store, quiet, as_json)
-    return 0
 
 
 def _watch(silent: bool) -> Watch:

@@ -68,24 +68,21 @@ def campaign(
         from edl6dof.api.campaign import EngineChoice, check_until
         from edl6dof.campaign.design.plan import load_plan
         from edl6dof.campaign.storage.store import Store
-        from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
+        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
 
-        flying = EngineChoice(engine, workers, cluster)
+        flying, folder = EngineChoice(engine, workers, cluster), Path(scenario)
         flying.check()
-        if not resume:
-            plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
-            check_until(until, plan)
-            store = Store(out or Path("runs") / plan.name)
-            return fly_plan(plan, store, flying, until=until, force=force, quiet=quiet, as_json=as_json)
         check_until(until)
-        folder = Path(scenario)
-        if not lexists(folder / "campaign.json") and not folder.is_dir():
-            plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
-            folder = out or Path("runs") / plan.name
-            require_plan(Store(folder), plan)
-        else:
-            require_no_values(folder, tuple(sets or ()), cases, seed, sampling)
-        return go_on(Store(folder), flying, quiet=quiet, as_json=as_json)
+        if resume and (lexists(folder / "campaign.json") or folder.is_dir()):
+            require_no_values(folder, sets, cases, seed, sampling)
+            return fly_campaign(Store(folder), flying, quiet=quiet, as_json=as_json)
+        plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
+        check_until(until, plan)
+        store = Store(out or Path("runs") / plan.name)
+        if resume:
+            require_plan(store, plan)
+            return fly_campaign(store, flying, quiet=quiet, as_json=as_json)
+        return fly_campaign(store, flying, plan, until=until, force=force, quiet=quiet, as_json=as_json)
 
 
 @contextmanager
@@ -219,15 +216,16 @@ def faults(
         from edl6dof.api.fault_matrix import matrix_of
         from edl6dof.campaign.fault_kinds import matrix_plan
         from edl6dof.campaign.storage.store import Store
-        from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
+        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
         from edl6dof.cli.progress import announce_compiling
         from edl6dof.scenario.loading import load_scenario
 
         flying, folder = EngineChoice(workers=workers), Path(scenario)
         if resume and lexists(folder / "campaign.json"):
-            require_no_values(folder, sensors, kinds, components, pairs, phases, after, at)
-            require_no_values(folder, tuple(sets or ()), vehicles, seed)
-            return go_on(Store(folder), flying, command="faults", as_json=as_json)
+            require_no_values(
+                folder, sensors, kinds, components, pairs, phases, after, at, sets, vehicles, seed
+            )
+            return fly_campaign(Store(folder), flying, command="faults", as_json=as_json)
         loaded = load_scenario(scenario, sets or ())
         announce_compiling(not as_json)
         matrix = matrix_of(
@@ -242,10 +240,10 @@ def faults(
         )
         plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)
         store = Store(out or Path("runs") / f"{'sensor-faults' if sensors else 'faults'}-{plan.name}")
-        if not resume:
-            return fly_plan(plan, store, flying, command="faults", force=force, as_json=as_json)
-        require_plan(store, plan, "faults")
-        return go_on(store, flying, command="faults", as_json=as_json)
+        if resume:
+            require_plan(store, plan, "faults")
+            return fly_campaign(store, flying, command="faults", as_json=as_json)
+        return fly_campaign(store, flying, plan, command="faults", force=force, as_json=as_json)
 
 
 def covariance(

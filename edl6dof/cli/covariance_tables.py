@@ -22,12 +22,8 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import print_whole
 
-#: Figures beside each other in the budget on a terminal.
-_COLUMNS = 4
-#: Letters of a line of their headings.
-_HEADING = 12
-#: Letters of a line of a figure's name.
-_LABEL = 32
+#: Figures in a row of the budget on a terminal, letters in a line of their headings, and of a figure's name.
+_COLUMNS, _HEADING, _LABEL = 4, 12, 32
 _AXES = ("long half axis", "short half axis")
 #: Standard errors from which on a source is told from chance.
 _CLEAR = 3.0
@@ -121,8 +117,11 @@ def show_alone(found: Alone, event: EventFigures) -> None:
     table = _table("parameter", names)
     targets = [target for source in found.found for draw in source.draws for target in draw.targets]
     for target, slopes, bends in zip(targets, found.slopes, found.bends, strict=True):
-        cells = map(_slope_and_bend, slopes[: len(names)], bends[: len(names)])
-        table.add_row(target.path, *cells)
+        pairs = zip(slopes[: len(names)], bends[: len(names)], strict=True)
+        shown = (
+            f"{significant(float(a), 2)}, {significant(float(b), 2)}{' *'[abs(b) > abs(a)]}" for a, b in pairs
+        )
+        table.add_row(target.path, *shown)
     print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
     print_whole(table)
 
@@ -135,11 +134,6 @@ def _table(first: str, names: Sequence[str]) -> Table:
         heading = wrap(f"{figure.meaning} ({figure.unit.label or '1'})", _HEADING, break_long_words=False)
         table.add_column("\n".join(heading), justify="right", no_wrap=True, vertical="bottom")
     return table
-
-
-def _slope_and_bend(slope: float, bend: float) -> str:
-    mark = "*" if abs(bend) > abs(slope) else " "
-    return f"{significant(float(slope), 2)}, {significant(float(bend), 2)}{mark}"
 
 
 def write_budget(found: Covariance, path: Path) -> None:

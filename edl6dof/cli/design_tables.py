@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import degrees
 from pathlib import Path
 from typing import get_args
@@ -57,20 +58,16 @@ def designed_text(scenario: str, whole: bool, loaded: LoadedScenario, found: Des
 def _overlay(scenario: str, name: str, found: Design) -> str:
     file = Path(scenario)
     extended = str(file.resolve()) if file.is_file() else scenario
-    rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}" for at, bank in found.after.points)
-    return "\n".join(
-        (
-            f"{EXTENDS}: {write_scalar(extended)}",
-            f"name: {write_scalar(name)}",
-            "flight_software:",
-            "  guidance:",
-            "    entry:",
-            "      reference_bank:",
-            f"        points:  # [D] edl6dof design entry {scenario}",
-            *rows,
-            "",
-        )
-    )
+    rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}\n" for at, bank in found.after.points)
+    return f"""\
+{EXTENDS}: {write_scalar(extended)}
+name: {write_scalar(name)}
+flight_software:
+  guidance:
+    entry:
+      reference_bank:
+        points:  # [D] edl6dof design entry {scenario}
+{"".join(rows)}"""
 
 
 def show(name: str, found: Design) -> None:
@@ -93,32 +90,25 @@ def _figures(found: Design) -> Table:
     limits = found.limits
     table = open_table("Plan, open loop", "figure", "unit", "planned>", "designed>", "limit>")
 
-    def row(figure: str, unit: str, of: tuple[float, float], limit: str = "", places: int = 0) -> None:
-        table.add_row(figure, unit, *(f"{round(value, places) + 0.0:,.{places}f}" for value in of), limit)
+    def row(figure: str, unit: str, of: Callable[[Plan], float], limit: str = "", places: int = 0) -> None:
+        values = (round(of(plan), places) + 0.0 for plan in (found.before, found.after))
+        table.add_row(figure, unit, *(f"{value:,.{places}f}" for value in values), limit)
 
-    def both(name: str) -> tuple[float, float]:
-        return getattr(found.before, name), getattr(found.after, name)
-
-    row("altitude of the parachute", "m", both("altitude_m"))
-    row("beyond the aim point", "m", both("beyond_m"))
-    row("right of it", "m", both("aside_m"), f"{limits.aside_m:,.0f}")
-    row("largest load", "g0", both("load_g0"), f"{limits.load_g0:.1f}", 2)
-    row("largest heat rate", "W/cm2", both("heat_rate_w_cm2"), f"{limits.heat_rate_w_cm2:.0f}", 1)
-    row("largest dynamic pressure", "Pa", both("dynamic_pressure_pa"), f"{limits.dynamic_pressure_pa:,.0f}")
-    row("least distance to the bank limits", "deg", both("reserve_deg"), f"{limits.reserve_deg:g}", 1)
-    row("fastest change of the profile", "deg/s", both("bank_slope_deg_s"), f"{limits.bank_slope_deg_s:g}", 2)
-    row("miss by 1 sigma of density", "m", _misses(found, 0))
-    row("miss by 1 sigma of lift", "m", _misses(found, 1))
-    row("miss by 1 sigma of entry angle", "m", _misses(found, 2))
-    row("1 sigma of the miss without guidance", "m", both("dispersion_m"))
+    row("altitude of the parachute", "m", lambda p: p.altitude_m)
+    row("beyond the aim point", "m", lambda p: p.beyond_m)
+    row("right of it", "m", lambda p: p.aside_m, f"{limits.aside_m:,.0f}")
+    row("largest load", "g0", lambda p: p.load_g0, f"{limits.load_g0:.1f}", 2)
+    row("largest heat rate", "W/cm2", lambda p: p.heat_rate_w_cm2, f"{limits.heat_rate_w_cm2:.0f}", 1)
+    pressure = f"{limits.dynamic_pressure_pa:,.0f}"
+    row("largest dynamic pressure", "Pa", lambda p: p.dynamic_pressure_pa, pressure)
+    row("least distance to the bank limits", "deg", lambda p: p.reserve_deg, f"{limits.reserve_deg:g}", 1)
+    slope = f"{limits.bank_slope_deg_s:g}"
+    row("fastest change of the profile", "deg/s", lambda p: p.bank_slope_deg_s, slope, 2)
+    row("miss by 1 sigma of density", "m", lambda p: p.misses_m[0])
+    row("miss by 1 sigma of lift", "m", lambda p: p.misses_m[1])
+    row("miss by 1 sigma of entry angle", "m", lambda p: p.misses_m[2])
+    row("1 sigma of the miss without guidance", "m", lambda p: p.dispersion_m)
     return table
-
-
-def _misses(found: Design, index: int) -> tuple[float, float]:
-    def of(plan: Plan) -> float:
-        return plan.misses_m[index]
-
-    return of(found.before), of(found.after)
 
 
 _LIMITS = "flight_software.guidance.entry.limits"
@@ -197,9 +187,8 @@ def _refused(flight: Flight, landing: RigidLanding, found: Converged) -> str:
 def _table(
     name: str, law: str, landing: RigidLanding, designed: LandingFigures, own: LandingFigures
 ) -> Table:
-    table = open_table(
-        f"{name}: powered landing from ignition", "figure", "unit", "designed>", f"{law}>", "limit>"
-    )
+    heads = ("figure", "unit", "designed>", f"{law}>", "limit>")
+    table = open_table(f"{name}: powered landing from ignition", *heads)
 
     def row(figure: str, unit: str, field: str, limit: str = "", places: int = 1) -> None:
         values = (round(getattr(of, field), places) + 0.0 for of in (designed, own))
@@ -224,10 +213,8 @@ def _exceeded(excess: Excess) -> str:
 
 
 def _solution(found: Converged) -> str:
-    if len(found.nodes.durations) > 1:
-        burn = f"full thrust for {found.nodes.durations[0]:.2f} s"
-    else:
-        burn = "throttled from the start"
+    switches = len(found.nodes.durations) > 1
+    burn = f"full thrust for {found.nodes.durations[0]:.2f} s" if switches else "throttled from the start"
     return f"{burn}; {found.programs} convex programs in {found.seconds:.1f} s; ends as flown by DOP853"
 
 
@@ -249,27 +236,19 @@ def landing_figure(
     """
     t, x, u = designed
 
-    def both(panel: str, unit: str, of: tuple[np.ndarray, np.ndarray], limit: float) -> Panel:
-        traces = [Trace(t, of[0], "designed"), Trace(own[0], of[1], law)]
-        return Panel(
-            Axis("time from ignition (s)"),
-            Axis(f"{panel} ({unit})"),
-            traces,
-            marks=[Mark("y", limit, "limit")],
-        )
+    time = Axis("time from ignition (s)")
 
-    rates = tuple(np.degrees(np.linalg.norm(states[:, 11:], axis=1)) for states in (x, own[1]))
-    tilts = tuple(np.degrees(tilt_of(states)) for states in (x, own[1]))
+    def both(axis: str, of: Callable[[np.ndarray], np.ndarray], limit: float) -> Panel:
+        """Angles or rates (rad, rad/s) that follow from the states, and their limit, drawn in degrees."""
+        traces = [Trace(t, np.degrees(of(x)), "designed"), Trace(own[0], np.degrees(of(own[1])), law)]
+        return Panel(time, Axis(axis), traces, marks=[Mark("y", degrees(limit), "limit")])
+
+    levels = [Mark("y", level, "", GREY) for level in landing.thrust]
     panels = [
         _path(landing, x, law, own[1]),
-        Panel(
-            Axis("time from ignition (s)"),
-            Axis("thrust (N)"),
-            [Trace(t, u[:, 0], "designed")],
-            marks=[Mark("y", level, "", GREY) for level in landing.thrust],
-        ),
-        both("tilt", "deg", (tilts[0], tilts[1]), degrees(landing.tilt)),
-        both("body rate", "deg/s", (rates[0], rates[1]), degrees(landing.rate)),
+        Panel(time, Axis("thrust (N)"), [Trace(t, u[:, 0], "designed")], marks=levels),
+        both("tilt (deg)", tilt_of, landing.tilt),
+        both("body rate (deg/s)", lambda states: np.linalg.norm(states[:, 11:], axis=1), landing.rate),
     ]
     return Figure("landing", f"{name}: powered landing", panels, columns=2, height=360)
 
@@ -277,7 +256,6 @@ def landing_figure(
 def _path(landing: RigidLanding, x: np.ndarray, law: str, own: np.ndarray) -> Panel:
     """Height over the distance from the target, positive on the side of the start."""
     start = landing.start[1:3] / max(float(np.linalg.norm(landing.start[1:3])), 1e-9)
-    traces = [
-        Trace(states[:, 1:3] @ start, states[:, 3], who) for states, who in ((x, "designed"), (own, law))
-    ]
+    flown = ((x, "designed"), (own, law))
+    traces = [Trace(states[:, 1:3] @ start, states[:, 3], name) for states, name in flown]
     return Panel(Axis("towards the start (m)"), Axis("height over the target (m)"), traces, equal=True)

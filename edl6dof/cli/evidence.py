@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -55,6 +54,7 @@ def figures(
     from edl6dof.campaign.neighbours import FLIGHTS, fly_neighbours, sample_means
     from edl6dof.cli.evidence_tables import plain_means, show_figures
     from edl6dof.cli.progress import count_runs
+    from edl6dof.config.dump import json_text
     from edl6dof.scenario.loading import load_scenario
 
     count = FLIGHTS if flights is None else flights
@@ -65,7 +65,7 @@ def figures(
         rows = fly_neighbours(loaded, count, progress=lambda done, row: progress(done, count))
     means = sample_means(rows, loaded.scenario.published)
     if as_json:
-        print(json.dumps(plain_means(loaded, rows, means), indent=1))
+        print(json_text(plain_means(loaded, rows, means)), end="")
     else:
         show_figures(loaded, rows, means)
     return 0 if all(row["success"] for row in rows) else NOT_WITHIN_LIMITS

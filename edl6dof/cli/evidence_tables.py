@@ -34,14 +34,7 @@ def plain_means(
         "scenario": loaded.scenario.name,
         "flights": len(rows),
         "within_limits": sum(bool(row["success"]) for row in rows),
-        "figures": {
-            name: {
-                "mean": s.mean,
-                "deviation": s.deviation if isfinite(s.deviation) else None,
-                "flights": s.flights,
-            }
-            for name, s in found.items()
-        },
+        "figures": {name: one._asdict() for name, one in found.items()},
     }
 
 

@@ -20,7 +20,7 @@ from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipp
 from edl6dof.config.document.source import parse_document, read_document
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.parameter_table import Row, rows
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import did_you_mean
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
@@ -76,8 +76,7 @@ def show_params(path: str, as_json: bool) -> int:
     table = rows(Scenario)
     found = select(table, path)
     if not found:
-        near = nearest(path, known_paths(table))
-        hint = f"; did you mean {near!r}?" if near else ""
+        hint = did_you_mean(path, known_paths(table))
         return refuse(f"{path}: no such parameter{hint} ('edl6dof params' lists all)")
     if as_json:
         print(json.dumps([row._asdict() for row in found], indent=1))

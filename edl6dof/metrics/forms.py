@@ -170,9 +170,8 @@ def _bank(flown: Flown) -> tuple[np.ndarray, int]:
     """Commanded bank of the lift phases with the row before them, and how many rows before there are."""
     first, last = role_rows(flown, LIFT)
     before = min(first, 1)
-    return flown.telemetry.rows(first - before, last)["guide.bank_deg"] if last > first else np.empty(
-        0
-    ), before
+    rows = flown.telemetry.rows(first - before, last)
+    return rows["guide.bank_deg"] if last > first else np.empty(0), before
 
 
 def bank_reversals(flown: Flown) -> float | None:

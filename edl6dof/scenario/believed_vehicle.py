@@ -123,13 +123,13 @@ def _wing_opens(scenario: Scenario, quantity: str) -> float:
     """Value of ``quantity`` at which the mission table opens the trim wing; 0 when it does not, or by
     another.
     """
-    events = [
-        event
+    wings = (
+        event.when
         for phase in scenario.mission.phases
         for event in phase.events
         if event.action == "extend" and event.thing != "landing_gear"
-    ]
-    return next((event.when.value for event in events if event.when.quantity == quantity), 0.0)
+    )
+    return next((when.value for when in wings if when.quantity == quantity), 0.0)
 
 
 @kernel
@@ -161,10 +161,8 @@ def _trim(vehicle, table, gas, mach, goal, search):
     there is none.
     """
     low, high = goal - search, goal + search
-    at_low, at_high = (
-        _force_and_moment(vehicle, table, gas, mach, low, 0.0)[2],
-        _force_and_moment(vehicle, table, gas, mach, high, 0.0)[2],
-    )
+    at_low = _force_and_moment(vehicle, table, gas, mach, low, 0.0)[2]
+    at_high = _force_and_moment(vehicle, table, gas, mach, high, 0.0)[2]
     if not at_low * at_high < 0.0:
         return goal
     rising = at_high > 0.0

@@ -43,77 +43,65 @@ def event_number(mission: MissionParams, name: str | None) -> int:
     return 0 if name is None else 1 + list(mission.events).index(name)
 
 
-def event_problems(mission: MissionParams, vehicle: VehicleParams) -> dict[str, str]:
-    """Things that do not exist, names with two meanings and events too many, by dotted key."""
-    problems: dict[str, str] = {}
+def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[tuple[str, str]]:
+    """Things that do not exist, names with two meanings and events too many: dotted key and message."""
     numbered = mission.events
     for i, phase in enumerate(mission.phases):
         for k, event in enumerate(phase.events):
-            here = f"mission.phases.{i}.events.{k}"
-            known = things(vehicle, event.action)
+            here, known = f"mission.phases.{i}.events.{k}", things(vehicle, event.action)
             if event.thing not in known:
-                words = ", ".join(known) or "none"
-                problems[f"{here}.thing"] = (
-                    f"nothing to {event.action.replace('_', ' ')} named {event.thing!r}; names: {words}"
-                )
+                what = f"nothing to {event.action.replace('_', ' ')} named {event.thing!r}"
+                yield f"{here}.thing", f"{what}; names: {', '.join(known) or 'none'}"
             if _meaning(event) != _meaning(numbered[event.name]):
-                problems[f"{here}.name"] = f"another event is named {event.name!r} and does something else"
+                yield f"{here}.name", f"another event is named {event.name!r} and does something else"
     if len(numbered) > MAX_EVENTS:
-        problems["mission.phases"] = f"at most {MAX_EVENTS} events in all (got {len(numbered)})"
-    return problems
+        yield "mission.phases", f"at most {MAX_EVENTS} events in all (got {len(numbered)})"
 
 
-def way_problems(mission: MissionParams) -> dict[str, str]:
-    """Phases that nothing follows or that do not exist, and time windows upside down, by dotted key."""
-    problems: dict[str, str] = {}
+def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
+    """Phases that nothing follows or that do not exist, and time windows upside down: dotted key and
+    message.
+    """
     names = [phase.name for phase in mission.phases]
     branches = {way.next for phase in mission.phases for way in phase.ways_out}
     for i, phase in enumerate(mission.phases):
         here, last = f"mission.phases.{i}", i == len(names) - 1
         if not phase.exits and not last and names[i + 1] not in branches:
-            problems[here] = f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
+            yield here, f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
         if len(phase.exits) > MAX_WAYS:
-            problems[f"{here}.ways_out"] = f"at most {MAX_WAYS} with 'until' (got {len(phase.exits)})"
+            yield f"{here}.ways_out", f"at most {MAX_WAYS} with 'until' (got {len(phase.exits)})"
         for k, way in enumerate(phase.ways_out):
             if way.next is None and last:
-                problems[f"{here}.ways_out.{k}"] = (
-                    "the last phase has no next one: name the phase that follows"
-                )
+                message = "the last phase has no next one: name the phase that follows"
+                yield f"{here}.ways_out.{k}", message
             elif way.next is not None and way.next not in names:
-                problems[f"{here}.ways_out.{k}.next"] = (
-                    f"no phase named {way.next!r}; names: {', '.join(names)}"
-                )
+                message = f"no phase named {way.next!r}; names: {', '.join(names)}"
+                yield f"{here}.ways_out.{k}.next", message
         windows: dict[str, Trigger | WayOut] = {
-            f"events.{k}.when": event.when for k, event in enumerate(phase.events)
+            **{f"events.{k}.when": event.when for k, event in enumerate(phase.events)},
+            **{f"ways_out.{k}": way for k, way in enumerate(phase.ways_out)},
+            **({"until": phase.until} if phase.until is not None else {}),
         }
-        windows |= {f"ways_out.{k}": way for k, way in enumerate(phase.ways_out)}
-        windows |= {"until": phase.until} if phase.until is not None else {}
         for below, window in windows.items():
             if window.latest_s < window.earliest_s:
                 message = f"must not lie before earliest_s {window.earliest_s:g} (got {window.latest_s:g})"
-                problems[f"{here}.{below}.latest_s"] = message
-    return problems
+                yield f"{here}.{below}.latest_s", message
 
 
-def quantity_problems(mission: MissionParams) -> dict[str, str]:
+def quantity_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
     """Watched quantities that guidance has not worked out: not that of the phase, or not yet, as the mission
-    goes before guidance in the first cycle; by dotted key.
+    goes before guidance in the first cycle; dotted key and message.
     """
-    problems: dict[str, str] = {}
     for i, phase in enumerate(mission.phases):
         for below, condition, earliest_s in _conditions(phase):
-            here, name = f"mission.phases.{i}.{below}", condition.quantity
+            here, name = f"mission.phases.{i}.{below}.quantity", condition.quantity
             guidance = WORKED_OUT_BY.get(name, (phase.guidance,))
             if phase.guidance not in guidance:
-                problems[f"{here}.quantity"] = (
-                    f"{name} is worked out by guidance {' or '.join(guidance)}, and the phase has "
-                    f"{phase.guidance}"
-                )
+                by = f"{name} is worked out by guidance {' or '.join(guidance)}"
+                yield here, f"{by}, and the phase has {phase.guidance}"
             elif name in WORKED_OUT_BY and i == 0 and earliest_s == 0.0:
-                problems[f"{here}.quantity"] = (
-                    f"{name} is not known in the first cycle of the flight: give an earliest_s above 0"
-                )
-    return problems
+                known = f"{name} is not known in the first cycle of the flight"
+                yield here, f"{known}: give an earliest_s above 0"
 
 
 def _conditions(phase: Phase) -> Iterator[tuple[str, Condition, float]]:

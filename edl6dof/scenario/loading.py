@@ -154,11 +154,8 @@ def _is_foreign(value: Any, slot: Slot) -> bool:
     if isinstance(value, list) and (item_slot := slot.child(0)) is not None and literal_names(item_slot):
         return any(_is_foreign(item, item_slot) for item in value)
     if isinstance(value, dict):
-        return any(
-            info.is_required() and key in value and _is_foreign(value[key], child)
-            for model in slot.models
-            for key, info in model.model_fields.items()
-            if (child := slot.child(key)) is not None
-        )
+        declared = [field for model in slot.models for field in model.model_fields.items()]
+        needed = [key for key, info in declared if info.is_required() and key in value]
+        return any(_is_foreign(value[key], child) for key in needed if (child := slot.child(key)) is not None)
     names = literal_names(slot)
     return isinstance(value, str) and bool(names) and value not in names and str not in slot.options

@@ -30,11 +30,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.truth import build_case
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
-from edl6dof.spatial.frames import (
-    attitude_from_wind_angles,
-    ned_attitude,
-    ned_to_fixed,
-)
+from edl6dof.spatial.frames import attitude_from_wind_angles, ned_attitude, ned_to_fixed
 from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.body_table import BodyInputs, body_inputs, build_body_table
@@ -107,10 +103,17 @@ def _tables(inputs: TableInputs) -> np.ndarray:
 
 #: Sections of a scenario that the flight computer's belief follows from.
 BELIEVED = frozenset(
-    (
-        *("planet", "atmosphere", "terrain", "vehicle", "initial", "dynamics", "sensors"),
-        *("flight_software", "mission"),
-    )
+    [
+        "planet",
+        "atmosphere",
+        "terrain",
+        "vehicle",
+        "initial",
+        "dynamics",
+        "sensors",
+        "flight_software",
+        "mission",
+    ]
 )
 
 

@@ -71,9 +71,6 @@ class Session:
                 )
         return act(self, **request)
 
-    def _describe(self) -> Answer:
-        return {"protocol": PROTOCOL, **described(self.simulation)}
-
     def _reset(self, seed: Any = None, overrides: Any = None) -> Answer:
         """Begin anew, with these changes and no others; what fails leaves the flight as it is."""
         number = None if seed is None else _whole("seed", seed, LARGEST_SEED, 0)
@@ -102,15 +99,6 @@ class Session:
             raise ValueError(f"what is to be observed is true, or a list of names (got {got(names)})")
         return {"observation": self.simulation.observe(None if names is True else map(str, names))}
 
-    def _own(self) -> Answer:
-        return {"own": self.simulation.own()}
-
-    def _truth(self) -> Answer:
-        return {"truth": self.simulation.truth()}
-
-    def _state(self) -> Answer:
-        return {"state": self.simulation.state().packed()}
-
     def _restore(self, state: Any = None) -> Answer:
         if not isinstance(state, bytes):
             raise ValueError(f"state must be the bytes that the answer to state held (got {got(state)})")
@@ -123,28 +111,22 @@ class Session:
 
     def _standing(self) -> Answer:
         """Where the flight stands; how it ended once it has."""
-        simulation = self.simulation
-        found: Answer = {
-            "flying": simulation.flying,
-            "cycle": simulation.cycle,
-            "time_s": simulation.time_s,
-        }
-        if not simulation.flying:
-            found["outcome"] = simulation.outcome
-        return found
+        now = self.simulation
+        found: Answer = {"flying": now.flying, "cycle": now.cycle, "time_s": now.time_s}
+        return found if now.flying else {**found, "outcome": now.outcome}
 
     def _changed(self, changes: tuple[str, ...]) -> Simulation:
         return Simulation(self._scenario, (*self._sets, *changes), telemetry=False)
 
 
 _REQUESTS: dict[str, tuple[Callable[..., Answer], tuple[str, ...]]] = {
-    "describe": (Session._describe, ()),
+    "describe": (lambda session: {"protocol": PROTOCOL, **described(session.simulation)}, ()),
     "reset": (Session._reset, ("seed", "overrides")),
     "step": (Session._step, ("command", "cycles", "observe")),
     "observe": (Session._observe, ("names",)),
-    "own": (Session._own, ()),
-    "truth": (Session._truth, ()),
-    "state": (Session._state, ()),
+    "own": (lambda session: {"own": session.simulation.own()}, ()),
+    "truth": (lambda session: {"truth": session.simulation.truth()}, ()),
+    "state": (lambda session: {"state": session.simulation.state().packed()}, ()),
     "restore": (Session._restore, ("state",)),
     "close": (Session._close, ()),
 }

@@ -8,7 +8,6 @@ depth.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from socket import socket
 from time import monotonic
 from typing import Any
@@ -71,7 +70,13 @@ class Wire:
         Raises:
             ValueError: it is no MessagePack, or not what a request may be made of.
         """
-        count = _counter()
+        left = iter(range(_CONTAINERS))
+
+        def count(container: Any) -> Any:
+            if next(left, None) is None:
+                raise _TooMany(f"a request holds at most {_CONTAINERS} lists and maps")
+            return container
+
         try:
             return self._msgpack.unpackb(
                 body,
@@ -115,19 +120,6 @@ def exactly(line: socket, size: int, within_s: float) -> bytes | None:
 
 class _TooMany(Exception):
     """A message unpacks to more than any request holds."""
-
-
-def _counter() -> Callable[[Any], Any]:
-    left = _CONTAINERS
-
-    def count(container: Any) -> Any:
-        nonlocal left
-        left -= 1
-        if left < 0:
-            raise _TooMany(f"a request holds at most {_CONTAINERS} lists and maps")
-        return container
-
-    return count
 
 
 def _listed(value: Any) -> Any:

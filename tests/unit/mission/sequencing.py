@@ -24,7 +24,7 @@ VEHICLE = load_scenario("tianwen1").scenario.vehicle
 def plan(*phases):
     """Record of a mission of Tianwen-1, and the mission."""
     mission, record = MissionParams(phases=list(phases)), np.zeros(1, MISSION)
-    assert event_problems(mission, VEHICLE) == {}
+    assert list(event_problems(mission, VEHICLE)) == []
     fill_mission(record[0], mission, VEHICLE)
     return record[0], mission
 
