@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
@@ -75,7 +76,8 @@ def fly(
         with flight_progress(talk) as progress:
             return fly_loaded(loaded, start=state, save_at_s=save_state, progress=progress)
 
-    flight = flown_into(target, flown, replay=replay, force=force, release=True)
+    with _pandas_unloaded():
+        flight = flown_into(target, flown, replay=replay, force=force, release=True)
     if report:
         write_report(target)
     console = Console(highlight=False, soft_wrap=True)
@@ -91,6 +93,19 @@ def fly(
         words = f"no state was saved; the flight ended at {flight.time_s:.2f} s"
         print(f"--save-state {save_state:g}: {words}", file=sys.stderr)
     return 0 if flight.success else 1
+
+
+@contextmanager
+def _pandas_unloaded() -> Iterator[None]:
+    """Keep pyarrow from loading pandas, which takes it 0.4 s, when rerun hands it the first array."""
+    if "pandas" in sys.modules:
+        yield
+        return
+    sys.modules["pandas"] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        del sys.modules["pandas"]
 
 
 def check(

@@ -76,7 +76,7 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
             self._episodes.begin_with(0, given["case"])
         else:
             self._episodes.begin([0], [self.np_random])
-        return self._episodes.observe()[0], {}
+        return self.task.observe()[0], {}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Take an action; a number beyond its bound counts as the bound.
@@ -148,7 +148,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         if which.shape != (self.num_envs,):
             raise ValueError(f"reset_mask must have {self.num_envs} values (got {which.shape})")
         self._begin(which)
-        return self._episodes.observe(), {}
+        return self.task.observe(), {}
 
     def _seed(self, seed: int | Sequence[int | None] | None) -> None:
         """One generator for each flight; a whole number seeds the first, and each after it by one more."""
@@ -183,7 +183,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
             for values in (reward, over, cut_off, success):
                 values[begins] = 0
             self._begin(begins.copy())
-            seen = self._episodes.observe()
+            seen = self.task.observe()
         self._ended = over | cut_off
         information: dict[str, Any] = {}
         if self._ended.any():
@@ -191,7 +191,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
             if self._mode is AutoresetMode.SAME_STEP:
                 information |= {"final_obs": _rows(seen, self._ended), "_final_obs": self._ended.copy()}
                 self._begin(self._ended.copy())
-                seen = self._episodes.observe()
+                seen = self.task.observe()
         return seen, reward, over, cut_off, information
 
     def baseline(self) -> np.ndarray:

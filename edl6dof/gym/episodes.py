@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.api.fleet import DispersedFlights, Fleet, Start
+from edl6dof.api.fleet import DispersedFlights, Start
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.gym.task import Task
@@ -44,9 +44,8 @@ class StartPool:
             )
         self.drawn = range(first, first + size)
         self._task, self._lock = task, Lock()
-        self._flights = DispersedFlights(task.scenario, task.overrides, task.faults)
+        self.flights = DispersedFlights(task.scenario, task.overrides, task.faults)
         self.known: dict[int, Start] = {}
-        self.loaded = self._flights.loaded
 
     def __getitem__(self, case: int) -> Start:
         """The beginning of a case, in the pool or not.
@@ -61,10 +60,6 @@ class StartPool:
                 self.known[case] = self._flown(case)
             return self.known[case]
 
-    def fleet(self, count: int, workers: int) -> Fleet:
-        """As many flights of the scenario."""
-        return self._flights.fleet(count, workers)
-
     def _flown(self, case: int) -> Start:
         """The flight of a case; of one that does not come so far another that does.
 
@@ -73,7 +68,7 @@ class StartPool:
         """
         task = self._task
         for seed in range(case, _PATIENCE * _CASES, _CASES):
-            if (start := self._flights.at_phase(seed, task.role, task.later_s)) is not None:
+            if (start := self.flights.at_phase(seed, task.role, task.later_s)) is not None:
                 return start
         raise refusal(task.scenario, f"none of {_PATIENCE} flights came to the phase {task.role}")
 
@@ -114,10 +109,10 @@ class Episodes:
     def __init__(self, task: type[Task], count: int, workers: int, pool: int, first_case: int = 0):
         self._made_with = task, count, workers, pool, first_case
         self._starts = StartPool(task, pool, first_case)
-        self.fleet = self._starts.fleet(count, workers)
-        self.task = task(self._starts.loaded, self.fleet)
-        self.interval_s = task.interval_s
-        base = self._starts.loaded.scenario.flight_software.rates.base_hz
+        flights = self._starts.flights
+        self.fleet = flights.fleet(count, workers)
+        self.task = task(flights.loaded, self.fleet)
+        base = flights.loaded.scenario.flight_software.rates.base_hz
         self._cycles, self._longest = round(task.interval_s * base), round(task.longest_s / task.interval_s)
         self._steps = np.zeros(count, np.int64)
 
@@ -151,10 +146,6 @@ class Episodes:
         self.fleet.put(index, self._starts[case])
         self._steps[index] = 0
         self.task.begin(index)
-
-    def observe(self) -> np.ndarray:
-        """What the flight computers know, shape (flights, size)."""
-        return self.task.observe()
 
     def step(self, actions: np.ndarray) -> Outcome:
         """One action each; flights that have ended stay where they are.

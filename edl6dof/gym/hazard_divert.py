@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import numpy as np
-from gymnasium import spaces
 
 from edl6dof.gym.task import Feature, StepResult, Task, nav
 from edl6dof.interface.roles import HAZARD_AVOIDANCE
@@ -45,6 +44,7 @@ class HazardDivert(Task):
     """
 
     title = "spot to land on, among rocks and craters"
+    size = 2
     scenario = "tianwen1_hazards"
     role = HAZARD_AVOIDANCE
     interval_s, longest_s = 1.0, 180.0
@@ -56,11 +56,6 @@ class HazardDivert(Task):
         Feature("height", 100.0, nav("height")),
         Feature("v_N", 3.0, nav("v_N"), 3),
     )
-
-    @property
-    def action_space(self) -> spaces.Box:
-        """Spot on the map."""
-        return spaces.Box(-1.0, 1.0, (2,), np.float32)
 
     def command(self, actions: np.ndarray) -> None:
         """Command the spot."""

@@ -53,6 +53,7 @@ class Task(ABC):
         interval_s: time between two actions, s.
         longest_s: after which an episode is cut off, s.
         features: what is observed.
+        size: numbers of an action.
         title: in a few words.
     """
 
@@ -65,6 +66,7 @@ class Task(ABC):
     interval_s: float
     longest_s: float
     features: tuple[Feature, ...]
+    size: int
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         self.loaded, self.fleet = loaded, fleet
@@ -78,9 +80,9 @@ class Task(ABC):
         return spaces.Box(-BOUND, BOUND, (size,), np.float32)
 
     @property
-    @abstractmethod
     def action_space(self) -> spaces.Space:
-        """What a policy may do."""
+        """Actions of a policy: ``size`` numbers between -1 and 1."""
+        return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
         """What the flight computers know, shape (flights, size); nothing of it is the truth."""
