@@ -29,13 +29,11 @@ class Fleet(sim.Fleet):
 
     @property
     def flying(self) -> np.ndarray:
-        """Whether each flight goes on, shape (flights,)."""
+        """True for each flight that goes on, shape (flights,)."""
         return self.outcomes == FLYING
 
     def landed_well(self, limits: LimitParams) -> np.ndarray:
-        """Whether each flight has come to rest upright, within the limits of touchdown and of the ground
-        below, shape (flights,).
-        """
+        """True for each flight at rest within the limits of touchdown and of the ground below, shape (flights,)."""
         landed = self.outcomes == LANDED
         for index in np.flatnonzero(landed):
             one = slice(index, index + 1)

@@ -175,7 +175,7 @@ def design_landing_of(
 
 
 def _refused(flight: Flight, landing: RigidLanding, found: Converged) -> str:
-    """Why there is no landing."""
+    """Say why there is no landing."""
     height, away = landing.start[3], (landing.start[1] ** 2 + landing.start[2] ** 2) ** 0.5
     return (
         f"{flight.name}: no landing found within the limits from {height:.0f} m above and {away:.0f} m "
@@ -206,7 +206,7 @@ def _table(
 
 
 def _exceeded(excess: Excess) -> str:
-    """By how much a limit is exceeded, and whether that is to be expected."""
+    """Say by how much a limit is exceeded, and if that is expected between the points of the design."""
     by = f"{excess.what}: exceeds its limit by {excess.by:.2g} {excess.unit}"
     most = f"the {100.0 * TOLERANCE:g} % allowed between the points where the design asks for it"
     return f"{by}, within {most}" if excess.tolerated else f"not kept: {by}, more than {most}"

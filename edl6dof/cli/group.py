@@ -96,7 +96,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
 
 
 def examples(command: str) -> str:
-    """What stands below the options of a command's help, a line for each example."""
+    """Text below the options of a command's help, a line for each example."""
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in EXAMPLES[command])
 
 

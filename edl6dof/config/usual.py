@@ -1,4 +1,4 @@
-"""Which values of a scenario are unusual: allowed, and far from what is known of such a parameter.
+"""Unusual values of a scenario: allowed, and far from those known of such a parameter.
 
 A declaration gives the usual range and its reason (``param(..., usual=(low, high, reason))``).  Without one,
 values up to ten times larger or smaller than the default are usual.  Parameters without either (directions,

@@ -90,7 +90,7 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         return seen[0], float(reward[0]), bool(over[0]), bool(cut_off[0]), information
 
     def baseline(self) -> Any:
-        """What the flight software itself would do now."""
+        """Return the action that the flight software itself would take now."""
         return self.task.baseline()[0]
 
 
@@ -195,7 +195,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         return seen, reward, over, cut_off, information
 
     def baseline(self) -> np.ndarray:
-        """What the flight software itself would do now, shape (num_envs, ...)."""
+        """Return the actions that the flight software itself would take now, shape (num_envs, ...)."""
         return self.task.baseline()
 
     def close_extras(self, **kwargs: Any) -> None:

@@ -74,7 +74,7 @@ class StartPool:
 
 
 class Outcome(NamedTuple):
-    """What a step came to, each shape (flights,) or (flights, size)."""
+    """Result of a step, each shape (flights,) or (flights, size)."""
 
     observation: np.ndarray
     reward: np.ndarray

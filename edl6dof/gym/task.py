@@ -1,5 +1,4 @@
-"""What makes a part of a flight a task to learn: where it begins, what is observed, what is commanded, what
-counts.
+"""A part of a flight as a task to learn: where it begins, observation, command and reward.
 
 A task works on a fleet, all its flights at once; an environment of one flight has a fleet of one.
 """
@@ -34,7 +33,7 @@ class Feature:
 
 
 class StepResult(NamedTuple):
-    """What a step came to, each shape (flights,): reward; whether the task is over; whether it was done."""
+    """Result of a step, each shape (flights,): reward, true where the task is over, and where it was done."""
 
     reward: np.ndarray
     over: np.ndarray
@@ -85,7 +84,7 @@ class Task(ABC):
         return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """What the flight computers know, shape (flights, size); nothing of it is the truth."""
+        """Observe what the flight computers know, shape (flights, size); nothing of it is the truth."""
         columns = [
             np.asarray(feature.read(self.fleet.memories), float).reshape(len(self.fleet), -1) / feature.scale
             for feature in self.features
@@ -117,21 +116,21 @@ class Task(ABC):
 
     @abstractmethod
     def baseline(self) -> np.ndarray:
-        """What the flight software itself would do, as actions."""
+        """Return the actions of the flight software itself."""
 
     @abstractmethod
     def result(self) -> StepResult:
-        """What the step since came to."""
+        """Evaluate the step since the last call."""
 
     def begin(self, index: int) -> None:  # noqa: B027  few tasks remember anything
         """Forget the episode of a flight that begins anew."""
 
     def in_roles(self, *roles: str) -> np.ndarray:
-        """Whether each flight is in a phase of these roles, shape (flights,)."""
+        """True for each flight in a phase of these roles, shape (flights,)."""
         return np.isin(self.roles[self.fleet.memories["mission"]["phase"]], roles)
 
     def ended(self) -> np.ndarray:
-        """Whether each flight has ended, shape (flights,)."""
+        """True for each flight that has ended, shape (flights,)."""
         return ~self.fleet.flying
 
 

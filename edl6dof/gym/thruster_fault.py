@@ -127,7 +127,7 @@ class FaultDiagnosis(_ThrusterFault):
         external["isolated"][:, :_THRUSTERS] = self._named[:, None] == np.arange(1, _THRUSTERS + 1)
 
     def baseline(self) -> np.ndarray:
-        """What fault isolation has named."""
+        """Thruster that fault isolation has named, 0 for none."""
         diagnosis = self.fleet.memories["diagnosis"]
         first = diagnosis["isolated"]["thruster"][:, 0]
         return np.where(diagnosis["n_isolated"] > 0, first + 1, 0)

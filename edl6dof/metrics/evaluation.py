@@ -48,17 +48,17 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """Whether the limit is kept; a value that could not be formed does not keep it."""
+        """True if the limit is kept; a value that could not be formed does not keep it."""
         return bool(self.value <= self.limit)
 
     @property
     def of_balance(self) -> bool:
-        """Whether it judges the simulator and not the mission."""
+        """True if it judges the simulator and not the mission."""
         return figure_of_merit(self.figure).source == "balance"
 
     @property
     def told(self) -> str:
-        """What stands for it in the outcome: a broken balance with its numbers."""
+        """Words for it in the outcome: a broken balance with its numbers."""
         unit = f" {self.unit}" if self.unit else ""
         return (
             f"{self.label}: {self.value:.1e}, limit {self.limit:g}{unit}" if self.of_balance else self.label

@@ -1,5 +1,5 @@
-"""What hazard detection chose, beside the ground as it is; and how near backshell and canopy came to the
-lander once they had parted, between rows as well.
+"""Choice of hazard detection compared with the true ground, and least distance of backshell and canopy from
+the lander once they have parted, between rows as well.
 """
 
 from __future__ import annotations

@@ -128,7 +128,7 @@ class Exclusion:
 
 
 def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
-    """What went out of use and came back, in the order of time."""
+    """Instruments that went out of use and came back, in the order of time."""
     log = fsw["navigation"]["exclusions"]
     found = []
     for change in log["changes"][: log["n_changes"]]:

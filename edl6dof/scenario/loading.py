@@ -36,9 +36,7 @@ _LABELS = re.compile(
 
 @cache
 def truth_problem(path: str) -> str:
-    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
-    path.
-    """
+    """Say why ``truth`` cannot hold a dotted path; empty where it can, or where there is no such path."""
     section = path.strip().partition(".")[0]
     if section not in Scenario.model_fields:
         return ""

@@ -1,4 +1,4 @@
-"""What a client may ask of its flight, and the answers.
+"""Requests of a client to its flight, and the answers.
 
 Everything in a request was written by somebody else: each field is looked at before the flight goes on, and
 an answer says what is wrong and what was probably meant.
@@ -92,7 +92,7 @@ class Session:
         return {**self._standing(), **self._look(names)}
 
     def _look(self, names: Any) -> Answer:
-        """What is observed of what is wanted: all, names in a list, or nothing."""
+        """Observe what is requested: everything, the names in a list, or nothing."""
         if names is None or names is False:
             return {}
         if names is not True and not isinstance(names, list):

@@ -29,7 +29,7 @@ _MESSAGE_S = 30.0
 
 
 class Unreadable(ValueError):
-    """What follows cannot be made out: where the next message begins is not known."""
+    """The rest of the stream cannot be read: the start of the next message is unknown."""
 
 
 class Wire:
@@ -65,7 +65,7 @@ class Wire:
         return exactly(line, size, _MESSAGE_S)
 
     def unpack(self, body: bytes) -> Any:
-        """What a message says.
+        """Unpack the content of a message.
 
         Raises:
             ValueError: it is no MessagePack, or not what a request may be made of.

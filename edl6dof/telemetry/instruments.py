@@ -1,4 +1,4 @@
-"""What was made of each instrument, row by row: its telemetry is a bit of a number for each kind."""
+"""State of each instrument, row by row, from telemetry that holds a bit of a number for each."""
 
 from __future__ import annotations
 

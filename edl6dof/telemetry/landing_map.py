@@ -1,4 +1,4 @@
-"""What a lander saw of the ground below it, and why it went where it went: for reports and pictures."""
+"""The map of the ground that a lander made, and the choice on it: for reports and pictures."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class LandingMap(NamedTuple):
     coarse_part: np.ndarray
 
     def reasons(self) -> list[str]:
-        """Why each of the rejected spots was passed over: ``edge``, ``slope`` or ``rock``."""
+        """Reason why each rejected spot was passed over: ``edge``, ``slope`` or ``rock``."""
         return [CELL_CLASSES[int(cell_class)] for cell_class in self.rejected_class]
 
 

@@ -1,4 +1,4 @@
-"""Which rows of a series a picture needs: those without which a curve would look another, and every peak."""
+"""Rows of a series that a picture needs: those that shape the curve, and every peak."""
 
 from __future__ import annotations
 

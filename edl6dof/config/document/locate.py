@@ -122,7 +122,7 @@ def shown(path: Path) -> str:
 
 
 def why_no_folder(name: str) -> str | None:
-    """Why a name does not do as that of a folder; ``None`` when it does."""
+    """Say why a name cannot be that of a folder; ``None`` when it can."""
     if not _FOLDER_NAME.fullmatch(name):
         return (
             "must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the "

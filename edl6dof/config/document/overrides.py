@@ -21,7 +21,7 @@ _FORM = "must have the form path.to.key=value"
 
 
 class _Refused(ValueError):
-    """Why one override cannot be applied."""
+    """An override cannot be applied; the text says why."""
 
 
 def apply_overrides(document: Document, overrides: Iterable[str], model: type[BaseModel]) -> Document:
