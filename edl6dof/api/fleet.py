@@ -33,7 +33,7 @@ class Fleet(sim.Fleet):
         return self.outcomes == FLYING
 
     def landed_well(self, limits: LimitParams) -> np.ndarray:
-        """True for each flight at rest within the limits of touchdown and of the ground below, shape (flights,)."""
+        """True for each flight at rest within the limits of touchdown and of the ground, shape (flights,)."""
         landed = self.outcomes == LANDED
         for index in np.flatnonzero(landed):
             one = slice(index, index + 1)

@@ -80,16 +80,18 @@ def fly(
     if start is None and scenario is None:
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     activate(scenario if isinstance(scenario, str | Path) else None)
-    from edl6dof.api.flight import continued, flown_into, fly_loaded, saved_state
+    from edl6dof.api.flight import Flight, flown_into
+    from edl6dof.sim import flight as sim
+    from edl6dof.sim.checkpoint import State
 
-    state = None if start is None else saved_state(start)
+    state = State.load(Path(start)) if isinstance(start, str | Path) else start
     if scenario is not None:
         loaded = _loaded(scenario, overrides)
     elif state is not None:
-        loaded = continued(state, overrides)
+        loaded = sim.continue_from(state, texts(overrides))
 
     def flown() -> Flight:
-        return fly_loaded(loaded, start=state, save_at_s=save_at_s, progress=progress)
+        return Flight.of(sim.fly(loaded, start=state, save_at_s=save_at_s, progress=progress))
 
     return flown() if out is None else flown_into(Path(out), flown, replay=replay, force=force)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import accumulate, chain, groupby
 from pathlib import Path
 from textwrap import wrap
 
@@ -103,10 +103,8 @@ def select(table: list[Row], path: str) -> list[Row]:
 
 def known_paths(table: list[Row]) -> list[str]:
     """Dotted paths of all parameters and sections, without list brackets."""
-    paths = [_plain(row.path).split(".") for row in table]
-    return list(
-        dict.fromkeys(".".join(parts[:length]) for parts in paths for length in range(1, len(parts) + 1))
-    )
+    paths = (accumulate(_plain(row.path).split("."), "{}.{}".format) for row in table)
+    return list(dict.fromkeys(chain.from_iterable(paths)))
 
 
 def _plain(path: str) -> str:
@@ -128,11 +126,8 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
         default = row.default if is_short else ""
         limits = row.bounds.replace(" and ", ", ")
         is_range = limits.startswith(("<", ">"))
-        yield (
-            f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  "
-            f"{limits if is_range else ''}".rstrip(),
-            "",
-        )
+        line = f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}"
+        yield line.rstrip(), ""
         if not is_short:
             yield from _paragraph(f"default: {row.default}", width)
         source = f"{row.printed} in {row.source}" if row.printed else row.source
@@ -198,6 +193,5 @@ def _printable(source: str) -> str:
     as escapes.
     """
     text = source.replace("\r\n", "\n").replace("\r", "\n")
-    return "".join(
-        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
-    )
+    kept = (one if one.isprintable() or one in "\n\t" else ascii(one)[1:-1] for one in text)
+    return "".join(kept)

@@ -52,17 +52,19 @@ def fly(
     activate(scenario)
     from rich.console import Console
 
-    from edl6dof.api.flight import Flight, continued, flown_into, fly_loaded, saved_state
+    from edl6dof.api.flight import Flight, flown_into
     from edl6dof.api.functions import report as write_report
     from edl6dof.cli.progress import announce_compiling, flight_progress
     from edl6dof.manifest import listed
     from edl6dof.report.terminal import headline, show_flight
     from edl6dof.runs.folder import default_folder
     from edl6dof.scenario.loading import load_scenario
+    from edl6dof.sim import flight as sim
+    from edl6dof.sim.checkpoint import State
 
-    state = None if start is None else saved_state(start)
+    state = None if start is None else State.load(start)
     if state is not None:
-        loaded = continued(state, sets or ())
+        loaded = sim.continue_from(state, tuple(sets or ()))
     elif scenario is not None:
         loaded = load_scenario(scenario, sets or ())
     else:
@@ -74,7 +76,7 @@ def fly(
     def flown() -> Flight:
         announce_compiling(talk)
         with flight_progress(talk) as progress:
-            return fly_loaded(loaded, start=state, save_at_s=save_state, progress=progress)
+            return Flight.of(sim.fly(loaded, start=state, save_at_s=save_state, progress=progress))
 
     with _pandas_unloaded():
         flight = flown_into(target, flown, replay=replay, force=force, release=True)
