@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.api.errors import library
+from edl6dof.api.arguments import library
 from edl6dof.api.flight import Flight
-from edl6dof.api.results import html_table
+from edl6dof.api.flight_results import html_table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.engines import Engine, Threads, dask_engine

@@ -12,8 +12,8 @@ import numpy as np
 from edl6dof.api.simulation import Starts
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import checks
-from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.metrics.touchdown_terrain import footing_figures
 from edl6dof.scenario.schema import LimitParams
 from edl6dof.sim import fleet as sim
 from edl6dof.sim.fleet import Start

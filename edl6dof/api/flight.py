@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.api.results import FlightResults
+from edl6dof.api.flight_results import FlightResults
 from edl6dof.config.errors import Named
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS

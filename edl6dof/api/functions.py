@@ -10,8 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edl6dof.api.errors import naming_arguments, scenario_name
-from edl6dof.api.overrides import Overrides, texts
+from edl6dof.api.arguments import Overrides, naming_arguments, scenario_name, texts
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
@@ -322,7 +321,7 @@ def faults(
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
     from edl6dof.api.campaign import EngineChoice, flown
-    from edl6dof.api.fault_matrix import listed, matrix_of
+    from edl6dof.api.fault_choice import listed, matrix_of
     from edl6dof.campaign.fault_kinds import matrix_plan
     from edl6dof.scenario.loading import load_scenario
 

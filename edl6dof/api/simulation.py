@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.api.errors import naming_arguments, scenario_name
+from edl6dof.api.arguments import naming_arguments, scenario_name, texts
 from edl6dof.api.flight import Flight
 from edl6dof.api.functions import activate
-from edl6dof.api.overrides import texts
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants

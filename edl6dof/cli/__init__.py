@@ -11,7 +11,7 @@ from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
 from edl6dof.cli.group import Command, app, examples
-from edl6dof.cli.results import compare, export, plot, replay, report
+from edl6dof.cli.run_outputs import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
 
 

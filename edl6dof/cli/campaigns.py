@@ -213,7 +213,7 @@ def faults(
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
         from edl6dof.api.campaign import EngineChoice
-        from edl6dof.api.fault_matrix import matrix_of
+        from edl6dof.api.fault_choice import matrix_of
         from edl6dof.campaign.fault_kinds import matrix_plan
         from edl6dof.campaign.storage.store import Store
         from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan

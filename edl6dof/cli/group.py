@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from edl6dof.api.errors import naming_options
+from edl6dof.api.arguments import naming_options
 from edl6dof.cli.exit_status import BAD_INPUT, BROKEN_PIPE, INTERRUPTED
 from edl6dof.config.errors import ConfigError
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
+from edl6dof.api.flight_results import channels_figure
 from edl6dof.api.reports import write_page
-from edl6dof.api.results import channels_figure
 from edl6dof.campaign.compare import Comparison, Difference, compare
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import refusal

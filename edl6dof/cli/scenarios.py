@@ -153,7 +153,7 @@ def serve(
     Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
     """
     activate(scenario)
-    from edl6dof.serve.server import HOST, FlightServer
+    from edl6dof.serve.flight_server import HOST, FlightServer
     from edl6dof.serve.session import Session
 
     def begin() -> Session:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
+from edl6dof.metrics.figure_forms import Flown
 from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Source, figure_of_merit
-from edl6dof.metrics.forms import Flown
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import great_circle

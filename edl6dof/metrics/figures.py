@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 from edl6dof.config.units import Unit, split_unit
 from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, begun
-from edl6dof.metrics.forms import (
+from edl6dof.metrics.figure_forms import (
     Form,
     Part,
     at,

@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.report.figure import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN, Dash
 from edl6dof.report.numbers import printed
 from edl6dof.telemetry.columns import describe
-from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
+from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 
 #: Claimed standard deviations at which bounds are drawn.
 BOUND = 3.0

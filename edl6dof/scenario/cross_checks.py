@@ -12,7 +12,7 @@ from edl6dof.fsw.control.registry import HEEDS
 from edl6dof.fsw.hazard.footprint import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
-from edl6dof.scenario.events import event_problems, quantity_problems, way_problems
+from edl6dof.scenario.mission_events import event_problems, quantity_problems, way_problems
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.spatial.arrays import lengths

@@ -22,9 +22,9 @@ from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, gro
 from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
-from edl6dof.scenario.belief import believe
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.places import start_of, vertical_axes
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.truth import build_case

@@ -11,8 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import edl6dof
-from edl6dof.api.errors import naming_arguments
-from edl6dof.api.overrides import texts
+from edl6dof.api.arguments import naming_arguments, texts
 from edl6dof.api.simulation import Simulation, described
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.wording import got, unknown

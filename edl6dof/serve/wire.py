@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.api.errors import library
+from edl6dof.api.arguments import library
 
 #: Bytes of a message; the largest saved state fits.
 LARGEST = 16 * 1024 * 1024

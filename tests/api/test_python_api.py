@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.api.overrides import texts
+from edl6dof.api.arguments import texts
 from edl6dof.sim.flight import fly as fly_flight
 
 SHORT = {"simulation.time_limit_s": 20.0, "mission.goal": "time"}

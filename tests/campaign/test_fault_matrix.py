@@ -16,8 +16,8 @@ from campaign_run import write_drop
 from forked import Forked
 
 import edl6dof
-from edl6dof.api import fault_matrix
-from edl6dof.api.fault_matrix import matrix_of, moments_at
+from edl6dof.api import fault_choice
+from edl6dof.api.fault_choice import matrix_of, moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.campaign.fault_kinds import matrix_plan
@@ -190,7 +190,7 @@ def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
         require_no_values(Path("m"), None, given)
 
 
-@pytest.mark.parametrize("owner, name", [(fault_matrix, "matrix_of"), (executor.CaseRunner, "prepared")])
+@pytest.mark.parametrize("owner, name", [(fault_choice, "matrix_of"), (executor.CaseRunner, "prepared")])
 def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
     def interrupt(*_, **__):
         raise KeyboardInterrupt

@@ -22,7 +22,7 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
-    "edl6dof.scenario.believed_vehicle": {"lift"},
+    "edl6dof.scenario.onboard_vehicle": {"lift"},
     "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
     "edl6dof.sim.observing": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force

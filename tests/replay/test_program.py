@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.results import replay
+from edl6dof.cli.run_outputs import replay
 from edl6dof.replay import program, viewer
 from edl6dof.replay.program import HOST, NoViewer, ViewerFailed, free_port, running
 

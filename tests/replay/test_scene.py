@@ -25,7 +25,7 @@ from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.site import Site
 from edl6dof.replay.views.phase_plane import boundaries, squeeze
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.scenario.relief import planned_ellipse
+from edl6dof.scenario.terrain_preview import planned_ellipse
 
 
 @pytest.fixture(scope="module")

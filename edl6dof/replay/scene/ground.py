@@ -7,7 +7,7 @@ import numpy as np
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.landscape import Landscape, sky
 from edl6dof.replay.scene.mesh import disc, rock
-from edl6dof.scenario.relief import planned_ellipse
+from edl6dof.scenario.terrain_preview import planned_ellipse
 from edl6dof.spatial import rotations as turns
 
 TARGET = (90, 220, 230)

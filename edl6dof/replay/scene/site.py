@@ -14,7 +14,7 @@ from edl6dof.environment.calendar import (
     solar_longitude,
     utc,
 )
-from edl6dof.scenario.relief import Relief
+from edl6dof.scenario.terrain_preview import Relief
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from edl6dof.report.panels import (
     STATES,
 )
 from edl6dof.runs.run import Run
-from edl6dof.telemetry.instruments import Instrument, instruments
+from edl6dof.telemetry.instrument_states import Instrument, instruments
 from edl6dof.telemetry.thinning import spans
 from edl6dof.vehicle.faults.component import Component, Components
 

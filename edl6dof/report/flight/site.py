@@ -9,7 +9,7 @@ import numpy as np
 from edl6dof.report.figure import GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
 from edl6dof.report.flight.parts import flown, placed
 from edl6dof.runs.run import Run
-from edl6dof.scenario.relief import planned_ellipse
+from edl6dof.scenario.terrain_preview import planned_ellipse
 
 EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
 

@@ -8,8 +8,8 @@ from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
-from edl6dof.scenario.events import event_problems, fill_mission
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.mission_events import event_problems, fill_mission
 
 DT = 0.02
 

@@ -8,8 +8,8 @@ from sequencing import DT, VEHICLE, Sequencer, last, plan, trigger
 
 from edl6dof.fsw.mission.phases import GUIDANCE, Event, MissionParams, Phase
 from edl6dof.interface.events import ACTIONS
-from edl6dof.scenario.events import event_problems
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.mission_events import event_problems
 
 
 def test_phases_follow_in_order_and_the_last_goes_on_for_ever():

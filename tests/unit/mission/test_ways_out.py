@@ -4,7 +4,7 @@ import pytest
 from sequencing import Sequencer, last, plan, trigger
 
 from edl6dof.fsw.mission.phases import Condition, MissionParams, Phase, WayOut
-from edl6dof.scenario.events import way_problems
+from edl6dof.scenario.mission_events import way_problems
 
 
 def way(*conditions, **more):

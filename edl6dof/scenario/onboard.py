@@ -17,10 +17,10 @@ from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.fsw.onboard import NODES, ONBOARD
-from edl6dof.scenario.aim import plan
-from edl6dof.scenario.believed_vehicle import believe_drifter, believe_vehicle
-from edl6dof.scenario.events import event_number, fill_mission
+from edl6dof.scenario.entry_target import plan
 from edl6dof.scenario.expected_descent import wind_at, wind_of
+from edl6dof.scenario.mission_events import event_number, fill_mission
+from edl6dof.scenario.onboard_vehicle import believe_drifter, believe_vehicle
 from edl6dof.scenario.places import fill_site
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import SENSOR_FAMILY

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.api.errors import library
+from edl6dof.api.arguments import library
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import Check
 from edl6dof.report.channels import Columns, channel_plot, chosen
