@@ -39,7 +39,7 @@ from edl6dof.replay.views.director import Director
 from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
 from edl6dof.replay.views.phase_plane import PhasePlanes
 from edl6dof.replay.views.spatial import TIMELINE, Shown
-from edl6dof.telemetry.instruments import Instrument
+from edl6dof.telemetry.instrument_states import Instrument
 
 if TYPE_CHECKING:
     import rerun as rr
