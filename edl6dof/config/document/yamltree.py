@@ -66,9 +66,8 @@ def parse_yaml(text: str, file: str) -> Tree:
     if bad := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, bad.start()) + 1
         column = bad.start() - text.rfind("\n", 0, bad.start())
-        raise ConfigError(
-            [Problem(file, line, column, "", f"character {bad.group()!r} is not allowed in YAML")]
-        )
+        message = f"character {bad.group()!r} is not allowed in YAML"
+        raise ConfigError([Problem(file, line, column, "", message)])
     builder = _Builder(text, file)
     try:
         builder.run()
@@ -106,8 +105,9 @@ class _Builder:
         self.file = file
         self.lines = text.splitlines()
         self.events = yaml.parse(text, Loader=LOADER)
-        # line -> column behind the last token: a comment can only follow there
+        # line -> column behind its last token, where alone a comment can follow; the last one taken
         self.ends: dict[int, int] = {}
+        self.line = 0
         self.claim_lines: dict[Keys, tuple[int, ...]] = {}
         self.plain: dict[Keys, bool] = {}  # whether a value holds no mapping: only such values carry a status
         self.problems: list[Problem] = []
@@ -127,6 +127,7 @@ class _Builder:
         end = event.end_mark
         if end.index != event.start_mark.index:
             self.ends[end.line] = max(end.column, self.ends.get(end.line, 0))
+        self.line = end.line
         return event
 
     def _problem(self, event: yaml.Event, path: Keys, message: str) -> None:
@@ -144,13 +145,16 @@ class _Builder:
             return None
         if event.tag:
             self._tag(path, event)
-        flow = isinstance(event, yaml.ScalarEvent) or event.flow_style
-        self.claim_lines[path] = (event.end_mark.line, *key_lines) if flow else key_lines
+        self.claim_lines[path] = key_lines
         if isinstance(event, yaml.MappingStartEvent):
-            return self._mapping(path, flow, key_lines)
-        if isinstance(event, yaml.SequenceStartEvent):
-            return self._sequence(path, flow, key_lines)
-        return self._scalar(path, event)
+            value: Any = self._mapping(path)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            value = self._sequence(path)
+        else:
+            value = self._scalar(path, event)
+        if isinstance(event, yaml.ScalarEvent) or event.flow_style:
+            self.claim_lines[path] = (self.line, *key_lines)
+        return value
 
     def _tag(self, path: Keys, event: yaml.Event) -> None:
         if event.tag != REPLACE:
@@ -174,20 +178,16 @@ class _Builder:
             self._problem(event, path, f"{error} (got {shown})")
             return None
 
-    def _sequence(self, path: Keys, flow: bool, key_lines: tuple[int, ...]) -> list[Any]:
+    def _sequence(self, path: Keys) -> list[Any]:
         items: list[Any] = []
         while not isinstance(event := self._take(), yaml.SequenceEndEvent):
-            item_path = (*path, len(items))
-            self.tree.marks[item_path] = Mark(
-                self.file, event.start_mark.line + 1, event.start_mark.column + 1
-            )
+            item_path, start = (*path, len(items)), event.start_mark
+            self.tree.marks[item_path] = Mark(self.file, start.line + 1, start.column + 1)
             items.append(self._value(item_path, event, ()))
             self.plain[path] &= self.plain[item_path]
-        if flow:
-            self.claim_lines[path] = (event.end_mark.line, *key_lines)
         return items
 
-    def _mapping(self, path: Keys, flow: bool, key_lines: tuple[int, ...]) -> dict[str, Any]:
+    def _mapping(self, path: Keys) -> dict[str, Any]:
         self.plain[path] = False
         items: dict[str, Any] = {}
         while not isinstance(event := self._take(), yaml.MappingEndEvent):
@@ -203,8 +203,6 @@ class _Builder:
                 self._problem(event, (*path, key), f"key is given twice (first on line {first})")
             self.tree.marks[(*path, key)] = Mark(self.file, line + 1, event.start_mark.column + 1)
             items[key] = self._value((*path, key), self._take(), (line,))
-        if flow:
-            self.claim_lines[path] = (event.end_mark.line, *key_lines)
         return items
 
     def _collect_claims(self) -> None:
