@@ -112,10 +112,11 @@ def show_alone(found: Alone, event: EventFigures) -> None:
     table = _table("parameter", names)
     targets = [target for source in found.found for draw in source.draws for target in draw.targets]
     for target, slopes, bends in zip(targets, found.slopes, found.bends, strict=True):
-        pairs = zip(slopes[: len(names)], bends[: len(names)], strict=True)
-        cells = (f"{significant(slope, 2)}, {significant(bend, 2)}" for slope, bend in pairs)
-        marks = ("*" if bent else " " for bent in np.abs(bends) > np.abs(slopes))
-        table.add_row(target.path, *map(str.__add__, cells, marks))
+        cells = [
+            f"{significant(slope, 2)}, {significant(bend, 2)}{'*' if abs(bend) > abs(slope) else ' '}"
+            for slope, bend in zip(slopes[: len(names)], bends[: len(names)], strict=True)
+        ]
+        table.add_row(target.path, *cells)
     print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
     print_whole(table)
 
