@@ -19,21 +19,13 @@ from edl6dof.config.units import Unit, split_unit
 
 @dataclass(frozen=True)
 class Slot:
-    """A place for a value: the alternatives its type allows, and the bounds on it.
+    """A place for a value: the alternatives its type allows, and the bounds on it."""
 
-    Attributes:
-        name: nearest field name, which carries the unit.
-        options: alternatives of the type, ``None`` left out.
-        optional: whether ``None`` is allowed.
-        limits: pydantic metadata (bounds).
-        info: declaration, when the place is a field.
-    """
-
-    name: str
-    options: tuple[Any, ...]
-    optional: bool = False
-    limits: tuple[Any, ...] = ()
-    info: FieldInfo | None = None
+    name: str  # nearest field name, which carries the unit
+    options: tuple[Any, ...]  # alternatives of the type, ``None`` left out
+    optional: bool = False  # true if ``None`` is allowed
+    limits: tuple[Any, ...] = ()  # pydantic metadata (bounds)
+    info: FieldInfo | None = None  # declaration, when the place is a field
 
     @property
     def unit(self) -> Unit:

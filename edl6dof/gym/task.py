@@ -41,31 +41,18 @@ class StepResult(NamedTuple):
 
 
 class Task(ABC):
-    """A task.
-
-    Attributes:
-        scenario: scenario or campaign that episodes are taken from.
-        overrides: what differs in it.
-        faults: faults of which each flight has one.
-        role: role of the mission phase in which an episode begins.
-        later_s: how long after the beginning of that phase, s.
-        interval_s: time between two actions, s.
-        longest_s: after which an episode is cut off, s.
-        features: what is observed.
-        size: numbers of an action.
-        title: in a few words.
-    """
+    """A task."""
 
     title: str
-    scenario: str = "tianwen1_mc"
-    overrides: Mapping[str, Any] = {}
-    faults: tuple[Mapping[str, Any], ...] = ()
-    role: str
-    later_s: float = 0.0
-    interval_s: float
-    longest_s: float
-    features: tuple[Feature, ...]
-    size: int
+    scenario: str = "tianwen1_mc"  # scenario or campaign that episodes are taken from
+    overrides: Mapping[str, Any] = {}  # changes of it
+    faults: tuple[Mapping[str, Any], ...] = ()  # of which each flight has one
+    role: str  # of the mission phase in which an episode begins
+    later_s: float = 0.0  # time from the beginning of that phase to the episode, s
+    interval_s: float  # time between two actions, s
+    longest_s: float  # time after which an episode is cut off, s
+    features: tuple[Feature, ...]  # of an observation
+    size: int  # numbers of an action
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         self.loaded, self.fleet = loaded, fleet

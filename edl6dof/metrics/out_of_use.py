@@ -17,20 +17,12 @@ from edl6dof.vehicle.plant import NOT_BEGUN
 
 @dataclass(frozen=True)
 class IsolatedFault:
-    """A thruster fault that the flight computer isolated; it takes the thruster out of use.
-
-    Attributes:
-        thruster: its name.
-        kind: how it failed: stuck off, stuck on, degraded.
-        confidence: posterior probability, 0 to 1.
-        loss: fraction of its thrust lost (0 for stuck on).
-        t_s: when.
-    """
+    """A thruster fault that the flight computer isolated; it takes the thruster out of use."""
 
     thruster: str
-    kind: str
-    confidence: float
-    loss: float
+    kind: str  # stuck off, stuck on, degraded
+    confidence: float  # posterior probability, 0 to 1
+    loss: float  # fraction of its thrust lost (0 for stuck on)
     t_s: float
 
     @property
@@ -103,16 +95,9 @@ _FIRST: dict[Component, int] = {
 
 @dataclass(frozen=True)
 class Exclusion:
-    """An instrument that went out of use, or came back.
+    """An instrument that went out of use, or came back."""
 
-    Attributes:
-        component: kind of instrument; the inertial unit for all gyros at the end of their range.
-        instrument: its name.
-        back: whether it came back.
-        t_s: when.
-    """
-
-    component: Component
+    component: Component  # the inertial unit for all gyros at the end of their range
     instrument: str
     back: bool
     t_s: float

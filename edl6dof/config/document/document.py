@@ -15,21 +15,18 @@ from edl6dof.config.errors import ConfigError, Problem
 class Document:
     """Plain data of a scenario, and for error messages and provenance: where each value stands and what kind
     of claim it is.
-
-    Attributes:
-        data: nested dicts and lists of str, int, float, bool and None.
-        marks: place of every key and list item; ``()`` is the document itself.
-        status: dotted path to status name, where a mark such as ``# [P] S1 section 7`` stands.
-        sources: dotted path to the text behind that mark.
-        files: every file read, the scenario first.
-        replacing: lists tagged ``!replace``, until the document is laid over its base.
     """
 
+    #: Nested dicts and lists of str, int, float, bool and None.
     data: dict[str, Any]
+    #: Place of every key and list item; ``()`` is the document itself.
     marks: dict[Keys, Mark] = field(default_factory=dict)
+    #: By dotted path the status and the source in a comment such as ``# [P] S1 section 7``.
     status: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
+    #: Every file read, the scenario first.
     files: tuple[Path, ...] = ()
+    #: Lists tagged ``!replace``, until the document is laid over its base.
     replacing: set[Keys] = field(default_factory=set)
 
     def copy(self) -> Document:
