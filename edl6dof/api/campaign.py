@@ -111,9 +111,7 @@ class CampaignResult:
         return self._columns[column]
 
     def quantile(self, column: str, share: float) -> Quantile | None:
-        """Value below which a share of all flights stays, with its bounds at 95 %; ``None`` where the cases
-        are too few to bound it.
-        """
+        """Value that a share of all flights stays below, with 95 % bounds; ``None`` if cases are too few."""
         return quantile(self[column].astype(float), share)
 
     def quantiles(self, column: str) -> list[Quantile]:

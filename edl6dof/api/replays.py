@@ -46,9 +46,7 @@ FPS = 24.0
 
 
 class Film(NamedTuple):
-    """A film to write: its file, ``None`` for no film, its first and last time (s), length (s), and frames
-    per second.
-    """
+    """A film to write: file (``None`` for none), first and last time (s), length (s), frames per second."""
 
     file: Path | None
     start_s: float | None
@@ -133,9 +131,7 @@ def show_replay(
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, so that nothing is left behind: no viewer, no
-    temporary file.
-    """
+    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, leaving no viewer and no temporary file."""
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
@@ -231,8 +227,6 @@ def trajectories(plan: Plan) -> list[Trajectory]:
 
 
 def _places(flight: Flight) -> Mapping[str, Any]:
-    """Positions in landing-site axes, a row every two seconds, copied: the telemetry belongs to the next
-    case.
-    """
+    """Positions in landing-site axes every two seconds, copied: the next case reuses the telemetry."""
     rows = thin(np.array(flight.telemetry["t_s"]), RATE_HZ)
     return {"places": vector(flight.telemetry, "truth.site", "east north up", "_m")[rows].astype(np.float32)}

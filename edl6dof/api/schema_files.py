@@ -76,9 +76,7 @@ _OWN_WORDS = ("record", "status", "source", "printed")
 
 
 def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
-    """A property with unit, status and source in the description, where an editor shows them, and without our
-    own keywords.
-    """
+    """A property without our own keywords, with unit, status and source in its description."""
     plain = {key: value for key, value in field.items() if key not in _OWN_WORDS}
     unit = split_unit(name)[1].label
     claim = ", ".join(part for part in (field.get("status"), field.get("source")) if part)
@@ -88,9 +86,7 @@ def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
 
 
 def scenario_schema() -> dict[str, Any]:
-    """Describe scenario files, those that extend another one, and their campaign, sweep and
-    calibration sections.
-    """
+    """Describe scenario files, also those that extend another, with their campaign and other sections."""
     schema = json_schema(Scenario)
     schema["properties"][EXTENDS] = {
         "type": "string",
@@ -105,9 +101,7 @@ def scenario_schema() -> dict[str, Any]:
 
 
 def _ask_for_nothing_in_sections(schema: dict[str, Any]) -> None:
-    """A file that extends another has of a section only what it changes; what is missing for good, ``check``
-    says.
-    """
+    """Require nothing in sections: a file that extends another has of one only what it changes."""
     definitions, met, waiting = schema["$defs"], set[str](), [schema]
     while waiting:
         for field in waiting.pop().get("properties", {}).values():

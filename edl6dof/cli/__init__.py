@@ -34,9 +34,7 @@ app.add_typer(design, name="design")
 
 
 def main() -> None:
-    """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its
-    own.
-    """
+    """Run the command line; an exception that no command handles is a defect, with its own exit status."""
     if os.path.lexists(".numba_config.yaml"):
         words = "holds settings of numba for this folder, which edl6dof does not take: start it elsewhere"
         print(f".numba_config.yaml: {words}, or set them as NUMBA_ variables", file=sys.stderr)

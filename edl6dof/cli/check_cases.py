@@ -86,9 +86,7 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
 
 
 def _comparisons(results: Sequence[Result]) -> Table:
-    """Rows of one model against one source, in columns of fixed width so that the blocks line up; a repeated
-    reason is left out.
-    """
+    """Rows of one model against one source, in columns of fixed width; a repeated reason is left out."""
     table = Table(box=None, pad_edge=False, show_header=False)
     for width in (25, 7, 1, 5, 5, 4):
         table.add_column(width=width)

@@ -30,9 +30,7 @@ _CLEAR = 3.0
 
 
 def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, took_s: float) -> None:
-    """Print the spread of every figure, beside the figures of a campaign's flights if given, and the
-    budget.
-    """
+    """Print the spread of every figure, also that of a campaign's flights if given, and the budget."""
     console = Console(highlight=False, soft_wrap=True)
     flights = 2 * len(found.pairs.odd)
     console.print(f"{name}, {event}: {counted(flights, 'flight')} in {took_s:.1f} s", style="bold")

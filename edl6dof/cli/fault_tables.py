@@ -92,9 +92,7 @@ def _lines(console: Console, style: str, lines: Sequence[str]) -> None:
 
 
 def _matrix(rows: Sequence[Row], kind: str) -> Table:
-    """Components by moments: green named rightly, magenta wrongly, yellow not named, red not within
-    limits.
-    """
+    """Components by moments: named rightly green, wrongly magenta, not yellow; out of limits red."""
     table = _empty(kind.replace("_", " "))
     table.add_column("")
     moments = list(dict.fromkeys(row["moment"] for row in rows))

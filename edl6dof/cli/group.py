@@ -144,9 +144,7 @@ def _called(argument: Any) -> str:
 
 
 class Commands(TyperGroup):
-    """All commands: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a
-    traceback.
-    """
+    """All commands; bad input ends with status 2 and a line per problem, Ctrl-C with 130."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for; the number that it returns is the exit status."""

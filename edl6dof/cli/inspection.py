@@ -70,9 +70,7 @@ def list_scenarios() -> None:
 
 
 def show_params(path: str, as_json: bool) -> int:
-    """Print the reference table from ``path`` downwards, or of all parameters whose path contains that
-    text.
-    """
+    """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
     table = rows(Scenario)
     found = select(table, path)
     if not found:
@@ -93,9 +91,7 @@ def show_params(path: str, as_json: bool) -> int:
 
 
 def select(table: list[Row], path: str) -> list[Row]:
-    """Rows at and below a dotted path, written with or without list indices, or else rows whose path contains
-    the text.
-    """
+    """Rows at and below a dotted path, with or without list indices, or else whose path contains the text."""
     wanted = _plain(path)
     below = [row for row in table if f"{_plain(row.path)}.".startswith(f"{wanted}.")] if wanted else table
     return below or [row for row in table if path.strip().casefold() in row.path.casefold()]
@@ -108,17 +104,13 @@ def known_paths(table: list[Row]) -> list[str]:
 
 
 def _plain(path: str) -> str:
-    """``vehicle.rcs.thrusters[].name`` or ``vehicle.rcs.thrusters.0.name`` as
-    ``vehicle.rcs.thrusters.name``.
-    """
+    """``vehicle.rcs.thrusters[].name`` and ``...thrusters.0.name`` as ``vehicle.rcs.thrusters.name``."""
     parts = path.strip().replace("[]", "").split(".")
     return ".".join(part for part in parts if part and not part.isdecimal())
 
 
 def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
-    """Aligned lines of one section and their style: key, default, unit and bounds; below it meaning, kind and
-    status.
-    """
+    """Lines of one section and their style: key, default, unit, bounds; below them meaning and status."""
     names = [row.path.rpartition(".")[2] for row in members]
     key_width = max(map(len, names))
     for name, row in zip(names, members, strict=True):
@@ -146,9 +138,7 @@ def _paragraph(text: str, width: int) -> Iterator[tuple[str, str]]:
 
 
 def trust_plugins(files: Sequence[str], yes: bool) -> int:
-    """Show each plugin, ask whether it may run, and record the consent to what was shown; returns the exit
-    status.
-    """
+    """Show each plugin, ask for consent to run it, and record that; returns the exit status."""
     for path in [path for file in files for path in _plugins(file)]:
         try:
             content = plugin_content(path)
@@ -189,9 +179,7 @@ def _consent(path: Path) -> bool:
 
 
 def _printable(source: str) -> str:
-    """Source text for a terminal: lines as Python counts them, and control characters, which could hide some,
-    as escapes.
-    """
+    """Source text for a terminal, lines as Python counts them; escapes show control characters."""
     text = source.replace("\r\n", "\n").replace("\r", "\n")
     kept = (one if one.isprintable() or one in "\n\t" else ascii(one)[1:-1] for one in text)
     return "".join(kept)

@@ -129,9 +129,7 @@ def _outcome(report: Report) -> str:
 
 
 def _grid(grid: Grid) -> Table:
-    """A table of many columns in 80 characters: narrow gaps, the words of a heading below each other, numbers
-    never cut.
-    """
+    """A table of many columns in 80 characters: narrow gaps, broken headings, whole numbers."""
     table = Table(
         title=_below_each_other(_bound(grid.title, _PERCENT), _WIDE),
         title_justify="left",
@@ -158,9 +156,7 @@ def _grid(grid: Grid) -> Table:
 
 
 def _headings(heads: Sequence[str], least: Sequence[int]) -> tuple[list[str], list[int]]:
-    """Headings, and the widths of their columns: numbers stay with their units where the table is not too
-    wide for it.
-    """
+    """Headings and widths of their columns; numbers stay with their units where there is room for it."""
     for together in (_UNIT, _PERCENT):
         bound = [_bound(head, together) for head in heads]
         widths = [max(most, *map(len, head.split(" "))) for head, most in zip(bound, least, strict=True)]
@@ -207,9 +203,7 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
-    """Say if a requirement is kept; of a flown value computed less published, and if that is
-    reproduced.
-    """
+    """Say if a requirement is kept; of a flown value its difference, and if it is reproduced."""
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
     result = Text(finding.result, style=style)
     if finding.bound or finding.published is None:

@@ -91,9 +91,7 @@ def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
 
 
 class _Place(NamedTuple):
-    """Where a field of a model goes in its record: read from the declaration once, as records are filled for
-    every case.
-    """
+    """Place of a field of a model in its record, read once from the declaration."""
 
     name: str
     target: str

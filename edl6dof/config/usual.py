@@ -21,9 +21,7 @@ FACTOR = 10.0
 
 
 class Usual(NamedTuple):
-    """Range of usual values, in the unit of the parameter, and why; or of their largest magnitude, zero
-    aside.
-    """
+    """Range of usual values in the unit of the parameter, or of their magnitude; and the reason."""
 
     low: float
     high: float

@@ -1,6 +1,4 @@
-"""Check a document against a parameter model; all mistakes at once, in plain words, each with its file, line
-and key.
-"""
+"""Check a document against a parameter model; every mistake with its file, line and key."""
 
 from __future__ import annotations
 
@@ -79,9 +77,7 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
 
 
 def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[tuple, Slot, Slot | None]:
-    """Path in the document of a pydantic location (which also holds names of union alternatives), its place
-    and its parent's.
-    """
+    """Path of a pydantic location, which also names union alternatives; its place and its parent's."""
     path: list[str | int] = []
     slot, tagged = root_slot(model), False
     parent: Slot | None = None

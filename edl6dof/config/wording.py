@@ -72,9 +72,7 @@ def kinds(slot: Slot) -> list[str]:
 
 
 def in_bounds(slot: Slot, context: dict[str, Any] | None = None) -> str:
-    """``> 0 and <= 2.5``: the bounds of a number, or empty; without those of its unit when ``context`` names
-    one that is its own.
-    """
+    """``> 0 and <= 2.5``, or empty; without the unit's bounds when ``context`` names one of its own."""
     own = own_bounds(slot)
     limits = own if context and context.keys() & own.keys() else {**(context or {}), **bounds(slot)}
     text = " and ".join(f"{sign} {_number(limits[name])}" for name, sign in _SIGNS.items() if name in limits)

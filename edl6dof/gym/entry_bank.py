@@ -1,6 +1,4 @@
-"""Bank angle of the entry: from the beginning of lift control to the mortar, as near to the aim point as can
-be.
-"""
+"""Bank angle of the entry, from lift control to the mortar, as near to the aim point as possible."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The spot to land on: chosen on the map that the lander has made of the ground, while it descends from
-100 m.
-"""
+"""The spot to land on, chosen on the map of the ground while the lander descends from 100 m."""
 
 from __future__ import annotations
 
@@ -24,9 +22,7 @@ def clearances(memories: np.ndarray) -> np.ndarray:
 
 
 def on_map(memories: np.ndarray, place_L: np.ndarray) -> np.ndarray:
-    """Places, east and north of the landing site, from the middle of the map: 1 at its edges, shape
-    (flights, 2).
-    """
+    """Places (east, north) relative to the middle of the map, 1 at its edges, shape (flights, 2)."""
     corner, half = _map(memories)
     return (place_L - corner) / half - 1.0
 

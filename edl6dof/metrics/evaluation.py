@@ -36,9 +36,7 @@ AT_EVENTS = (
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: the figure that it bounds by name and in words, this flight's value and the largest value
-    allowed, in ``unit``.
-    """
+    """One limit: figure by name and in words, this flight's value and the largest allowed, in ``unit``."""
 
     figure: str
     label: str
@@ -66,9 +64,7 @@ class Check:
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that is set and whose point this flight reached, and every balance that it does not
-    keep.
-    """
+    """Every limit that is set and was reached, and every balance that is not kept."""
     bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
     found = [
         Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label)

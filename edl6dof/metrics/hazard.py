@@ -28,9 +28,7 @@ PARTED_S = 5.0
 
 
 class TrueSpot(NamedTuple):
-    """Where the chosen spot truly is, east and north of the landing site (m): as chosen, less the error of
-    navigation when the scan began.
-    """
+    """True place of the chosen spot, east and north of the site (m): as chosen less navigation error."""
 
     east: float
     north: float

@@ -47,9 +47,7 @@ def atomic_file(target: Path, force: bool, made_from: Path | None = None) -> Ite
 
 
 def refuse_existing_file(target: Path, force: bool, made_from: Path | None = None) -> None:
-    """Raise :class:`ConfigError` when ``target`` must not be written; the arguments are those of
-    :func:`atomic_file`.
-    """
+    """Raise :class:`ConfigError` when ``target`` must not be written; see :func:`atomic_file`."""
     if target.is_dir():
         raise refusal(target, "is a folder; name a file")
     if force or not os.path.lexists(target):

@@ -1,6 +1,4 @@
-"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown
-again, and no code is loaded.
-"""
+"""A run folder read back, for reports, plots and exports: nothing is flown, no code is loaded."""
 
 from __future__ import annotations
 
@@ -131,9 +129,7 @@ class Run(Mapping[str, np.ndarray]):
         return float(interpolate(t, self.t, self[name]))
 
     def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is
-        empty or did not happen.
-        """
+        """Rows between two events, shape (rows,), bool; unbounded where one is empty or did not happen."""
         return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
     def file(self, name: str) -> Path:

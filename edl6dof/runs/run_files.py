@@ -46,9 +46,7 @@ class Limit(TypedDict):
 
 @with_config(_EXACT)
 class Summary(TypedDict):
-    """``summary.json``: outcome, figures by name with unit suffix, limits, and the published figures of the
-    real flight.
-    """
+    """``summary.json``: outcome, figures by name, limits, and published figures of the real flight."""
 
     name: str
     outcome: str

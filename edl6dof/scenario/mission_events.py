@@ -1,6 +1,4 @@
-"""Events and ways out of the mission by number: the names of things and phases turned into indices, for both
-sides alike.
-"""
+"""Events and ways out of the mission by number: names of things and phases as indices."""
 
 from __future__ import annotations
 
@@ -59,9 +57,7 @@ def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[t
 
 
 def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
-    """Phases that nothing follows or that do not exist, and time windows upside down: dotted key and
-    message.
-    """
+    """Missing or dead-end phases, and time windows upside down: dotted key and message."""
     names = [phase.name for phase in mission.phases]
     branches = {way.next for phase in mission.phases for way in phase.ways_out}
     for i, phase in enumerate(mission.phases):

@@ -40,9 +40,7 @@ LEAST_FLOW_SHARE = 1e-3
 
 
 def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
-    """Build the belief of the flight computer, shape (1,): nominal models, no perturbation, and of the wind
-    the expected mean.
-    """
+    """Build the belief of the flight computer, shape (1,): nominal models and the mean wind expected."""
     onboard = np.zeros(1, ONBOARD)
     record = onboard[0]
     planet = scenario.planet
@@ -77,9 +75,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
 
 
 def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
-    """Against altitude: the flight computer takes the areoid to stand everywhere where it does at the
-    landing site.
-    """
+    """Tabulate against altitude: the areoid is believed to be everywhere as at the landing site."""
     nominal = np.zeros(1, ATMOSPHERE)
     fill_atmosphere(nominal[0], scenario.atmosphere.undispersed, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
@@ -100,9 +96,7 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
 
 
 def _span_of_air(scenario: Scenario) -> tuple[float, float]:
-    """Lowest and highest height (m above the areoid) of the believed atmosphere: at least from below the site
-    to above the initial state.
-    """
+    """Lowest and highest height (m above the areoid) of the believed air, site and start included."""
     air, start = scenario.atmosphere, scenario.initial_altitude_m - scenario.site_areoid_m
     bottom = min(air.bottom_m, scenario.terrain.site_elevation_m - BEYOND, start - BEYOND)
     return bottom, max(air.top_m, start + BEYOND)

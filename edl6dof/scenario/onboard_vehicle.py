@@ -120,9 +120,7 @@ def _believe_airframe(record: np.void, scenario: Scenario, tables: np.ndarray) -
 
 
 def _wing_opens(scenario: Scenario, quantity: str) -> float:
-    """Value of ``quantity`` at which the mission table opens the trim wing; 0 when it does not, or by
-    another.
-    """
+    """Value of ``quantity`` at which the mission opens the trim wing; 0 when by another or never."""
     wings = (
         event.when
         for phase in scenario.mission.phases

@@ -50,9 +50,7 @@ TABLES = np.dtype(
 
 
 class TableInputs(NamedTuple):
-    """Inputs of the tables of a scenario; ``aero`` only for a capsule, ``body`` for a body of any
-    shape.
-    """
+    """Inputs of the tables of a scenario; ``aero`` for a capsule only, ``body`` for any other shape."""
 
     air: AirInputs
     aero: AeroInputs | None
@@ -133,9 +131,7 @@ def _onboard(believed: Scenario, inputs: TableInputs) -> np.ndarray:
 
 
 class Records(NamedTuple):
-    """Records that one flight reads, each shape (1,): the truth, the large tables it shares with others, the
-    belief.
-    """
+    """Records that one flight reads, each shape (1,): truth, large tables that flights share, belief."""
 
     case: np.ndarray
     tables: np.ndarray

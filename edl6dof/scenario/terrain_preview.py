@@ -67,16 +67,12 @@ class Relief:
 
     @property
     def map(self) -> np.ndarray:
-        """The global map (m), shape (180, 360): from 89.5 north to 89.5 south, from 179.5 west; zeros where
-        there is none.
-        """
+        """The global map (m), shape (180, 360), from 89.5 north and 179.5 west; zeros without one."""
         return self._grid["map"]["height"].astype(float)
 
 
 def planned_ellipse(length: float, width: float, azimuth: float) -> tuple[np.ndarray, np.ndarray]:
-    """East and north (m) of an ellipse around the site with its long axis along ``azimuth`` (rad); shape
-    (361,) each.
-    """
+    """East and north (m), shape (361,), of an ellipse about the site, long axis along ``azimuth`` (rad)."""
     turn = np.linspace(0.0, 2.0 * np.pi, 361)
     along, across = 0.5 * length * arrays.cos(turn), 0.5 * width * arrays.sin(turn)
     return along * sin(azimuth) + across * cos(azimuth), along * cos(azimuth) - across * sin(azimuth)

@@ -45,9 +45,7 @@ class LandingMap(NamedTuple):
 
 
 def landing_map(fsw: np.void) -> LandingMap | None:
-    """The map in the memory of a flight computer at the end of a flight; ``None`` where no spot was chosen
-    from a scan.
-    """
+    """The map in the memory of a flight computer; ``None`` where no spot was chosen from a scan."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
     if not np.isfinite(hazard["spot_t"]):
         return None

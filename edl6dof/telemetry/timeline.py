@@ -114,9 +114,7 @@ def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:
 
 
 def in_words(event: Event) -> str:
-    """Describe an event: ``heat shield jettisoned``; landing gear need not be legs, and has the event's own
-    name.
-    """
+    """Describe an event: ``heat shield jettisoned``; landing gear goes by the event's own name."""
     thing = event.name if event.thing == "landing_gear" else event.thing
     return DONE[event.action].format(thing.replace("_", " "))
 

@@ -13,9 +13,7 @@ from edl6dof.config.errors import ConfigError, Problem
 
 @dataclass
 class Document:
-    """Plain data of a scenario, and for error messages and provenance: where each value stands and what kind
-    of claim it is.
-    """
+    """Plain data of a scenario, with the place and the kind of claim of each value."""
 
     #: Nested dicts and lists of str, int, float, bool and None.
     data: dict[str, Any]

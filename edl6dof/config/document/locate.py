@@ -34,17 +34,13 @@ def shipped_folders(kind: str) -> list[Path]:
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of all shipped files of one kind, sorted; one in a folder of the shipped ones is called
-    ``folder/name``.
-    """
+    """Names of all shipped files of one kind, sorted; ``folder/name`` for one in a folder of them."""
     found = ((folder, file) for folder in shipped_folders(kind) for file in folder.rglob("*" + SUFFIX))
     return sorted({file.relative_to(folder).with_suffix("").as_posix() for folder, file in found})
 
 
 def find_shipped(kind: str, name: str) -> Path | None:
-    """The shipped file of a name such as ``mars`` or ``nesc/case06`` (with or without ``.yaml``), or
-    ``None``.
-    """
+    """The shipped file of a name such as ``mars``, with or without ``.yaml``, or ``None``."""
     stem = name.removesuffix(SUFFIX)
     if not stem or Path(stem).is_absolute() or Path(stem).as_posix() != stem or ".." in Path(stem).parts:
         return None

@@ -194,9 +194,7 @@ def _default(slot: Slot) -> Any:
 
 
 def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> None:
-    """When ``key`` chooses another alternative (``guidance.law=...``), drop the parameters that only the old
-    one knows.
-    """
+    """Drop parameters of the former alternative when ``key`` chooses another (``guidance.law=...``)."""
     kinds = [model for model in slot.models if key in model.model_fields]
     chosen = [model for model in kinds if value in get_args(model.model_fields[key].annotation)]
     if len(kinds) > 1 and len(chosen) == 1:
@@ -205,9 +203,7 @@ def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> Non
 
 
 def _forget(document: Document, path: Keys) -> None:
-    """Drop the provenance of a value, and of a list of numbers it is part of: it no longer holds what its
-    source says.
-    """
+    """Drop the provenance of a value, and of a list of numbers that it is part of."""
     document.forget(path)
     for length in range(1, len(path)):
         document.status.pop(dotted(path[:length]), None)

@@ -80,9 +80,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
 
 
 def _name_after(path: Path, scenario: Document, top: Document) -> None:
-    """A scenario that extends another and gives no name goes by that of its file: what it flies is never
-    taken for the other's.
-    """
+    """Name a scenario that extends another and gives no name after its file."""
     if NAME in scenario.data and NAME not in top.data and why_no_folder(path.stem) is None:
         scenario.forget((NAME,))
         scenario.data[NAME] = path.stem
@@ -125,9 +123,7 @@ def _parsed(text: str, file: str) -> Document:
 
 
 def include(document: Document, key: str, value: str, kind: str) -> None:
-    """Put the mapping of the file called ``value`` in the place of ``document.data[key]``, with the marks of
-    its own file.
-    """
+    """Put the content of the file called ``value``, with its own marks, into ``document.data[key]``."""
     folder = document.files[0].resolve().parent if document.files else Path.cwd()
     found, places = find_include(value, kind, folder)
     if found is None:

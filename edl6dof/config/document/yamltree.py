@@ -29,9 +29,7 @@ _CLAIM = re.compile(r"[^#]*?\s#\s*\[([A-Z])\]\s*(.*?)\s*")
 
 
 class Mark(NamedTuple):
-    """A place in a file, counted from 1; line 0 stands for a place without lines, such as a command line
-    option.
-    """
+    """A place in a file, counted from 1; line 0 where there are none, as in a command line option."""
 
     file: str
     line: int = 0
@@ -206,9 +204,7 @@ class _Builder:
         return items
 
     def _collect_claims(self) -> None:
-        """Give every value the mark of its own line, of its key's line, or of the nearest parent that has
-        one.
-        """
+        """Give every value the mark of its own line, of its key's, or of the nearest parent with one."""
         found: dict[Keys, tuple[str, str] | None] = {}
         for path, lines in self.claim_lines.items():
             own = next((claim for line in lines if (claim := self._claim(line))), None)
