@@ -115,9 +115,7 @@ def texts(overrides: Overrides) -> tuple[str, ...]:
 
 
 def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Values by dotted path; a mapping is one value where its keys are dotted paths themselves, as those of
-    ``truth`` are, or where it is empty.
-    """
+    """Values by dotted path; a mapping that is empty or has dotted keys, as ``truth``, is one value."""
     for key, value in data.items():
         path = f"{above}{key}"
         if isinstance(value, Mapping) and value and not any("." in str(inner) for inner in value):

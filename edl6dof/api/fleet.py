@@ -1,6 +1,4 @@
-"""Dispersed flights of one scenario side by side, each begun where a phase of its mission begins: what
-learning environments are made of.
-"""
+"""Dispersed flights of one scenario side by side, each begun in a phase: for learning environments."""
 
 from __future__ import annotations
 

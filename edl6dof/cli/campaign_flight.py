@@ -179,9 +179,7 @@ def limits_table(results: Results) -> Table:
 
 
 def figures(results: Results) -> dict[str, Any]:
-    """Every figure that has a limit, ready for JSON: of a sample its quantiles with their 95 % bounds; in the
-    place of one that the flights cannot bound, how many it takes.
-    """
+    """Every figure with a limit, for JSON: quantiles with 95 % bounds, or how many flights they need."""
     found = {}
     for figure, label, limit, unit in results.limits:
         values = results[figure]

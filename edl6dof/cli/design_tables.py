@@ -231,9 +231,7 @@ def landing_figure(
     law: str,
     own: tuple[np.ndarray, np.ndarray],
 ) -> Figure:
-    """Path, thrust, tilt and rate of the designed landing (times, states, controls), beside those that the
-    scenario's law flew (times, states).
-    """
+    """Path, thrust, tilt, rate of the designed landing (times, states, controls) and of the law's own."""
     t, x, u = designed
 
     time = Axis("time from ignition (s)")

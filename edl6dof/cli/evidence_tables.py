@@ -75,9 +75,7 @@ def show_missions(missions: Sequence[Compared], target: Path) -> None:
 
 
 def _missions_table(missions: Sequence[Compared]) -> Table:
-    """All missions in one table, each under a line of its own, in 80 columns without broken words: the mark
-    of a value stands behind the name of its figure.
-    """
+    """All missions in one table of 80 columns; the mark of a value stands behind its figure's name."""
     figure, *numbers, _, sigma, last = HEADS
     table = open_table("Predicted beside flown", figure, *numbers, sigma, last)
     table.collapse_padding, table.show_edge = True, False

@@ -183,9 +183,7 @@ def _alike(grid: Grid) -> Iterator[list[float]]:
 
 
 def _decimals(column: Sequence[float], like: Sequence[float]) -> list[str]:
-    """Numbers of a column with as many decimals as give the middle one of those ``like`` it three digits, two
-    at most, none where all are whole; an infinite one is that of a flight that failed.
-    """
+    """Numbers with the decimals that give the median of ``like`` three digits; infinite: flight failed."""
     sizes = [abs(value) for value in like if isfinite(value) and value]
     whole = all(size.is_integer() for size in sizes)
     digits = 0 if whole else min(max(2 - floor(log10(median(sizes))), 0), 2)

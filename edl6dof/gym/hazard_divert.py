@@ -12,9 +12,7 @@ _CELLS, _CLEAR_M = 32, 5.0
 
 
 def clearances(memories: np.ndarray) -> np.ndarray:
-    """Largest distance (m) from the nearest hazard in each part of the map, rows towards north and columns
-    towards east, shape (flights, 32 x 32).
-    """
+    """Largest distance (m) from a hazard in each part of the map, shape (flights, 32 x 32), north by east."""
     fine = memories["hazard"]["safety_map"]["clearance"]
     part = fine.shape[1] // _CELLS
     parts = fine.reshape(len(memories), _CELLS, part, _CELLS, part)

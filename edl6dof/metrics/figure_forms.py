@@ -22,9 +22,7 @@ LIMIT_CYCLE_S = 30.0
 
 
 class Flown(NamedTuple):
-    """A flight: its telemetry, the time (s) of its events by key (see
-    :func:`edl6dof.telemetry.timeline.first_times`), and the role of each phase.
-    """
+    """A flight: telemetry, time (s) of its events by key, and role of each phase."""
 
     telemetry: Telemetry
     when: Mapping[str, float]

@@ -35,8 +35,7 @@ class TrueSpot(NamedTuple):
 
 
 def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
-    """The chosen spot on the ground; ``None`` where none was chosen from a scan of this
-    telemetry."""
+    """The chosen spot on the ground; ``None`` where none was chosen from a scan of this telemetry."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
     # a flight that goes on from a saved state has no telemetry of what was before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
@@ -85,9 +84,7 @@ def hazard_figures(
 
 @kernel
 def _largest_rock(cases, east, north, up):
-    """Diameter (m) of the largest rock whose middle lies under the footprint around a place (east, north, up
-    of the landing site, m); 0 for none.
-    """
+    """Diameter (m) of the largest rock centred under the footprint about a place (m); 0 for none."""
     site, planet, terrain = cases[0].site, cases[0].planet, cases[0].terrain
     off = ned_to_fixed(site.sin_lat, site.cos_lat, site.sin_lon, site.cos_lon, (north, east, -up))
     r_F = add(take3(site.origin_F, 0), off)

@@ -134,9 +134,7 @@ def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
 def exclusion_figures(
     found: Sequence[Exclusion], faults: Sequence[FaultParams], components: Components, plant: np.void
 ) -> dict[str, float]:
-    """Number of sound instruments excluded, and time from the first fault of an instrument that was found to
-    its exclusion if there was one.
-    """
+    """Sound instruments excluded, and time from the first fault found to its exclusion, if any."""
     since = {
         (fault.component, fault.acts_on(components)): float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)

@@ -131,9 +131,7 @@ def _words(error: Exception) -> str:
 
 
 def with_whole_paths(document: Document) -> Document:
-    """The document, the files of its vehicle's meshes and of its body with their whole paths; what is of
-    another form is left for the validation to refuse.
-    """
+    """Make the paths of mesh and body files whole; values of another form are left to validation."""
     found = _at(document, MESHES)
     for k, mesh in enumerate(found if isinstance(found, list) else ()):
         _make_whole(document, (*MESHES, k), mesh)

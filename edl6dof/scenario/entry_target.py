@@ -1,6 +1,4 @@
-"""Where entry guidance steers to: the point above which the parachute must open for the lander to come down
-at the site, as far as that is known before the flight.
-"""
+"""Aim point of entry guidance: where the parachute must open for the lander to come down at the site."""
 
 from __future__ import annotations
 

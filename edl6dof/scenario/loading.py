@@ -146,9 +146,7 @@ def _known(value: Any, slot: Slot) -> Any:
 
 
 def _is_foreign(value: Any, slot: Slot) -> bool:
-    """Return whether a value is a name that is none of the choices, a list of names with such a one, or a
-    mapping that has to choose and cannot.
-    """
+    """True for an unknown name, a list with one, or a mapping whose required choice is one."""
     if isinstance(value, list) and (item_slot := slot.child(0)) is not None and literal_names(item_slot):
         return any(_is_foreign(item, item_slot) for item in value)
     if isinstance(value, dict):

@@ -85,9 +85,7 @@ def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
 
 
 def quantity_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
-    """Watched quantities that guidance has not worked out: not that of the phase, or not yet, as the mission
-    goes before guidance in the first cycle; dotted key and message.
-    """
+    """Quantities that the phase's guidance does not work out, or not yet in the first cycle."""
     for i, phase in enumerate(mission.phases):
         for below, condition, earliest_s in _conditions(phase):
             here, name = f"mission.phases.{i}.{below}.quantity", condition.quantity

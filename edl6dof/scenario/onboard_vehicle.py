@@ -191,9 +191,7 @@ def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
 
 
 def believe_drifter(record: np.void, vehicle: VehicleParams) -> None:
-    """Fill a ``DRIFTER`` record of zeros from the nominal backshell and the parachute that it carries; of a
-    vehicle without one it stays zero.
-    """
+    """Fill a ``DRIFTER`` record of zeros from the nominal backshell and its parachute, if there is one."""
     masses = {part.name: part.mass_kg for part in vehicle.parts}
     shells = [part for part in vehicle.parts if part.shape == "backshell"]
     for chute in vehicle.parachutes:

@@ -113,9 +113,7 @@ class Telemetry(Mapping[str, np.ndarray]):
 
 
 class _Slot(NamedTuple):
-    """Columns that stand for each thruster, radar beam or propellant branch: how their names begin and end,
-    the field of the log, whose they are, and what they mean.
-    """
+    """Columns for each thruster, beam or branch: affixes of names, field of the log, owner, meaning."""
 
     prefix: str
     suffix: str

@@ -130,9 +130,7 @@ def milestone(event: Event, vehicle: VehicleParams) -> str:
 
 
 def first_times(events: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    """Time (s) of the first event of each key, an event of the mission under its milestone, whatever its
-    name; and under ``begun(role)`` of the first phase of each role.
-    """
+    """Time (s) of the first event of each key or milestone, and of each phase role as ``begun(role)``."""
     when: dict[str, float] = {}
     for event in events:
         when.setdefault(event.get("milestone", event["key"]), event["t_s"])

@@ -97,9 +97,7 @@ def refuse_replacing(document: Document, paths: Iterable[Keys]) -> None:
 
 
 def _merge(base: Document, top: Document, path: Keys, above_path: Keys, unused: set[Keys]) -> None:
-    """Merge what ``top`` has at ``above_path`` into what ``base`` has at ``path``; a ``!replace`` that finds
-    its list is taken out of ``unused``.
-    """
+    """Merge ``top`` at ``above_path`` into ``base`` at ``path``; a ``!replace`` in use leaves ``unused``."""
     below, above = _value_at(base.data, path), _value_at(top.data, above_path)
     if isinstance(above, list):
         _require_single_names(top, above_path, above)

@@ -1,6 +1,4 @@
-"""Where scenarios, vehicles and planets are found: beside the user's files, in the repository, or in the
-installed package; and which names do as those of folders on every system.
-"""
+"""Where scenarios, vehicles and planets are found, and which names can be those of folders."""
 
 from __future__ import annotations
 

@@ -38,9 +38,7 @@ class Mark(NamedTuple):
 
 @dataclass
 class Tree:
-    """Plain data of one text with the place of every key, the lists tagged ``!replace``, and status and
-    source of values with a ``# [P] source`` mark.
-    """
+    """Plain data of a text, place of every key, ``!replace`` lists, and marks ``# [P] source`` of values."""
 
     data: Any = None
     marks: dict[Keys, Mark] = field(default_factory=dict)
