@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
 from edl6dof.campaign.fault_kinds import (
@@ -41,35 +42,29 @@ def listed(names: str | float | Iterable[str | float]) -> str:
     return str(names) if isinstance(names, str | float | int) else ",".join(map(str, names))
 
 
-def matrix_of(
-    loaded: LoadedScenario,
-    *,
-    sensors: bool = False,
-    kinds: str = "",
-    components: str = "",
-    pairs: bool = False,
-    phases: str = "",
-    after_s: float | None = None,
-    at: str | None = None,
-) -> FaultMatrixParams:
-    """Choose what fails, and when; lists are texts with commas, empty or ``None`` for the usual.
+class FaultRequest(NamedTuple):
+    """A request for what fails, and when; lists are texts with commas, empty or ``None`` for the usual."""
 
-    Args:
-        loaded: the scenario.
-        sensors: fail instruments instead of thrusters.
-        kinds: kinds of fault.
-        components: names of what fails.
-        pairs: fail every two of them together.
-        phases: phases in which they fail.
-        after_s: time from the start of the phase to the fault, s.
-        at: moments instead: ``60,129.5``, ``every 10 s``, ``bank_reversal,mortar``, or several of these.
+    sensors: bool = False  # fail instruments instead of thrusters
+    kinds: str = ""  # kinds of fault
+    components: str = ""  # names of what fails
+    pairs: bool = False  # fail every two of them together
+    phases: str = ""  # phases in which they fail
+    after_s: float | None = None  # time from the start of the phase to the fault, s
+    at: str | None = (
+        None  # moments instead: 60,129.5 or every 10 s or bank_reversal,mortar, or several of these
+    )
+
+
+def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParams:
+    """Look up in a scenario what fails, and when.
 
     Raises:
         ConfigError: everything that is wrong with the request.
     """
-    choice = _Choice(loaded, sensors, 2 if pairs else 1)
-    failing = choice.failing(kinds, components)
-    moments = choice.moments(list(dict.fromkeys(kind for kind, _, _ in failing)), phases, after_s, at)
+    choice = _Choice(loaded, request)
+    failing = choice.failing()
+    moments = choice.moments(list(dict.fromkeys(kind for kind, _, _ in failing)))
     if choice.problems:
         raise ConfigError(choice.problems)
     groups = [
@@ -82,23 +77,24 @@ def matrix_of(
 class _Choice:
     """Looks up a request in a scenario, and collects what is wrong with it."""
 
-    def __init__(self, loaded: LoadedScenario, sensors: bool, together: int):
-        self.loaded, self.scenario = loaded, loaded.scenario
-        self.sensors, self.together = sensors, together
+    def __init__(self, loaded: LoadedScenario, request: FaultRequest):
+        self.loaded, self.scenario, self.request = loaded, loaded.scenario, request
+        self.together = 2 if request.pairs else 1
         self.problems: list[Problem] = []
 
-    def failing(self, kinds: str, components: str) -> list[tuple[str, Component, list[str]]]:
+    def failing(self) -> list[tuple[str, Component, list[str]]]:
         """Kinds of fault, each with a kind of component and the names of those that fail so."""
-        possible = {kind: may_fail(self.scenario, kind) for kind in self._kinds(kinds)}
+        sensors, kinds = self.request.sensors, self.request.kinds
+        possible = {kind: may_fail(self.scenario, kind) for kind in self._kinds()}
         every = dict.fromkeys(
             name for of_kind in possible.values() for names in of_kind.values() for name in names
         )
-        only = self._listed("--components", components, list(every)) or list(every)
+        only = self._listed("--components", self.request.components, list(every)) or list(every)
         found = []
         for kind, of_kind in possible.items():
             chosen = {what: [one for one in names if one in only] for what, names in of_kind.items()}
             enough = [(kind, what, names) for what, names in chosen.items() if len(names) >= self.together]
-            if not enough and (not self.sensors or kinds not in ("", "all")):
+            if not enough and (not sensors or kinds not in ("", "all")):
                 self._refuse(f"--kinds {kind}", self._nothing(list(of_kind)))
             found += enough
         if not found and not self.problems:
@@ -111,8 +107,9 @@ class _Choice:
             return f"there are not two of {what} to fail together"
         return f"there is no {what} that could fail"
 
-    def _kinds(self, kinds: str) -> list[str]:
-        if not self.sensors:
+    def _kinds(self) -> list[str]:
+        kinds = self.request.kinds
+        if not self.request.sensors:
             asked = ",".join(OF_THRUSTERS) if kinds == "all" else kinds
             return self._listed("--kinds", asked or OF_THRUSTERS[0], KINDS)
         if self.scenario.navigation_filter == "given":
@@ -125,10 +122,9 @@ class _Choice:
         asked = "" if kinds == "all" else kinds
         return self._listed("--kinds", asked or ",".join(OF_INSTRUMENTS), OF_INSTRUMENTS)
 
-    def moments(
-        self, kinds: Sequence[str], phases: str, after_s: float | None, at: str | None
-    ) -> dict[str, list[FaultMoment]]:
+    def moments(self, kinds: Sequence[str]) -> dict[str, list[FaultMoment]]:
         """Moments of the faults of each kind."""
+        phases, after_s, at = self.request.phases, self.request.after_s, self.request.at
         if at is None:
             return self._in_phases(kinds, phases, AFTER_S if after_s is None else after_s)
         if phases or after_s is not None:

@@ -321,20 +321,14 @@ def faults(
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
     from edl6dof.api.campaign import EngineChoice, flown
-    from edl6dof.api.fault_choice import listed, matrix_of
+    from edl6dof.api.fault_choice import FaultRequest, listed, matrix_of
     from edl6dof.campaign.fault_kinds import matrix_plan
     from edl6dof.scenario.loading import load_scenario
 
-    matrix = matrix_of(
-        load_scenario(name, sets),
-        sensors=sensors,
-        kinds=listed(kinds),
-        components=listed(components),
-        pairs=pairs,
-        phases=listed(phases),
-        after_s=after_s,
-        at=None if at is None else listed(at),
-    )
+    what, where, when = listed(kinds), listed(components), listed(phases)
+    moments = None if at is None else listed(at)
+    request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
+    matrix = matrix_of(load_scenario(name, sets), request)
     flying = EngineChoice(workers=workers)
     flying.check()
     plan = matrix_plan(name, matrix, sets, vehicles, seed)

@@ -213,7 +213,7 @@ def faults(
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
         from edl6dof.api.campaign import EngineChoice
-        from edl6dof.api.fault_choice import matrix_of
+        from edl6dof.api.fault_choice import FaultRequest, matrix_of
         from edl6dof.campaign.fault_kinds import matrix_plan
         from edl6dof.campaign.storage.store import Store
         from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
@@ -228,16 +228,8 @@ def faults(
             return fly_campaign(Store(folder), flying, command="faults", as_json=as_json)
         loaded = load_scenario(scenario, sets or ())
         announce_compiling(not as_json)
-        matrix = matrix_of(
-            loaded,
-            sensors=sensors,
-            kinds=kinds,
-            components=components,
-            pairs=pairs,
-            phases=phases,
-            after_s=after,
-            at=at,
-        )
+        request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
+        matrix = matrix_of(loaded, request)
         plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)
         store = Store(out or Path("runs") / f"{'sensor-faults' if sensors else 'faults'}-{plan.name}")
         if resume:

@@ -17,7 +17,7 @@ from forked import Forked
 
 import edl6dof
 from edl6dof.api import fault_choice
-from edl6dof.api.fault_choice import matrix_of, moments_at
+from edl6dof.api.fault_choice import FaultRequest, matrix_of, moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.campaign.fault_kinds import matrix_plan
@@ -58,7 +58,7 @@ def tianwen1():
 
 def plan(wanted, scenario="tianwen1", sets=(), vehicles=None, seed=None):
     loaded = load_scenario(scenario, sets)
-    return matrix_plan(scenario, matrix_of(loaded, **wanted), sets, vehicles, seed)
+    return matrix_plan(scenario, matrix_of(loaded, FaultRequest(**wanted)), sets, vehicles, seed)
 
 
 def test_moments_are_times_intervals_and_events_of_the_nominal_flight(tianwen1, nominal):

@@ -39,9 +39,9 @@ class Document:
                 return self.marks[path[:length]]
         return Mark("(configuration)")
 
-    def problem(self, path: Keys, message: str, at: Keys | None = None) -> Problem:
-        """A problem of the value at ``path``, shown at the place of ``at`` (by default the same)."""
-        return Problem(*self.mark(path if at is None else at), dotted(path), message)
+    def problem(self, path: Keys, message: str) -> Problem:
+        """A problem of the value at ``path``."""
+        return Problem(*self.mark(path), dotted(path), message)
 
     def error(self, path: Keys, message: str) -> ConfigError:
         """The error of the value at ``path``."""
