@@ -172,18 +172,17 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """An engine, one of :data:`ENGINES`, its number of workers, and the address of a Dask scheduler."""
+    """An engine, one of :data:`ENGINES`, its number of workers, and the address of a Dask scheduler.
+
+    Raises:
+        ConfigError: there is no such engine, or it cannot have so many workers.
+    """
 
     name: str = "threads"
     workers: int | None = None
     cluster: str | None = None
 
-    def check(self) -> None:
-        """See that there is such an engine, with so many workers.
-
-        Raises:
-            ConfigError: there is not.
-        """
+    def __post_init__(self) -> None:
         if self.name not in ENGINES:
             raise refusal("--engine", f"must be threads or dask (got {self.name!r})")
         if self.cluster is not None and self.name != "dask":

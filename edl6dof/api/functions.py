@@ -201,7 +201,9 @@ def replay(
     html, screenshot, video = (None if path is None else Path(path) for path in (html, screenshot, video))
     film = Film(video, start_s, end_s, length_s, fps)
     with needing_channels(*folders):
-        return show_replay(folders, film, web, html, screenshot, at_s, page, force)
+        return show_replay(
+            folders, film, web=web, html=html, screenshot=screenshot, at_s=at_s, page=page, force=force
+        )
 
 
 def _folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:
@@ -267,7 +269,6 @@ def campaign(
     from edl6dof.campaign.design.plan import load_plan
 
     flying = EngineChoice(engine, workers, cluster)
-    flying.check()
     if resume and (Path(name) / "campaign.json").is_file():
         return resumed(Path(name), flying, progress)
     plan = load_plan(name, texts(overrides), cases, seed, sampling)
@@ -329,10 +330,8 @@ def faults(
     moments = None if at is None else listed(at)
     request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
     matrix = matrix_of(load_scenario(name, sets), request)
-    flying = EngineChoice(workers=workers)
-    flying.check()
     plan = matrix_plan(name, matrix, sets, vehicles, seed)
-    return flown(plan, flying, None, out, force, progress)
+    return flown(plan, EngineChoice(workers=workers), None, out, force, progress)
 
 
 @naming_arguments()

@@ -81,12 +81,13 @@ class Film(NamedTuple):
 def show_replay(
     runs: Sequence[Path],
     video: Film,
-    web: bool = False,
-    html: Path | None = None,
-    screenshot: Path | None = None,
-    at_s: float | None = None,
-    page: str = "",
-    force: bool = False,
+    *,
+    web: bool,
+    html: Path | None,
+    screenshot: Path | None,
+    at_s: float | None,
+    page: str,
+    force: bool,
 ) -> list[Path]:
     """Show a replay or write it; returns what was written.  See :func:`edl6dof.replay` for the arguments.
 

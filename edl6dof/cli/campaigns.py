@@ -71,7 +71,6 @@ def campaign(
         from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
 
         flying, folder = EngineChoice(engine, workers, cluster), Path(scenario)
-        flying.check()
         check_until(until)
         if resume and (lexists(folder / "campaign.json") or folder.is_dir()):
             require_no_values(folder, sets, cases, seed, sampling)
