@@ -182,7 +182,8 @@ def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
             times = [round(k * one[0], 9) for k in range(math.ceil(end / one[0]))]  # no rounding of a sum
             found |= {f"{t:g} s": t for t in times}
         else:
-            times = [event["t_s"] for event in events if one in (event["key"], event.get("milestone"))]
+            here = [event for event in events if event["key"] == one or event.get("milestone") == one]
+            times = [event["t_s"] for event in here]
             numbers = [""] if len(times) == 1 else [f" {k}" for k in range(1, len(times) + 1)]
             found |= {one + number: t for number, t in zip(numbers, times, strict=False)}
             if not times:
