@@ -1,4 +1,6 @@
-"""Text of models and plain values: YAML with every default written out, and JSON."""
+"""A validated model as YAML text with every default written out: enough to fly it again, bit for bit; and
+plain values as the JSON text of result files and ``--json``.
+"""
 
 from __future__ import annotations
 

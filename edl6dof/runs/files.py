@@ -1,4 +1,11 @@
-"""Files that appear complete or not at all."""
+"""Files that appear complete or not at all, and replace no other file unless forced or nothing is lost by it.
+
+The folder of a result remembers the SHA-256 of every file that was made from it: report, plots, pages,
+pictures, films, exports, wherever they were written.  A file that still is one of these, byte for byte, can
+be made from the result again; any other file is the user's.
+
+Every command imports this before it knows which plugins to load: it must import no family.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""A validated scenario, the files it was read from, and its warnings."""
+"""A validated scenario, the files it was read from, and its warnings: values that are allowed and unusual,
+alone or for a vehicle of this size.
+
+Nozzles lie within two radii of the centre of mass, the radii of gyration between a tenth and the whole of the
+radius, and the ballistic coefficient at a drag coefficient of 1.5 between 10 and 1,000 kg/m2 (Stardust 60,
+Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
+"""
 
 from __future__ import annotations
 
@@ -18,6 +24,30 @@ GYRATION = (0.1, 1.0)
 #: Ballistic coefficient, kg/m2, and the drag coefficient that it is formed with.
 BALLISTIC = (10.0, 1000.0)
 BLUNT = 1.5
+
+
+@dataclass(frozen=True, repr=False)
+class LoadedScenario:
+    """A validated scenario with where it came from.
+
+    Attributes:
+        scenario: the nominal: what the flight computer was told.
+        truth: the same with the ``truth`` section applied: what the plant is built from.
+        document: the files it was read from, with the place and status of every value.
+    """
+
+    scenario: Scenario
+    truth: Scenario
+    document: Document
+
+    def __repr__(self) -> str:
+        return f"<LoadedScenario {self.scenario.name}: {self.scenario.description}>"
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
+        found = unusual_in(self.scenario) | unusual_in(self.truth)
+        return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 
 
 def unusual_in(scenario: Scenario) -> dict[str, str]:
@@ -67,27 +97,3 @@ def _out_of_proportion(vehicle: VehicleParams) -> dict[str, str]:
             f"not {BALLISTIC[0]:g} to {BALLISTIC[1]:g}"
         )
     return found
-
-
-@dataclass(frozen=True, repr=False)
-class LoadedScenario:
-    """A validated scenario with where it came from.
-
-    Attributes:
-        scenario: the nominal: what the flight computer was told.
-        truth: the same with the ``truth`` section applied: what the plant is built from.
-        document: the files it was read from, with the place and status of every value.
-    """
-
-    scenario: Scenario
-    truth: Scenario
-    document: Document
-
-    def __repr__(self) -> str:
-        return f"<LoadedScenario {self.scenario.name}: {self.scenario.description}>"
-
-    @cached_property
-    def warnings(self) -> list[str]:
-        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
-        found = unusual_in(self.scenario) | unusual_in(self.truth)
-        return [str(self.document.problem(steps(path), words)) for path, words in found.items()]

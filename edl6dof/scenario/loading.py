@@ -1,4 +1,9 @@
-"""Scenario files read and checked: to be flown, or only to be shown."""
+"""Scenario files read and checked: to be flown, or only to be shown.
+
+The scenario of a result is shown without loading its plugins: what only a plugin brings (its section, and the
+choice of its law or controller) is left out; vehicle, planet, ground, phases and the controllers of the
+package are what pictures and exports need.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Fill one row of telemetry from plant and flight-software memory."""
+"""Fill one row of telemetry from plant and flight-software memory.
+
+Errors of navigation are the estimate less the truth, in the axes north, east and down of the true place: of
+position, of the velocity relative to the turning planet, and of attitude, the small rotation from the true to
+the estimated body.
+"""
 
 from __future__ import annotations
 
