@@ -1,4 +1,4 @@
-"""JSON schemas of scenario, vehicle and planet files, for editors (the YAML extension of VS Code reads draft 7)."""
+"""JSON schemas of scenario, vehicle and planet files for editors (VS Code reads draft 7)."""
 
 from __future__ import annotations
 
