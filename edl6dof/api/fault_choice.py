@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
-from edl6dof.campaign.fault_kinds import (
+from edl6dof.campaign.faults import (
     KINDS,
     OF_INSTRUMENTS,
     OF_THRUSTERS,

@@ -323,7 +323,7 @@ def faults(
     activate(name)
     from edl6dof.api.campaign import EngineChoice, flown
     from edl6dof.api.fault_choice import FaultRequest, listed, matrix_of
-    from edl6dof.campaign.fault_kinds import matrix_plan
+    from edl6dof.campaign.faults import matrix_plan
     from edl6dof.scenario.loading import load_scenario
 
     what, where, when = listed(kinds), listed(components), listed(phases)

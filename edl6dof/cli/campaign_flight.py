@@ -17,9 +17,9 @@ from rich.table import Table
 
 from edl6dof.api.campaign import EngineChoice, Watch, fly_new, go_on
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.quantiles import SHARES, flights_needed, quantile
 from edl6dof.campaign.run import Report, Tally
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.statistics import SHARES, flights_needed, quantile
+from edl6dof.campaign.store import Store
 from edl6dof.cli.exit_status import INTERRUPTED, refuse
 from edl6dof.cli.fault_tables import show_matrix
 from edl6dof.cli.progress import count_runs

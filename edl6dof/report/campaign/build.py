@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from edl6dof.campaign.quantiles import percent, quantile
+from edl6dof.campaign.statistics import percent, quantile
 from edl6dof.report.campaign import drivers, grid, isolation, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.campaign.covariance.mirrored_pairs import Covariance
+from edl6dof.campaign.covariance_estimate import Covariance
 from edl6dof.campaign.statistics import contour
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.figure import BLACK, BLUE, Axis, Dash, Figure, Panel, Trace

@@ -9,8 +9,7 @@ from textwrap import fill
 import numpy as np
 
 from edl6dof.campaign.design.case import A, B
-from edl6dof.campaign.indices import Index, sobol_indices
-from edl6dof.campaign.variance_shares import CHANCE, FEWEST, Drivers, drivers_of_each
+from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, Index, drivers, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
@@ -84,7 +83,7 @@ def indices(results: Results) -> Iterator[Block]:
 
 def _told(results: Results) -> list[Told]:
     moving = {name: results[name] for name in _figures(results)}
-    found = drivers_of_each(results.groups, list(moving.values()))
+    found = drivers(results.groups, list(moving.values()))
     return [Told(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
 
 

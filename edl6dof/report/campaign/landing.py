@@ -7,8 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import percent
-from edl6dof.campaign.statistics import ellipse
+from edl6dof.campaign.statistics import ellipse, percent
 from edl6dof.report.campaign.margins import in_words, shown_shares
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Row, Table

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, percent, quantile
-from edl6dof.campaign.statistics import Proportion
+from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
