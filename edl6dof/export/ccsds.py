@@ -2,7 +2,8 @@
 504.0-B-1).
 
 The inertial frame of a flight is the planet-fixed frame stopped at the start; messages are written in ICRF,
-by the planet's published orientation at the epoch of the scenario.
+by the planet's published orientation at the epoch of the scenario (Archinal et al. 2011, Report of the IAU
+Working Group on Cartographic Coordinates and Rotational Elements: 2009).
 """
 
 from __future__ import annotations
@@ -16,10 +17,19 @@ import numpy as np
 
 from edl6dof.environment.calendar import utc
 from edl6dof.environment.planet import OrientationParams
-from edl6dof.export.orientation import icrf_to_fixed
 
 Columns = Mapping[str, np.ndarray]
 ORIGINATOR = "EDL6DOF"
+CENTURY_D = 36525.0
+J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
+TT_MINUS_TAI_S = 32.184
+#: Months in which TAI - UTC grew by 1 s (IERS Bulletin C): to 10 s in the first.
+_STEPS = (
+    "1972-01 1972-07 1973-01 1974-01 1975-01 1976-01 1977-01 1978-01 1979-01 1980-01 1981-07 1982-07 1983-07 "
+    "1985-07 1988-01 1990-01 1991-01 1992-07 1993-07 1994-07 1996-01 1997-07 1999-01 2006-01 2009-01 2012-07 "
+    "2015-07 2017-01"
+)
+LEAP_SECONDS = [datetime.fromisoformat(f"{month}-01T00:00:00+00:00") for month in _STEPS.split()]
 
 #: Characters that fit behind the longest keyword: a line of a message has at most 254.
 LONGEST_VALUE = 220
@@ -34,6 +44,35 @@ def parse_epoch(text: str) -> datetime:
     if not text:
         raise ValueError("the scenario has no initial.epoch_utc, which a CCSDS message needs")
     return utc(text)
+
+
+def days_since_j2000(utc: datetime) -> float:
+    """Return days of dynamical time since 2000-01-01 12:00 TDB; TDB is taken as TT, 2 ms off at most.
+
+    Raises:
+        ValueError: the date lies before leap seconds.
+    """
+    steps = sum(first <= utc for first in LEAP_SECONDS)
+    if not steps:
+        raise ValueError(f"{utc.isoformat()} lies before 1972, when leap seconds begin")
+    return ((utc - J2000).total_seconds() + 9 + steps + TT_MINUS_TAI_S) / 86400.0
+
+
+def icrf_to_fixed(orientation: OrientationParams, utc: datetime) -> np.ndarray:
+    """Return the matrix, shape (3, 3), that turns ICRF components into planet-fixed ones at a date.
+
+    Raises:
+        ValueError: the date lies before leap seconds.
+    """
+    from scipy.spatial.transform import Rotation
+
+    o, days = orientation, days_since_j2000(utc)
+    centuries = days / CENTURY_D
+    ascension = o.pole_ra_deg + o.pole_ra_rate_deg_century * centuries
+    declination = o.pole_dec_deg + o.pole_dec_rate_deg_century * centuries
+    spin = o.prime_meridian_deg + o.prime_meridian_rate_deg_day * days
+    axes = Rotation.from_euler("ZXZ", [90.0 + ascension, 90.0 - declination, spin], degrees=True)
+    return np.asarray(axes.as_matrix().T)
 
 
 def _orientation(planet: Mapping[str, Any]) -> OrientationParams:

@@ -12,7 +12,7 @@ from scipy.io import loadmat, netcdf_file
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.export.ccsds import write_aem, write_oem
-from edl6dof.export.tables import Description, plain, write_mat, write_netcdf
+from edl6dof.export.forms import Description, plain, write_mat, write_netcdf
 
 EPOCH = datetime(2021, 5, 14, tzinfo=UTC)
 MARS = {
