@@ -123,6 +123,12 @@ class Trace:
         return np.append(self.x - half, self.x[-1:] + half)
 
 
+def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
+    """An entry of the legend for what is no trace."""
+    nowhere = np.array([np.nan])
+    return Trace(nowhere, nowhere, name, "points", colour, symbol="square", width=width, border=border)
+
+
 @dataclass(frozen=True)
 class Heat:
     """A field of cells: ``values`` has shape (len(y), len(x)), NaN is an empty cell; its colour scale runs

@@ -23,7 +23,7 @@ from edl6dof.report.figure import (
     cell_edges,
     thinned,
 )
-from edl6dof.report.labels import Side, sides, spelt
+from edl6dof.report.label_layout import Side, sides, spelt
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -24,7 +24,7 @@ from edl6dof.report.figure import (
     Trace,
     thinned,
 )
-from edl6dof.report.labels import Side, sides, spelt
+from edl6dof.report.label_layout import Side, sides, spelt
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 #: Pixels around and between panels, and of the title of a panel.

@@ -17,7 +17,7 @@ from edl6dof.replay.views.callouts import Label, laid_out, screen
 from edl6dof.replay.views.charts import axis_range
 from edl6dof.replay.views.lanes import fitted
 from edl6dof.replay.views.spatial import body_eye
-from edl6dof.report.panels import BANK, RANGE, RATES
+from edl6dof.report.catalogue import BANK, RANGE, RATES
 
 pytest.importorskip("rerun")
 

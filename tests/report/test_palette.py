@@ -23,7 +23,7 @@ from edl6dof.report.figure import (
     UNKNOWN,
     UNSEEN,
 )
-from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.page import drawing
 from edl6dof.report.plotly_figure import TEMPLATE
 

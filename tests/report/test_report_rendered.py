@@ -32,7 +32,7 @@ from edl6dof.report.figure import (
     Panel,
     Trace,
 )
-from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.flight.overlay import comparison_report, darker
 from edl6dof.report.page import page
 

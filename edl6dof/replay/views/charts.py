@@ -14,8 +14,8 @@ import numpy as np
 from edl6dof.replay.history import History, thin
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.replay.views.layout import GROUPS, NAVIGATION, OF_JETS, PAGES
+from edl6dof.report.catalogue import Plot
 from edl6dof.report.figure import SERIES, rgb
-from edl6dof.report.panels import Plot
 from edl6dof.telemetry.thinning import rows_to_draw
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy as np
 from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.views.layout import lanes_of, spans_of
+from edl6dof.report.catalogue import STATES
 from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
-from edl6dof.report.panels import STATES
 
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from edl6dof.replay.views.spatial import SPACE, TIMELINE, Shown, Views, window
-from edl6dof.report import panels as p
+from edl6dof.report import catalogue as p
 from edl6dof.report.figure import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, SKY, VERMILION, rgb
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import numpy as np
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.report.figure import BLUE, GREEN, ORANGE, VERMILION, rgb
-from edl6dof.report.zones import zones_of
+from edl6dof.report.flight.phase_planes import zones_of
 
 AXES = ("roll", "pitch", "yaw")
 #: Telemetry columns that the planes show.

@@ -12,10 +12,9 @@ from edl6dof.campaign.design.case import A, B
 from edl6dof.campaign.indices import Index, sobol_indices
 from edl6dof.campaign.variance_shares import CHANCE, FEWEST, Drivers, drivers_of_each
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
-from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Cell, Row, Table, Text
-from edl6dof.report.figure import GREY, SERIES, Axis, Band, Figure, Panel, Trace
-from edl6dof.report.numbers import in_percent
+from edl6dof.report.campaign.campaign_results import Results
+from edl6dof.report.document import Block, Cell, Row, Table, Text, in_percent
+from edl6dof.report.figure import GREY, SERIES, Axis, Band, Figure, Panel, legend_entry
 
 #: Figures to explain; those with limits come first by themselves.
 _FIGURES = (
@@ -136,11 +135,10 @@ def chart(told: list[Told]) -> Figure:
     ranked = list(dict.fromkeys(driver.name for driver in every))
     colours = dict(zip(ranked, SERIES, strict=False))
     bands = [band for row, one in enumerate(reversed(told)) for band in _bar(one, row, colours)]
-    nothing = np.full(1, np.nan)
     legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
     if len(ranked) > len(colours):
         legend.append(("others", GREY))
-    traces = [Trace(nothing, nothing, name, "points", colour, symbol="square") for name, colour in legend]
+    traces = [legend_entry(name, colour, 1.6) for name, colour in legend]
     panel = Panel(
         Axis("share of the variance (%)", range=(0.0, 100.0)),
         Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(told)]),

@@ -13,7 +13,7 @@ from edl6dof.campaign.design.fault_matrix import AND
 from edl6dof.campaign.fault_figures import can_be_known, fault_figures, is_right
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
-from edl6dof.report.campaign.results import Results
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Mood, Table, Text
 from edl6dof.report.figure import (
     BLACK,
@@ -28,6 +28,7 @@ from edl6dof.report.figure import (
     Heat,
     Panel,
     Trace,
+    legend_entry,
 )
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
@@ -182,11 +183,8 @@ def _figure(
 
 def _legend(what: np.ndarray, lost: Sequence[tuple[int, int]]) -> list[Trace]:
     """A name for every colour that there is, and the crosses."""
-    nowhere = np.array([np.nan])
     named = [
-        Trace(nowhere, nowhere, name, "points", colour, width=3.0, symbol="square")
-        for number, (name, colour) in enumerate(_BECAME)
-        if (what == number).any()
+        legend_entry(name, colour) for number, (name, colour) in enumerate(_BECAME) if (what == number).any()
     ]
     return named + _crosses(lost)
 

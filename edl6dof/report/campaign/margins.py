@@ -1,18 +1,31 @@
-"""How the flights stand against their limits: quantiles, propellant, causes of failures, the worst cases."""
+"""How the flights of a campaign stand: quantiles beside limits, propellant, faults that every flight carries,
+causes of failures, and the worst cases.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, percent, quantile
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
+from edl6dof.report.campaign.campaign_results import Results
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Mood,
+    Row,
+    Table,
+    Text,
+    aligned,
+    in_percent,
+    printed,
+    significant,
+)
 from edl6dof.report.figure import BLUE, GREEN, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.numbers import aligned, in_percent, printed, significant
 
 #: Figures without a limit whose quantiles are of interest.
 _OTHERS = (
@@ -21,6 +34,13 @@ _OTHERS = (
 )
 #: Cases that are named beside each limit.
 _NEAREST = 3
+#: Figures that count what should be none: what it says of a flight in which there is none.
+_COUNTS = {
+    "missed_isolations": "every failed thruster isolated",
+    "false_alarms": "no sound thruster isolated, and none for a wrong kind of fault",
+    "instrument_false_alarms": "no sound instrument excluded",
+}
+_TIMES = ("time_to_detect_s", "time_to_exclude_s")
 
 
 def limits(results: Results) -> Iterator[Block]:
@@ -53,20 +73,57 @@ def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> flo
 
 def other_figures(results: Results) -> Iterator[Block]:
     """Quantiles of other figures."""
-    shares = shown_shares(results)
     limited = {name for name, *_ in results.limits}
-    rows: list[Row] = [
-        [
-            figure.meaning,
-            printed(figure.unit.label),
-            *(in_words(results, results[figure.name], share) for share in shares),
-        ]
-        for figure in map(figure_of_merit, _OTHERS)
-        if results.has(figure.name) and figure.name not in limited
-    ]
-    if rows:
+    table = _quantiles(results, "figure", (name for name in _OTHERS if name not in limited))
+    if table.rows:
         yield Text(note(results))
-        yield Table(["figure", "unit", *(f"{head(share)}>" for share in shares)], rows)
+        yield table
+
+
+def _quantiles(results: Results, heading: str, names: Iterable[str]) -> Table:
+    """A row for each of some figures that the campaign has."""
+    shares = shown_shares(results)
+    rows: list[Row] = [
+        [figure.meaning, printed(figure.unit.label), *(in_words(results, results[name], s) for s in shares)]
+        for name in names
+        if results.has(name) and (figure := figure_of_merit(name))
+    ]
+    return Table([heading, "unit", *(f"{head(share)}>" for share in shares)], rows)
+
+
+def injected(results: Results) -> list[str]:
+    """Return the faults of every flight in words: ``D7 stuck off at lift + 2 s``."""
+    return [_in_words(fault) for fault in _of_every_flight(results)]
+
+
+def isolation(results: Results) -> Iterator[Block]:
+    """In how many flights the faults were isolated, and how fast; nothing without faults."""
+    if not _of_every_flight(results):
+        return
+    shares: list[Row] = []
+    for name, meaning in _COUNTS.items():
+        if results.has(name):
+            counts = results[name]
+            known = counts[np.isfinite(counts)]
+            share = Proportion(int(np.sum(known == 0)), len(known))
+            shares.append([meaning, f"{share.successes} of {share.trials}", str(share)])
+    times = _quantiles(results, "", _TIMES)
+    yield from [Table(["", "flights>", "share, 95 % interval>"], shares)] * bool(shares)
+    yield from [times] * bool(times.rows)
+
+
+def _of_every_flight(results: Results) -> Sequence[Mapping[str, Any]]:
+    """The scenario's own faults; a fault matrix has those of its cells."""
+    return () if results.has_faults else results.document.get("faults") or ()
+
+
+def _in_words(fault: Mapping[str, Any]) -> str:
+    named = [value for key, value in fault.items() if isinstance(value, str) and key != "kind"]
+    what, begins = " ".join([*named, fault["kind"].replace("_", " ")]), fault["at"]
+    if begins.get("phase") is None:
+        return f"{what} at {begins['time_s']:g} s"
+    after = f" + {begins['plus_s']:g} s" if begins.get("plus_s") else ""
+    return f"{what} at {begins['phase'].replace('_', ' ')}{after}"
 
 
 def shown_shares(results: Results) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.config.units import G0
 from edl6dof.report.figure import ORANGE, PURPLE, VERMILION, Dash, Trace
-from edl6dof.report.flight.parts import has_signal
+from edl6dof.report.flight.common import has_signal
 from edl6dof.runs.run import Run
 
 #: Dynamic pressure (Pa) below which ratios to it say nothing.

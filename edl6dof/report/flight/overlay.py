@@ -12,8 +12,7 @@ from typing import Any
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
 from edl6dof.report.figure import Figure, Panel, Trace
-from edl6dof.report.flight.build import flight_report
-from edl6dof.report.flight.words import headline, mood
+from edl6dof.report.flight.flight_report import flight_report, headline, mood
 from edl6dof.runs.run import Run
 from edl6dof.vehicle.faults.registry import FAULT_KINDS
 

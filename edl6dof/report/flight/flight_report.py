@@ -1,22 +1,67 @@
-"""The words of a review: headline, figures at a glance, limits, the published flight, timeline, configuration
-and software.
-"""
+"""The review of one flight: its words and tables, and the figures of its parts section by section."""
 
 from __future__ import annotations
 
 import math
 import platform
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
-from edl6dof.report.flight.parts import has_signal
-from edl6dof.report.numbers import in_percent, printed
+from edl6dof.report.catalogue import STACKS
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Fact,
+    Listing,
+    Mood,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    in_percent,
+    printed,
+)
+from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
+from edl6dof.report.flight.common import has_signal, over_flight
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
+
+
+def flight_report(run: Run) -> Report:
+    """Return the review of a run; a section about what the flight did not have is left out."""
+    sections: tuple[tuple[str, str, Iterable[Block]], ...] = (
+        ("limits", "Limits and published flight", limits_and_published(run)),
+        ("events", "Timeline", timeline(run)),
+        ("trajectory", "Trajectory", trajectory.figures(run)),
+        ("guidance", "Entry guidance", over_flight(run, STACKS["guidance"])),
+        ("navigation", "Navigation", navigation_errors.figures(run)),
+        ("attitude", "Attitude", over_flight(run, STACKS["attitude"])),
+        ("phase_planes", "Phase planes", phase_planes.figures(run)),
+        ("actuators", "Thrusters and propellant", thrusters.thruster_use(run)),
+        ("disturbances", "Disturbances", thrusters.disturbances(run)),
+        ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),
+        ("chute", "Parachute", over_flight(run, STACKS["chute"])),
+        ("landing", "Powered descent", trajectory.powered_descent(run)),
+        ("hazards", "Hazards and the chosen spot", hazard_maps.figures(run)),
+        ("site", "Ground track and landing site", trajectory.site_figures(run)),
+        ("configuration", "Configuration", configuration(run)),
+        ("software", "Software and data", [software(run)]),
+    )
+    filled = ((key, title, list(blocks)) for key, title, blocks in sections)
+    return Report(
+        title=run.name,
+        subtitle=subtitle(run),
+        headline=headline(run),
+        mood=mood(run.summary),
+        facts=facts(run),
+        sections=[Section(*section) for section in filled if section[2]],
+        footer=f"edl6dof {run.summary['edl6dof_version']}; scenario SHA-256 {run.summary['scenario_sha256']}",
+    )
+
 
 #: Figure and format of what is shown at a glance.
 _FACTS = (
@@ -31,8 +76,6 @@ _FACTS = (
     ("parachute_mach", ".2f"),
     ("propellant_used_kg", ".1f"),
 )
-
-
 #: A requirement that was kept or not; other differences are neither good nor bad.
 _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 

@@ -11,10 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from edl6dof.report.document import Row, Table
-from edl6dof.report.figure import BAD, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.flight.parts import TIME, event_marks, figure_of, has_signal, over_flight, stacked
-from edl6dof.report.panels import (
+from edl6dof.report.catalogue import (
     BOUND,
     NAV_ATTITUDE,
     NAV_INNOVATION,
@@ -24,6 +21,9 @@ from edl6dof.report.panels import (
     NAV_VELOCITY,
     STATES,
 )
+from edl6dof.report.document import Row, Table
+from edl6dof.report.figure import BAD, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.common import TIME, event_marks, figure_of, has_signal, over_flight, stacked
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instruments import Instrument, instruments
 from edl6dof.telemetry.thinning import spans

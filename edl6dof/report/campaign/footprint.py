@@ -1,28 +1,31 @@
-"""Where the flights came down and where their parachutes opened."""
+"""Where the flights of a campaign came down and where their parachutes opened; where covariance expects an
+event.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from edl6dof.campaign.quantiles import percent
-from edl6dof.campaign.statistics import ellipse
+from edl6dof.campaign.statistics import contour, ellipse
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import in_words, shown_shares
-from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Row, Table
 from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
 
-#: Points of each kind that carry the number of their case.
-_NAMED = 4
-#: Width and height of it with a little room, as shares of the axes.
-_WORD = (0.2, 0.16)
+if TYPE_CHECKING:
+    from edl6dof.campaign.covariance.mirrored_pairs import Covariance
 
+#: Points of each kind that carry the number of their case; width and height of it with a little room,
+#: as shares of the axes.
+_NAMED, _WORD = 4, (0.2, 0.16)
 #: Flights marked for the least height at mortar fire.
 _LOWEST = 3
-
-_DASHES: dict[int, Dash] = {1: "solid", 2: "dash", 3: "dot"}
 
 
 def blocks(results: Results) -> Iterator[Block]:
@@ -39,16 +42,41 @@ def footprint(results: Results) -> Figure:
     east, north = results["landing_east_m"] / 1e3, results["landing_north_m"] / 1e3
     down = np.isfinite(east)
     wide = float(np.ptp(north[down])) or 1.0
-    traces = list(_points(results, east, north, (wide, wide)))
-    for sigmas, dash in _DASHES.items():
-        x, y = ellipse(east[down], north[down], sigmas)
-        traces.append(Trace(x, y, f"{sigmas} sigma", colour=BLACK, dash=dash))
-    traces.append(Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0))
-    panel = Panel(
-        Axis("east of the landing site (km)"), Axis("north of the landing site (km)"), traces, equal=True
-    )
+    target = Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0)
+    traces = [
+        *_points(results, east, north, (wide, wide)),
+        *_ellipses(lambda sigmas: ellipse(east[down], north[down], sigmas)),
+        target,
+    ]
+    across, up = (Axis(f"{way} of the landing site (km)") for way in ("east", "north"))
     caption = "A normal cloud has 39, 86 and 99 % of its points inside the ellipses."
-    return Figure("footprint", "Landing footprint", [panel], caption, height=560)
+    return Figure(
+        "footprint", "Landing footprint", [Panel(across, up, traces, equal=True)], caption, height=560
+    )
+
+
+def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) -> Figure:
+    """Ellipses of one to three standard deviations of the first two figures of an event, which are its
+    position if it has one, and the flights of a campaign if given, shape (flights, figures).
+    """
+    mean, covariance = found.spread.mean[:2], found.pairs.covariance[:2, :2]
+    traces = list(_ellipses(lambda sigmas: contour(covariance, sigmas) + mean[:, None]))
+    if sampled is not None:
+        x, y = sampled[:, :2].T
+        traces.insert(0, Trace(x, y, "flights of the campaign", "points", BLUE, width=1.0))
+    figures = map(figure_of_merit, found.event.all[:2])
+    across, up = (Axis(f"{figure.meaning} ({figure.unit.label or '1'})") for figure in figures)
+    return Figure(
+        "covariance", title, [Panel(across, up, traces, equal=bool(found.event.position))], height=480
+    )
+
+
+def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]:
+    """Ellipses of one to three standard deviations."""
+    dashes: tuple[Dash, ...] = ("solid", "dash", "dot")
+    for sigmas, dash in enumerate(dashes, 1):
+        x, y = outline(sigmas)
+        yield Trace(x, y, f"{sigmas} sigma", colour=BLACK, dash=dash)
 
 
 def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, float]) -> Iterator[Trace]:
@@ -103,39 +131,40 @@ def ellipse_table(results: Results) -> Table:
 
 def deployment(results: Results) -> Figure:
     """Mach number, dynamic pressure, height and angle of attack at mortar fire, with the limits."""
-    limit = {figure: limit for figure, _, limit, _ in results.limits}
-    mach, pressure = results["parachute_mach"], results["parachute_dynamic_pressure_pa"]
-    across = _axis("Mach number (1)", mach, limit.get("parachute_mach"))
-    up = _axis("dynamic pressure (Pa)", pressure, limit.get("parachute_dynamic_pressure_pa"))
-    marks = [
-        *_limit("x", limit.get("parachute_mach")),
-        *_limit("y", limit.get("parachute_dynamic_pressure_pa")),
-    ]
-    box = Panel(across, up, list(_points(results, mach, pressure, (_span(across), _span(up)))), marks=marks)
+    box = _scatter(
+        results,
+        ("parachute_mach", "Mach number (1)", 1.0),
+        ("parachute_dynamic_pressure_pa", "dynamic pressure (Pa)", 1.0),
+    )
+    attitude = _scatter(
+        results,
+        ("parachute_height_m", "height above the ground below (km)", 1e3),
+        ("parachute_total_alpha_deg", "total angle of attack (deg)", 1.0),
+    )
     height, alpha = results["parachute_height_m"] / 1e3, results["parachute_total_alpha_deg"]
     low = np.argsort(height)[:_LOWEST]
     lowest = Trace(height[low], alpha[low], f"lowest {_LOWEST}", "points", PURPLE, symbol="cross")
-    across = _axis("height above the ground below (km)", height, None)
-    up = _axis("total angle of attack (deg)", alpha, limit.get("parachute_total_alpha_deg"))
-    points = [*_points(results, height, alpha, (_span(across), _span(up))), lowest]
-    attitude = Panel(across, up, points, marks=list(_limit("y", limit.get("parachute_total_alpha_deg"))))
+    panels = [box, replace(attitude, traces=[*attitude.traces, lowest])]
     caption = "At mortar fire; dashed: the limits."
-    return Figure("deployment", "Parachute deployment", [box, attitude], caption, height=340)
+    return Figure("deployment", "Parachute deployment", panels, caption, height=340)
 
 
-def _span(axis: Axis) -> float:
-    return axis.range[1] - axis.range[0] if axis.range else 1.0
-
-
-def _axis(title: str, values: np.ndarray, limit: float | None) -> Axis:
-    """An axis that reaches from the flights to their limit, however far that is."""
-    ends = np.append(values[np.isfinite(values)], [] if limit is None else [limit])
-    if not len(ends):
-        return Axis(title)
-    room = 0.1 * float(np.ptp(ends)) or 1.0
-    return Axis(title, range=(float(ends.min()) - room, float(ends.max()) + room))
-
-
-def _limit(axis: Literal["x", "y"], at: float | None) -> Iterator[Mark]:
-    if at is not None:
-        yield Mark(axis, at, colour=BAD, dash="dash")
+def _scatter(results: Results, across: tuple[str, str, float], up: tuple[str, str, float]) -> Panel:
+    """The flights in the plane of two figures, each given by name, title and unit: axes reach from the
+    flights to the limits, however far these are.
+    """
+    limits = {figure: limit for figure, _, limit, _ in results.limits}
+    ways: tuple[Literal["x", "y"], ...] = ("x", "y")
+    values, axes, spans, marks = [], [], [], []
+    for way, (name, title, unit) in zip(ways, (across, up), strict=True):
+        own = results[name] / unit
+        limit = [limits[name] / unit] if name in limits else []
+        ends = np.append(own[np.isfinite(own)], limit)
+        room = (0.1 * float(np.ptp(ends)) or 1.0) if len(ends) else 0.0
+        span = (float(ends.min()) - room, float(ends.max()) + room) if len(ends) else None
+        values.append(own)
+        axes.append(Axis(title, span))
+        spans.append(span[1] - span[0] if span else 1.0)
+        marks += [Mark(way, at, colour=BAD, dash="dash") for at in limit]
+    points = _points(results, values[0], values[1], (spans[0], spans[1]))
+    return Panel(axes[0], axes[1], list(points), marks=marks)

@@ -11,9 +11,22 @@ from textwrap import fill
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, BLUE, GREY, PHASES, SERIES, Axis, Band, Figure, Mark, Panel, Trace
-from edl6dof.report.panels import Plot, Stack
-from edl6dof.report.panels import has_signal as _has_signal
+from edl6dof.report import catalogue
+from edl6dof.report.catalogue import Plot, Stack
+from edl6dof.report.figure import (
+    BLACK,
+    BLUE,
+    GREY,
+    PHASES,
+    SERIES,
+    Axis,
+    Band,
+    Figure,
+    Heat,
+    Mark,
+    Panel,
+    Trace,
+)
 from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"
@@ -148,15 +161,31 @@ def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
     return Trace(x, y, name, colour=BLUE, width=2.2)
 
 
-def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
-    """An entry of the legend for what is no trace."""
-    nowhere = np.array([np.nan])
-    return Trace(nowhere, nowhere, name, "points", colour, symbol="square", width=width, border=border)
+def site_panel(
+    traces: Sequence[Trace],
+    unit: str = "m",
+    title: str = "",
+    equal: bool = True,
+    heat: Heat | None = None,
+) -> Panel:
+    """A map about the landing site; of cells it has their size."""
+    spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
+    east, north = (
+        Axis(f"{way} of the landing site ({unit})", span)
+        for way, span in zip(("east", "north"), spans, strict=True)
+    )
+    return Panel(east, north, traces, heat=heat, equal=equal, title=title)
+
+
+def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Two coordinates of points around a circle, the first of them again at the end."""
+    turn = np.linspace(0.0, 2.0 * np.pi, points)
+    return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
 
 
 def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:
     """Whether the run has the channel and it is anything but zero and gaps."""
-    return channel in run and _has_signal(run[channel][rows])
+    return channel in run and catalogue.has_signal(run[channel][rows])
 
 
 def placed(

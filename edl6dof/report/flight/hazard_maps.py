@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from edl6dof.report.catalogue import CELLS
 from edl6dof.report.figure import (
     BLACK,
     BLUE,
@@ -17,19 +18,18 @@ from edl6dof.report.figure import (
     PURPLE,
     SEQUENTIAL,
     VERMILION,
-    Axis,
     Figure,
     Heat,
-    Panel,
     Trace,
+    legend_entry,
 )
-from edl6dof.report.flight.parts import flown, legend_entry
-from edl6dof.report.panels import CELLS
+from edl6dof.report.flight.common import circle, flown, site_panel
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Cells that a page needs side by side; more would weigh it down and nobody sees them.
 MOST_CELLS = 128
+_WAYS = ("east", "north")
 
 
 def figures(run: Run) -> Iterator[Figure]:
@@ -54,11 +54,9 @@ def _fine(run: Run, found: LandingMap) -> Figure:
     low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
-    axes, way = (_axis("east", (e[0], e[-1])), _axis("north", (n[0], n[-1]))), list(_way(run, found))
-    marked = [*entries, *_passed_over(found), *way]
-    classes = Panel(*axes, marked, heat=kinds, equal=True, title="what it made of them")
-    title = "what it saw: height above the ground below"
-    seen = Panel(*axes, way, heat=heights, equal=True, title=title)
+    way = list(_way(run, found))
+    classes = site_panel([*entries, *_passed_over(found), *way], title="what it made of them", heat=kinds)
+    seen = site_panel(way, title="what it saw: height above the ground below", heat=heights)
     return Figure(
         "hazard_map", "Map of hazards from hover", [classes, seen], _words(run, found), 2, height=480
     )
@@ -110,15 +108,14 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
     drift = Trace(*_xy(found.drift_m), "backshell, as predicted", colour=PURPLE, dash="dot")
     # all as navigated: off the ground by the error of navigation
-    off_e, off_n = run["nav.error_east_m"], run["nav.error_north_m"]
-    east, north = run["truth.backshell_east_m"] + off_e, run["truth.backshell_north_m"] + off_n
+    off = run["nav.error_east_m"], run["nav.error_north_m"]
+    east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
     there = np.isfinite(east)
     shell = Trace(east[there], north[there], "backshell", colour=PURPLE, dash="dash")
     last = run.between("backshell")
-    lander = flown(
-        (run["truth.site_east_m"] + off_e)[last], (run["truth.site_north_m"] + off_n)[last], "lander"
-    )
-    panel = Panel(_axis("east"), _axis("north"), [offered, taken, drift, shell, lander], equal=True)
+    way_e, way_n = (values[last] for values in _navigated(run))
+    lander = flown(way_e, way_n, "lander")
+    panel = site_panel([offered, taken, drift, shell, lander])
     caption = (
         "From the landing image the part with the fewest obstacles is taken whose middle keeps clear of the "
         "predicted way of backshell and canopy."
@@ -129,15 +126,12 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
 def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
     """Hover, the way from there to the ground, the footprint around the chosen spot, and the touchdown."""
     radius = float(run.scenario["flight_software"]["hazard"]["footprint_radius_m"])
-    turn = np.linspace(0.0, 2.0 * np.pi, 73)
-    spot_e, spot_n = (float(value) for value in found.spot_m)
     last = run.between("spot", "touchdown")
-    east = run["truth.site_east_m"] + run["nav.error_east_m"]
-    north = run["truth.site_north_m"] + run["nav.error_north_m"]
+    east, north = _navigated(run)
     yield flown(east[last], north[last], "way, as navigated")
     hover = np.asarray(found.hover_m)
     yield Trace(hover[:1], hover[1:2], "hover", "points", BLACK, symbol="cross", width=3.0)
-    ring = spot_e + radius * np.cos(turn), spot_n + radius * np.sin(turn)
+    ring = circle([float(value) for value in found.spot_m], radius, 73)
     yield Trace(*ring, "chosen footprint", colour=BLACK, width=2.2)
     if "touchdown" in run.when:
         row = [int(np.searchsorted(run.t, run.when["touchdown"]).clip(0, len(run.t) - 1))]
@@ -161,5 +155,6 @@ def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:
     return float(found.corner_m[0]) + step, float(found.corner_m[1]) + step
 
 
-def _axis(way: str, span: tuple[float, float] | None = None) -> Axis:
-    return Axis(f"{way} of the landing site (m)", span)
+def _navigated(run: Run) -> list[np.ndarray]:
+    """East and north (m) of the vehicle by its own navigation."""
+    return [run[f"truth.site_{way}_m"] + run[f"nav.error_{way}_m"] for way in _WAYS]
