@@ -120,7 +120,7 @@ def test_thruster_propellant_is_what_the_tank_lost_before_the_engine(run):
 
 
 def test_table_of_branches_sums_up_what_thrusters_drew_and_meters_counted(run):
-    table = thrusters.branch_use(run)
+    (table,) = thrusters.branch_use(run)
     assert [row[:2] for row in table.rows][:2] == [["D16", "D1, D6"], ["D25", "D2, D5"]]
     by_thruster = sum(float(row[-1]) for row in thrusters.use(run).rows)
     true, metered = (sum(float(row[k]) for row in table.rows) for k in (2, 3))

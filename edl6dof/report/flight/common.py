@@ -99,7 +99,14 @@ def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
     span = _clipped(values) if plot.clip else None
     if found.sigma:
         traces, span = [*traces[1:], traces[0]], _with_bounds(*values)
-    return Panel(Axis(TIME), Axis(found.label, span), traces, marks=event_marks(run, t))
+    return time_panel(run, t, Axis(found.label, span), traces)
+
+
+def time_panel(
+    run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
+) -> Panel:
+    """A panel over times ``t`` (s), with the events among them."""
+    return Panel(Axis(TIME), y, traces, marks=[*event_marks(run, t), *marks], weight=weight)
 
 
 def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:

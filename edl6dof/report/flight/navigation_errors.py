@@ -23,7 +23,7 @@ from edl6dof.report.catalogue import (
 )
 from edl6dof.report.document import Row, Table
 from edl6dof.report.figure import BAD, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.flight.common import TIME, event_marks, figure_of, has_signal, over_flight, stacked
+from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instruments import Instrument, instruments
 from edl6dof.telemetry.thinning import spans
@@ -93,18 +93,16 @@ def at_moments(run: Run) -> Table:
     for name, unit, form, stem, suffix in ESTIMATED:
         for axis in AXES:
             channels = f"nav.error{stem}_{axis}{suffix}", f"nav.sigma{stem}_{axis}{suffix}"
-            rows.append([f"{name} {axis}", unit, *(_beside(run, *channels, key, form) for key in reached)])
+            rows.append([f"{name} {axis}", unit, *(_bounded(run, *channels, key, form) for key in reached)])
     height = "nav.error_height_m", "nav.sigma_height_m"
-    rows.append(["height above the ground", "m", *(_beside(run, *height, key, ",.2f") for key in reached)])
+    rows.append(["height above the ground", "m", *(_bounded(run, *height, key, ",.2f") for key in reached)])
     caption = f"Estimated less true, and the {BOUND:.0f} σ that the flight software claims"
     return Table(["error", "unit", *(f"{MOMENTS[key]}>" for key in reached)], rows, caption)
 
 
-def _beside(run: Run, error: str, sigma: str, key: str, form: str) -> str:
+def _bounded(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     t = run.when[key]
-    if (
-        key == "touchdown"
-    ):  # the estimate is a reading old: where contact shakes the vehicle, it has not seen that yet
+    if key == "touchdown":  # a reading earlier: where contact shakes the vehicle, it has not seen that yet
         t = float(run.t[max(int(np.searchsorted(run.t, t)) - 1, 0)])
     return f"{run.at(error, t):{form}} ± {BOUND * run.at(sigma, t):{form}}"
 
@@ -137,5 +135,5 @@ def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
             places = np.repeat([float(lane) for _, _, lane in ends], 3)
             traces.append(Trace(x, np.where(np.isnan(x), np.nan, places), state, colour=colour, width=7.0))
     y = Axis(TITLES[those[0].kind], (len(those) - 0.5, -0.5), names=[one.name for one in those])
-    marks = [replace(mark, label="") for mark in event_marks(run, run.t)]
-    return Panel(Axis(TIME), y, traces, marks=marks, weight=0.3 + 0.13 * len(those))
+    panel = time_panel(run, run.t, y, traces, weight=0.3 + 0.13 * len(those))
+    return replace(panel, marks=[replace(mark, label="") for mark in panel.marks])

@@ -1,8 +1,11 @@
-"""Every thruster's activity, torque asked for and not delivered, propellant; and what acted besides."""
+"""Thrusters: their activity, the torque asked for and not delivered, propellant, and what acted besides; what
+failed of them and what the flight computer made of it, by torque and by the meters of their branches.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,11 +27,21 @@ from edl6dof.report.figure import (
     Panel,
     Trace,
 )
-from edl6dof.report.flight.common import TIME, event_marks, figure_of, has_signal, over_flight, stacked
+from edl6dof.report.flight.common import (
+    figure_of,
+    has_signal,
+    over_flight,
+    stacked,
+    time_panel,
+)
 from edl6dof.runs.run import Run
 
 #: Columns of the activity map.
 BINS = 600
+#: Time (s) shown before a fault and after its diagnosis, or after the fault without one.
+BEFORE_S, AFTER_S = 2.0, 3.0
+#: Time (s) over which a flow is the mean; branches shown at most.
+MEAN_S, MOST = 0.1, 4
 
 
 def thruster_use(run: Run) -> Iterator[Figure | Table]:
@@ -39,8 +52,7 @@ def thruster_use(run: Run) -> Iterator[Figure | Table]:
     if thrusters and any(has_signal(run, f"rcs.{name}") for name in thrusters):
         yield activity(run, thrusters)
         yield use(run)
-        if (branches := branch_use(run)) is not None:
-            yield branches
+        yield from branch_use(run)
         yield from over_flight(run, [TORQUE])
     yield from over_flight(run, [PROPELLANT_AND_MASS])
 
@@ -53,24 +65,18 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     duty = np.stack([np.bincount(place, run[f"rcs.{name}"], BINS) / count for name in thrusters])
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
-    down = (len(thrusters) - 0.5, -0.5)
     failed = {
         name: float(run.t[np.argmax(faulty)])
         for name in thrusters
         if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()
     }
     bands = [
-        Band(BAD, (since, float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
+        Band(BAD, (failed[name], float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
         for lane, name in enumerate(thrusters)
-        if (since := failed.get(name)) is not None
+        if name in failed
     ]
-    panel = Panel(
-        Axis(TIME),
-        Axis("thruster", down, names=thrusters),
-        bands=bands,
-        heat=heat,
-        marks=event_marks(run, run.t),
-    )
+    y = Axis("thruster", (len(thrusters) - 0.5, -0.5), names=thrusters)
+    panel = replace(time_panel(run, run.t, y, ()), bands=bands, heat=heat)
     width = edges[1] - edges[0]
     caption = (
         f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
@@ -122,18 +128,12 @@ def force(run: Run, acting: str) -> Figure:
             Trace(t, run[f"estimate.force_{axis}_n"][rows], "estimated", colour=ORANGE),
             Trace(t, acted[rows], "true", colour=BLUE),
         ]
-        panels.append(Panel(Axis(TIME), Axis(f"{axis} (N)"), traces, marks=event_marks(run, t)))
+        panels.append(time_panel(run, t, Axis(f"{axis} (N)"), traces))
     vehicle = run.scenario["vehicle"]
     engine = " and, along x, the engine" if vehicle["engines"] else ""
     pulled = " True values are left out while the parachute pulls." if vehicle["parachutes"] else ""
     caption = f"Force of {acting}, in body axes: air{engine}.{pulled}"
     return stacked("disturbance_force", "Disturbance force", panels, caption, 160)
-
-
-#: Time, s, shown before a fault and after its diagnosis, or after the fault without one.
-BEFORE_S, AFTER_S = 2.0, 3.0
-#: Time, s, over which a flow is the mean; branches shown at most.
-MEAN_S, MOST = 0.1, 4
 
 
 def fault_diagnosis(run: Run) -> Iterator[Figure]:
@@ -149,42 +149,35 @@ def fault_diagnosis(run: Run) -> Iterator[Figure]:
     near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < end)
     if "diagnosis" in run.when:
         yield history(run, near, "diagnosis_close", "Fault diagnosis, from the fault to its name")
-    if (flows := branch_flows(run, near)) is not None:
-        yield flows
+    yield from branch_flows(run, near)
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
     """Residual torque, confidence of the best hypothesis, branch looked into, and thrusters isolated, for
     some rows (bool).
     """
-    t = run.t[rows]
-    marks = event_marks(run, t)
+    t, isolated = run.t[rows], run["diagnosis.isolated"][rows]
     free = np.where(run["truth.riser_tension_n"][rows] > 0.0, np.nan, 1.0)
-    residual = [
-        Trace(
-            t,
-            free * (run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"])[rows],
-            name,
-            colour=colour,
-        )
-        for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True)
-    ]
+    residual = []
+    for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True):
+        torque = run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"]
+        residual.append(Trace(t, free * torque[rows], name, colour=colour))
     threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
-    isolated = Trace(t, run["diagnosis.isolated"][rows], kind="steps", colour=BAD, width=2.0)
     panels = [
-        Panel(Axis(TIME), Axis("torque residual\n(N m)"), residual, marks=marks),
-        Panel(
-            Axis(TIME),
+        time_panel(run, t, Axis("torque residual\n(N m)"), residual),
+        time_panel(
+            run,
+            t,
             Axis("confidence (1)", (0.0, 1.18)),
             [Trace(t, run["diagnosis.confidence"][rows], colour=BLUE)],
-            marks=[*marks, Mark("y", threshold, "needed", BAD)],
+            [Mark("y", threshold, "needed", BAD)],
         ),
         leaks(run, rows),
-        Panel(
-            Axis(TIME),
-            Axis("isolated (1)", (-0.1, max(float(isolated.y.max()), 1.0) + 0.1)),
-            [isolated],
-            marks=marks,
+        time_panel(
+            run,
+            t,
+            Axis("isolated (1)", (-0.1, max(float(isolated.max()), 1.0) + 0.1)),
+            [Trace(t, isolated, kind="steps", colour=BAD, width=2.0)],
         ),
     ]
     caption = (
@@ -196,53 +189,45 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
 
 def leaks(run: Run, rows: np.ndarray) -> Panel:
     """When which branch was shut to look into its leak: a lane for each that was."""
-    leaking = run["diagnosis.leaking"][rows]
+    t, leaking = run.t[rows], run["diagnosis.leaking"][rows]
     lanes = sorted({int(number) for number in leaking if number >= 0.0})
-    names = [list(thrusters_of(run))[number] for number in lanes]
+    y = Axis("leak in branch", names=[list(thrusters_of(run))[number] for number in lanes])
     traces = [
-        Trace(run.t[rows], np.where(leaking == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
+        Trace(t, np.where(leaking == number, lane, np.nan), colour=BAD, width=7.0)
         for lane, number in enumerate(lanes)
     ]
-    return Panel(
-        Axis(TIME),
-        Axis("leak in branch", names=names),
-        traces,
-        marks=event_marks(run, run.t[rows]),
-        weight=0.25 + 0.15 * len(lanes),
-    )
+    return time_panel(run, t, y, traces, weight=0.25 + 0.15 * len(lanes))
 
 
-def branch_flows(run: Run, rows: np.ndarray) -> Figure | None:
-    """Flow through each branch with a thruster that failed, for some rows (bool); none without one."""
+def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
+    """Flow through each branch with a thruster that failed, for some rows (bool)."""
     failed = [
-        name for name, jets in thrusters_of(run).items() if any(failed_within(run, jet) for jet in jets)
+        name
+        for name, jets in thrusters_of(run).items()
+        if any(np.any(run.get(f"fault.{jet}", np.zeros(1)) != 0) for jet in jets)
     ]
     shown = [name for name in failed[:MOST] if f"metered.{name}_kg" in run]
     if not shown:
-        return None
+        return
     left = f", the first {MOST} of {len(failed)}" if len(failed) > MOST else ""
     caption = (
         f"Means over {MEAN_S:g} s{left}; the meter as the flight computer reads it. A valve that stays open "
         "lets the flow of one thruster through, a dead one none."
     )
     panels = [flow_panel(run, name, rows) for name in shown]
-    return stacked("flows", "Flow through the branches that failed", panels, caption, 150)
+    yield stacked("flows", "Flow through the branches that failed", panels, caption, 150)
 
 
-def branch_use(run: Run) -> Table | None:
-    """What each branch used and its meter counted; none where runs do not tell."""
-    shown = {name: jets for name, jets in thrusters_of(run).items() if f"metered.{name}_kg" in run}
-    if not shown:
-        return None
-    counts = {name: [run[f"{kind}.{name}_kg"][-1] for kind in ("used", "metered")] for name in shown}
-    rows = [[name, ", ".join(jets), *(f"{kg:.3f}" for kg in counts[name])] for name, jets in shown.items()]
+def branch_use(run: Run) -> Iterator[Table]:
+    """What each branch used and its meter counted; nothing where the run has no meters."""
+    rows = [
+        [name, ", ".join(jets), *(f"{run[f'{kind}.{name}_kg'][-1]:.3f}" for kind in ("used", "metered"))]
+        for name, jets in thrusters_of(run).items()
+        if f"metered.{name}_kg" in run
+    ]
     columns = ["branch", "thrusters", "propellant (kg)>", "metered (kg)>"]
-    return Table(columns, rows, "Propellant branches, each behind one latch valve")
-
-
-def failed_within(run: Run, thruster: str) -> bool:
-    """Whether a thruster has truly failed in the flight."""
-    return bool(np.any(run.get(f"fault.{thruster}", np.zeros(1)) != 0))
+    if rows:
+        yield Table(columns, rows, "Propellant branches, each behind one latch valve")
 
 
 def thrusters_of(run: Run) -> dict[str, list[str]]:
@@ -250,15 +235,6 @@ def thrusters_of(run: Run) -> dict[str, list[str]]:
     rcs = run.scenario["vehicle"]["rcs"]
     given = {branch["name"]: branch["thrusters"] for branch in rcs.get("branches", [])}
     return given or {jet["name"]: [jet["name"]] for jet in rcs["thrusters"]}
-
-
-def largest_flow(run: Run, thrusters: list[str]) -> float:
-    """Full flow (kg/s) of the largest of some thrusters."""
-    return max(
-        float(jet["thrust_n"]) / (float(jet["specific_impulse_s"]) * G0)
-        for jet in run.scenario["vehicle"]["rcs"]["thrusters"]
-        if jet["name"] in thrusters
-    )
 
 
 def mean_flow(t: np.ndarray, counted: np.ndarray) -> np.ndarray:
@@ -281,5 +257,10 @@ def flow_panel(run: Run, branch: str, rows: np.ndarray) -> Panel:
         for name, counted, colour in counts[0 if np.any(expected) else 1 :]
     ]
     jets = thrusters_of(run)[branch]
-    marks = [*event_marks(run, t), Mark("y", 1e3 * largest_flow(run, jets), "one open", GREY)]
-    return Panel(Axis(TIME), Axis(f"{branch}: {', '.join(jets)}\n(g/s)"), traces, marks=marks)
+    largest = max(
+        float(jet["thrust_n"]) / (float(jet["specific_impulse_s"]) * G0)
+        for jet in run.scenario["vehicle"]["rcs"]["thrusters"]
+        if jet["name"] in jets
+    )
+    y = Axis(f"{branch}: {', '.join(jets)}\n(g/s)")
+    return time_panel(run, t, y, traces, [Mark("y", 1e3 * largest, "one open", GREY)])
