@@ -47,7 +47,7 @@ class Requirement:
 #: What is required where single thrusters fail, and where two fail together.
 REQUIRED = (
     Requirement("within_limits_pct", "within limits", "%", at_least=99.5),
-    Requirement("kind_right_pct", "right name and kind, of those that fire or leak", "%", at_least=99.0),
+    Requirement("kind_right_pct", "right name and kind, if it fires or leaks", "%", at_least=99.0),
     Requirement("wrong_isolations_pct", "flights with a wrong isolation", "%", at_most=1.0),
     Requirement("air_median_s", "median time to isolation in the air", "s", at_most=3.0),
     Requirement("powered_median_s", "median time to isolation in powered flight", "s", at_most=1.0),

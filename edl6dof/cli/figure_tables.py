@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
@@ -76,15 +77,27 @@ def show_missions(missions: Sequence[Compared], target: Path) -> None:
 
 
 def _table(missions: Sequence[Compared]) -> Table:
-    """All missions in one table, each under a line of its own."""
-    table = open_table("Predicted beside flown", *HEADS)
+    """All missions in one table, each under a line of its own, in 80 columns without broken words: the mark
+    of a value stands behind the name of its figure.
+    """
+    figure, *numbers, _, sigma, last = HEADS
+    table = open_table("Predicted beside flown", figure, *numbers, sigma, last)
+    table.collapse_padding, table.show_edge = True, False
     for mission in missions:
         share = inside(mission.predicted)
         style = "bold" if share.successes == share.trials else "bold yellow"
         table.add_section()
-        table.add_row(*(Text(words, style=style) for words in heading(mission)))
+        table.add_row(*(Text(words, style=style) for words in _narrow(heading(mission))))
         for one in mission.predicted:
-            *told, remark = cells(one)
+            *told, remark = _narrow(cells(one))
             marked = "bold red" if OUTSIDE in remark else ""
             table.add_row(*map(Text, told), Text(remark, style=marked))
+    for column in (table.columns[0], table.columns[-1]):
+        column.min_width = max(len(word) for cell in column.cells for word in re.split("[ _]", str(cell)))
     return table
+
+
+def _narrow(row: Sequence[str]) -> tuple[str, ...]:
+    """A row of the table of missions with the mark behind the figure."""
+    figure, *numbers, mark, sigma, remark = row
+    return (f"{figure} {mark}".strip(), *(number.replace("+-", "±") for number in numbers), sigma, remark)

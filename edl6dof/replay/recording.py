@@ -5,16 +5,17 @@ lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicl
 grows under the parachute: seen from it, capsule and canopy both fill the view; ``/site/camera_away`` follows
 what fell away; ``/site/tour`` is the director's.  Further flights lie under ``/site/flight_1``
 and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
-planes, ``/Flight``, ``/Entry``, ``/Parachute``, ``/Powered-descent``, ``/rcs`` and ``/instruments`` the
-lanes, ``/events`` the timeline, ``/legend`` what colours mean.
+planes, ``/Phase``, ``/Vehicle``, ``/Engine``, ``/Thruster-A1``, ``/Gyro-g1`` and so on the lanes, ``/events``
+the timeline, ``/legend`` what colours mean.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -38,6 +39,10 @@ from edl6dof.replay.views.director import Director
 from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
 from edl6dof.replay.views.phase_plane import PhasePlanes
 from edl6dof.replay.views.spatial import TIMELINE, Shown
+from edl6dof.telemetry.instruments import Instrument
+
+if TYPE_CHECKING:
+    import rerun as rr
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
@@ -77,7 +82,7 @@ def write_replay(
     name = first.name if len(flights) == 1 else " and ".join(labels)
     stream = rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}")
     with _failing_as_the_system_says(path), stream as recording:
-        shown = _shown(flights, motions[0], labels, ensemble is not None)
+        shown = _shown(flights, motions[0], recording, labels, ensemble is not None)
         recording.save(str(path), default_blueprint=Layout(shown).blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         drawable = [
@@ -131,13 +136,20 @@ def recorded_span(path: Path) -> tuple[float, float]:
     return float(seconds.min()), float(seconds.max())
 
 
-def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], ensemble: bool) -> Shown:
+def _shown(
+    flights: Sequence[History],
+    motion: Motion,
+    recording: rr.RecordingStream,
+    labels: Sequence[str],
+    ensemble: bool,
+) -> Shown:
     first = flights[0]
     span = (
         (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t)))
         if len(first.t)
         else (0.0, 1.0)
     )
+    pages = {"Flight": span, **spans_of(span, first.when)}
     places = motion.centre if len(motion.t) else np.zeros((1, 3))
     deploy = motion.released(motion.canopy)
     middle = motion.site.in_F(0.5 * (places[0] + places[-1])) / 1e3
@@ -151,12 +163,13 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
         plots=frozenset(plot.key for plot in shown(first)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
-        instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
+        instruments=_by_kind(first.instruments),
+        lanes=lanes.Lanes(first, motion, recording).labels(pages) if len(first.t) else {},
         scanned=_scanned(first, places),
         labels=tuple(labels) or ("",),
         size=motion.shape.size,
         scales=scales(first, motion) if len(first.t) > 2 else "",
-        ranges=_ranges(flights, span),
+        ranges=_ranges(flights, pages),
         ensemble=ensemble,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
@@ -164,12 +177,12 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
 
 
 def _ranges(
-    flights: Sequence[History], whole: tuple[float, float]
+    flights: Sequence[History], spans: Mapping[str, tuple[float, float]]
 ) -> dict[tuple[str, str], tuple[float, float]]:
     """First and last value on the axis of each plot in the time of each page, by page and entity, such that
     the curves of all flights lie on it.
     """
-    spans, found = {"Flight": whole, **spans_of(whole, flights[0].when)}, {}
+    found = {}
     curves: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for flight in flights:
         for plot in shown(flight):
@@ -177,6 +190,14 @@ def _ranges(
     for key, page in product(curves, spans):
         if values := [value for one in curves[key] for value in ends(*one, spans[page])]:
             found[page, key] = axis_range(min(values), max(values))
+    return found
+
+
+def _by_kind(instruments: Sequence[Instrument]) -> dict[str, list[str]]:
+    """Names of instruments by their kind."""
+    found: dict[str, list[str]] = {}
+    for one in instruments:
+        found.setdefault(one.kind, []).append(one.name)
     return found
 
 

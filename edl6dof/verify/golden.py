@@ -29,6 +29,7 @@ CAMPAIGN, CASES = "tianwen1_mc", 20
 #: Rows of a flight whose values are kept.
 _SAMPLES = 25
 _SAMPLED = ("t_s", *(channel.name for channel in BRIEF_CHANNELS))
+_RECORD = np.dtype([(name, "f8") for name in _SAMPLED])
 
 
 class Trace(NamedTuple):
@@ -36,7 +37,7 @@ class Trace(NamedTuple):
 
     Attributes:
         hashes: of records, channels and figures, by name, in the order in which they are made.
-        samples: values of some channels at some rows, shape (channels, rows); empty for a campaign.
+        samples: values of some channels at some rows, a field for each channel; none of a campaign.
     """
 
     hashes: dict[str, str]
@@ -72,21 +73,22 @@ def difference(golden: Trace, found: Trace) -> str:
     place = _first_sample(golden.samples, found.samples)
     if place is not None and not first.startswith(("tables", "case", "onboard")):
         row, channel = place
-        kept, new = golden.samples[channel, row], found.samples[channel, row]
-        t = golden.samples[0, row]
-        return f"{_SAMPLED[channel]} at {t:.2f} s: {float(new)!r} is not {float(kept)!r} ({new - kept:+.2g})"
+        kept, new = float(golden.samples[channel][row]), float(found.samples[channel][row])
+        return f"{channel} at {golden.samples['t_s'][row]:.2f} s: {new!r} is not {kept!r} ({new - kept:+.2g})"
     more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
     return f"{first}{more}"
 
 
-def _first_sample(golden: np.ndarray, found: np.ndarray) -> tuple[int, int] | None:
-    """Row and channel of the first sample that differs."""
-    rows = min(golden.shape[1], found.shape[1])
-    differs = golden[:, :rows].view(np.int64) != found[:, :rows].view(np.int64)
-    if not differs.any():
-        return None
-    row = int(np.argmax(differs.any(axis=0)))
-    return row, int(np.argmax(differs[:, row]))
+def _first_sample(golden: np.ndarray, found: np.ndarray) -> tuple[int, str] | None:
+    """Row and channel of the first sample that differs, among the channels that both have."""
+    rows = min(len(golden), len(found))
+    differs = [
+        (int(np.argmax(wrong)), channel)
+        for channel in golden.dtype.names or ()
+        if channel in (found.dtype.names or ())
+        and (wrong := golden[channel][:rows].view(np.int64) != found[channel][:rows].view(np.int64)).any()
+    ]
+    return min(differs, key=lambda place: place[0], default=None)
 
 
 def read_golden() -> dict[str, Trace]:
@@ -127,7 +129,10 @@ def _flight(name: str) -> Trace:
     hashes |= {f"figure {key}": float(value).hex() for key, value in flight.metrics.items()}
     hashes["outcome"] = flight.outcome
     kept = np.linspace(0, rows - 1, min(_SAMPLES, rows)).astype(int)
-    return Trace(hashes, np.array([telemetry[channel][kept] for channel in _SAMPLED], dtype=float))
+    samples = np.zeros(len(kept), _RECORD)
+    for channel in _SAMPLED:
+        samples[channel] = telemetry[channel][kept]
+    return Trace(hashes, samples)
 
 
 def _campaign() -> Trace:
@@ -135,7 +140,7 @@ def _campaign() -> Trace:
     table = fly_cases(plan.loaded, plan.cases(0, CASES))
     columns = {name: repr(table[name].to_pylist()) for name in table.column_names}
     hashes = {f"column {name}": _digest(text.encode()) for name, text in columns.items()}
-    return Trace(hashes, np.zeros((len(_SAMPLED), 0)))
+    return Trace(hashes, np.zeros(0, _RECORD))
 
 
 def _digest(content: bytes) -> str:

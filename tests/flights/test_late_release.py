@@ -34,6 +34,18 @@ def test_no_law_that_plans_comes_down_faster_than_the_gravity_turn(law, height):
     assert height < 350.0 or speed < 3.0
 
 
+@pytest.mark.parametrize("height", [375.0, 475.0, 600.0])
+def test_a_gravity_turn_is_over_at_rest_and_leaves_the_descent_to_the_hover(height):
+    """It was never over: it hung at 97 m until its time was out, or rose from 100 m to 333 m (475 m)."""
+    flight = released("gravity_turn", height)
+    assert flight.metrics["touchdown_vertical_m_s"] < 3.0
+    begun, over = (
+        next(event["t_s"] for event in flight.events if event["name"] == f"phase {name}")
+        for name in ("powered_deceleration", "hover_imaging")
+    )
+    assert over - begun < 30.0
+
+
 @pytest.mark.parametrize(("height", "late_s"), [(700.0, 0.0), (1200.0, 0.0), (700.0, 2.0), (900.0, 4.0)])
 @pytest.mark.parametrize("law", PLANNING)
 def test_all_laws_land_from_higher_and_after_late_ignition(law, height, late_s):

@@ -14,6 +14,7 @@ import edl6dof
 from edl6dof.calibration.problem import load_calibration
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_rows
+from edl6dof.cli.figure_tables import show_missions
 from edl6dof.config.errors import ConfigError
 from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.missions.comparison import compare, inside, reached_goal
@@ -164,6 +165,25 @@ def test_a_value_is_predicted_within_three_standard_deviations(drop):
         "drop, touchdown: no cause is known",
     ]
     assert failures(made_up(drop, 9.0, 11.0, cause="crashed")) == ["drop: 2 flights: crashed"]
+
+
+def test_the_table_has_whole_words_in_80_columns(monkeypatch, capsys, tmp_path):
+    monkeypatch.setenv("COLUMNS", "80")
+    missions = []
+    for name in ("tianwen1_mc", "msl_landing_mc", "schiaparelli_mc"):
+        mission = load_mission(name, 2)
+        near = [
+            {figure.name: factor * published.number for figure, published in mission.beside}
+            for factor in (0.97, 1.03)
+        ]
+        missions.append(compare(mission, [{**row, "success": True, "cause": ""} for row in near]))
+    show_missions(missions, tmp_path)
+    printed = capsys.readouterr().out.splitlines()
+    table = printed[: next(k for k, line in enumerate(printed) if line.startswith(f"{tmp_path}: "))]
+    assert max(map(len, table)) <= 80
+    figures = [row.figure for one in missions for row in one.predicted]
+    words = {word for figure in figures for word in figure.meaning.split()} | {"commanded", "duplicate"}
+    assert words <= {word for line in table for word in line.split()}
 
 
 def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(drop, tmp_path):

@@ -40,7 +40,7 @@ def words_of_absent_parts(vehicle) -> set[str]:
         "engine": vehicle.engines,
         "thrust": vehicle.engines or jets,
         "dust": vehicle.engines,
-        "rcs": jets,
+        "thruster": jets,
         "phase_plane": jets,
         "torque": jets,
         "diagnosis": jets,

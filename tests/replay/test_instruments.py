@@ -69,7 +69,7 @@ def test_colour_of_a_ray_is_what_navigation_makes_of_it(replay):
 
 def test_lanes_change_with_the_telemetry(replay):
     def lane(name: str) -> list[tuple[float, str]]:
-        times, columns = read(replay, f"/instruments/{name}")
+        times, columns = read(replay, f"/{name}")
         states = [cell[0] for cell in columns["StateChange:state"]]
         return list(zip(np.round(times, 1).tolist(), states, strict=True))
 
@@ -78,11 +78,11 @@ def test_lanes_change_with_the_telemetry(replay):
 
     first, last = SATURATED
     common = ((0.0, "in use"), (first, "saturated"), (last, "in use"))
-    assert lane("gyro/g1") == at(*common)
-    assert lane("gyro/g3") == at(*common, (GYRO_EXCLUDED, "excluded"))
-    assert lane("accelerometer/a6") == at((0.0, "in use"))
-    assert lane("beam/b2") == at((0.0, "off"), (LOCK, USED), (REFUSED, NOT_USED), (19.0, "off"))
-    assert lane("beam/b4") == at((0.0, "off"), (LOCK, USED), (BEAM_EXCLUDED, "excluded"))
+    assert lane("Gyro-g1") == at(*common)
+    assert lane("Gyro-g3") == at(*common, (GYRO_EXCLUDED, "excluded"))
+    assert lane("Accelerometer-a6") == at((0.0, "in use"))
+    assert lane("Beam-b2") == at((0.0, "off"), (LOCK, USED), (REFUSED, NOT_USED), (19.0, "off"))
+    assert lane("Beam-b4") == at((0.0, "off"), (LOCK, USED), (BEAM_EXCLUDED, "excluded"))
 
 
 def test_exclusion_is_a_warning_and_stands_in_the_readout(flight, replay):
@@ -110,7 +110,7 @@ def test_perfect_sensors_leave_no_trace(tmp_path):
     write_replay([history(synthetic_flight())], path)
     held = {c.entity_path for c in RrdReader(path).stream().collect().schema().component_columns()}
     own = {f"/plots/{plot.key}" for plot in PAGES[NAVIGATION]} | {"/site/vehicle/beams"}
-    assert not held & own and not any(name.startswith("/instruments") for name in held)
+    assert not held & own and not any(name.startswith(("/Gyro", "/Accelerometer", "/Beam")) for name in held)
 
 
 def test_a_recording_without_ranges_has_neither_rays_nor_lanes_of_beams(tmp_path):
@@ -120,4 +120,4 @@ def test_a_recording_without_ranges_has_neither_rays_nor_lanes_of_beams(tmp_path
         del flight.telemetry[f"range.{beam}_m"]
     write_replay([history(flight)], tmp_path / "old.rrd")
     assert len(read(tmp_path / "old.rrd", "/site/vehicle/beams")[0]) == 0
-    assert len(read(tmp_path / "old.rrd", "/instruments/gyro/g1")[0]) > 1
+    assert len(read(tmp_path / "old.rrd", "/Gyro-g1")[0]) > 1

@@ -57,9 +57,9 @@ def test_entities_and_components(replay):
         "/site/labels/touchdown": "Points3D:positions",
         "/plots/altitude_km": "Scalars:scalars",
         "/plots/thruster_duty/fine": "Scalars:scalars",
-        "/Flight/Phase": "StateChange:state",
-        "/Powered-descent/Vehicle": "StateChange:state",
-        "/rcs/D7": "StateChange:state",
+        "/Phase": "StateChange:state",
+        "/Vehicle": "StateChange:state",
+        "/Thruster-D7": "StateChange:state",
         "/site/ground/rocks/0": "InstancePoses3D:scales",
         "/site/ground_track": "LineStrips3D:strips",
         "/site/sky": "Transform3D:scale",
@@ -174,7 +174,7 @@ def test_duty_is_the_mean_between_rows(flight, replay):
 
 
 def test_phases_events_and_units(flight, replay):
-    times, columns = read(replay, "/Flight/Phase")
+    times, columns = read(replay, "/Phase")
     flown = [name for name in flight.phase_names if name not in NOT_ENTERED]
     assert [cell[0] for cell in columns["StateChange:state"]] == flown
     assert times[0] == 0.0

@@ -122,10 +122,10 @@ def test_failed_thruster_is_red_from_the_failure_on_and_named_when_diagnosed(rep
     times, columns = read(replay, "/site/vehicle/failed/D7/mark")
     assert times.tolist() == [pytest.approx(FAILURE, abs=0.041), DIAGNOSIS]
     assert columns["Points3D:labels"] == [["failed"], ["D7 stuck off"]]
-    times, columns = read(replay, "/rcs/D7")
+    times, columns = read(replay, "/Thruster-D7")
     failed = [t for t, cell in zip(times, columns["StateChange:state"], strict=True) if cell == ["failed"]]
     assert failed == [pytest.approx(FAILURE, abs=0.041)]
-    assert len(read(replay, "/rcs/D8")[0]) > 1
+    assert len(read(replay, "/Thruster-D8")[0]) > 1
     assert len(read(replay, "/site/vehicle/failed/D8")[0]) == 0
 
 

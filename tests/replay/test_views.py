@@ -4,6 +4,8 @@ names fit, a readout of what counts.
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,7 +21,7 @@ from edl6dof.replay.views.lanes import fitted
 from edl6dof.replay.views.spatial import body_eye
 from edl6dof.report.catalogue import BANK, RANGE, RATES
 
-pytest.importorskip("rerun")
+RrdReader = pytest.importorskip("rerun.chunk").RrdReader
 
 
 def overlaps(middles: np.ndarray, halves: np.ndarray) -> bool:
@@ -106,6 +108,40 @@ def test_a_name_that_has_no_room_is_left_out_of_its_lane():
     assert fitted(changes, names, (445.0, 455.0)) == [" ", "parachute", "brief hover", "landed"]
 
 
+def lanes_by_view(path: Path) -> dict[str, list[str]]:
+    """Entities that each view of lanes shows, by the view's name."""
+    reader = RrdReader(path)
+    (store,) = reader.blueprints()
+    held: dict[str, dict[str, list[str]]] = {}
+    for chunk in reader.stream(store=store).to_chunks():
+        batch = chunk.to_record_batch()
+        view = "/".join(str(chunk.entity_path).split("/")[:3])
+        names = ("ViewBlueprint:class_identifier", "ViewBlueprint:display_name", "ViewContents:query")
+        own = {name: batch.column(name).to_pylist()[-1] for name in names if name in batch.schema.names}
+        held.setdefault(view, {}).update(own)
+    lanes = [one for one in held.values() if one.get("ViewBlueprint:class_identifier") == ["StateTimeline"]]
+    return {one["ViewBlueprint:display_name"][0]: one["ViewContents:query"] for one in lanes}
+
+
+def test_the_viewer_names_a_lane_by_its_path_which_is_a_plain_name(tmp_path):
+    """It offers no other name, and would show a space as a backslash and a space."""
+    path = tmp_path / "replay.rrd"
+    write_replay([history(flight_on_instruments())], path)
+    shown = lanes_by_view(path)
+    assert shown["Phases"] == ["/Phase", "/Vehicle", "/Engine"]
+    assert shown["Radar beams"] == ["/Beam-b1", "/Beam-b2", "/Beam-b3", "/Beam-b4"]
+    assert {"/Gyro-g1", "/Accelerometer-a1"} <= {*shown["Gyros"], *shown["Accelerometers"]}
+    assert shown["Thrusters A1 to D7"][0] == "/Thruster-A1"
+    every = [name for names in shown.values() for name in names]
+    assert [name for name in every if not re.fullmatch(r"/[A-Z][a-z]+(-\w+)?", name)] == []
+    states = {
+        str(one.entity_path)
+        for one in RrdReader(path).stream().collect().schema().component_columns()
+        if one.component == "StateChange:state"
+    }
+    assert states == set(every)
+
+
 def test_readout_says_what_counts_in_each_stage_ten_times_a_second(flight, replay):
     times, columns = read(replay, "/readout")
     assert np.diff(times).max() < 0.1 + 1e-6
@@ -135,8 +171,6 @@ def test_legend_speaks_of_what_the_flight_has(tmp_path):
         chunks = RrdReader(tmp_path / "x.rrd").stream().filter(content=["/legend"]).to_chunks()
         batch = next(iter(chunks)).to_record_batch()
         return batch.column("TextDocument:text").to_pylist()[0][0]
-
-    from rerun.chunk import RrdReader
 
     perfect, equipped = told(synthetic_flight()), told(flight_on_instruments())
     assert "failed red" in perfect and "radar beams" not in perfect and "hazard map" not in perfect

@@ -66,7 +66,7 @@ def test_shares_are_of_what_can_be_known_and_times_of_what_is_right():
     required = {one["meaning"]: (one["value"], one["met"]) for one in figures["acceptance"]}
     assert required == {
         "within limits": (pytest.approx(100 * 6 / 9), False),
-        "right name and kind, of those that fire or leak": (pytest.approx(100 * 4 / 7), False),
+        "right name and kind, if it fires or leaks": (pytest.approx(100 * 4 / 7), False),
         "flights with a wrong isolation": (pytest.approx(100 * 2 / 9), False),
         "median time to isolation in the air": (7.0, False),
         "median time to isolation in powered flight": (0.5, True),

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from textwrap import shorten
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.views.layout import lanes_of, spans_of
+from edl6dof.replay.views.layout import ENGINE, PHASE, VEHICLE, lane_of
+from edl6dof.replay.views.spatial import Labels
 from edl6dof.report.catalogue import STATES
 from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 
@@ -29,56 +30,70 @@ MOST_LETTERS = 44
 _BLANK = " "
 
 
+class Lane(NamedTuple):
+    """Times (s) and states of a lane, the states that it can have, and their colours."""
+
+    changes: Sequence[tuple[float, str]]
+    values: Sequence[str]
+    colours: Sequence[Any]
+
+
 class Lanes(Recorder):
-    """Writes the lanes of each page, ``/rcs``, ``/instruments`` and ``/events``; of the first flight only."""
+    """Writes the lanes and ``/events``; of the first flight only.
+
+    The viewer names a lane by the path of its entity, so that each lies at the top under a plain name.
+    """
+
+    def labels(self, spans: Mapping[str, tuple[float, float]]) -> Labels:
+        """Labels of the states of each lane that have room for them in the time (s) of each page."""
+        return {
+            page: {name: fitted(lane.changes, lane.values, span) for name, lane in self._states().items()}
+            for page, span in spans.items()
+        }
 
     def motions(self) -> None:
         """Lanes and timeline."""
         if self.number:
             return
-        whole = (float(self.t[0]), float(self.t[-1]))
-        for page, span in {"Flight": whole, **spans_of(whole, self.when)}.items():
-            self._states(lanes_of(page, [page]), span)
+        for name, lane in self._states().items():
+            self._lane(name, *lane)
+        if self.vehicle.engines:
+            on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
+            self._switched(ENGINE, {"on": on}, {"on": FIRE})
         self._thrusters()
         self._instruments()
         self._events()
 
-    def _states(self, page: str, span: tuple[float, float]) -> None:
-        """Phase, configuration and engine, as a page shows them of its own time."""
-        motion = self.motion
+    def _states(self) -> dict[str, Lane]:
+        """Lanes of phase and configuration by name."""
         first = np.append(0, np.flatnonzero(np.diff(self.phase)) + 1)
         phases = [(float(self.t[i]), self.names[self.phase[i]]) for i in first]
-        labels = fitted(phases, self.names, span)
-        self._lane(f"{page}/Phase", phases, self.names, labels, self.colours.tolist())
         changes = [(float(self.t[0]), CONFIGURATIONS[0])]
-        for name, place in zip(
-            CONFIGURATIONS[1:], (motion.canopy, motion.heat_shield, motion.backshell), strict=True
-        ):
-            row = motion.released(place)
+        fell = (self.motion.canopy, self.motion.heat_shield, self.motion.backshell)
+        for name, place in zip(CONFIGURATIONS[1:], fell, strict=True):
+            row = self.motion.released(place)
             if row is not None:
                 changes.append((float(self.t[row]), name))
-        labels, colours = fitted(changes, CONFIGURATIONS, span), map(rgb, (VERMILION, BLUE, GREEN, ORANGE))
-        self._lane(f"{page}/Vehicle", changes, CONFIGURATIONS, labels, list(colours))
-        if self.vehicle.engines:
-            on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
-            self._switched(f"{page}/Engine", {"on": on}, {"on": FIRE})
+        colours = [rgb(colour) for colour in (VERMILION, BLUE, GREEN, ORANGE)]
+        return {
+            PHASE: Lane(phases, self.names, self.colours.tolist()),
+            VEHICLE: Lane(changes, CONFIGURATIONS, colours),
+        }
 
     def _thrusters(self) -> None:
         """One lane each: firing or failed; pulses less than a second apart are one burst."""
         for k, jet in enumerate(self.flight.jets):
             failed = self.flight.failures.get(jet, np.zeros(len(self.t))) > 0
             firing = _bursts(self.flight.duty[:, k] > FIRING) & ~failed
-            self._switched(
-                f"rcs/{jet}", {"firing": firing, "failed": failed}, {"firing": FIRE, "failed": RED}
-            )
+            states = {"firing": firing, "failed": failed}
+            self._switched(lane_of("thruster", jet), states, {"firing": FIRE, "failed": RED})
 
     def _instruments(self) -> None:
         """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
         for one in self.flight.instruments:
             colours = {state: rgb(STATES[state]) for state in one.states if state in STATES}
-            self._switched(
-                f"instruments/{one.kind}/{one.name}", {state: one.holds(state) for state in colours}, colours
-            )
+            states = {state: one.holds(state) for state in colours}
+            self._switched(lane_of(one.kind, one.name), states, colours)
 
     def _switched(
         self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]
@@ -90,23 +105,19 @@ class Lanes(Recorder):
             code[holds] = number
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
         shown = [False] + [True] * len(when)
-        changes = [(self.t[i], states[code[i]]) for i in first]
-        self._lane(name, changes, states, states, [OFF, *colours.values()], shown)
+        changes = [(float(self.t[i]), states[code[i]]) for i in first]
+        self._lane(name, changes, states, [OFF, *colours.values()], shown)
 
     def _lane(
         self,
         name: str,
-        changes: list[tuple[float, str]],
+        changes: Sequence[tuple[float, str]],
         values: Sequence[str],
-        labels: Sequence[str],
         colours: Sequence[Any],
         shown: Any = None,
     ) -> None:
         self.static(
-            name,
-            self.rr.StateConfiguration(
-                values=list(values), labels=list(labels), colors=list(colours), visible=shown
-            ),
+            name, self.rr.StateConfiguration(values=list(values), colors=list(colours), visible=shown)
         )
         t, states = zip(*changes, strict=True)
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))

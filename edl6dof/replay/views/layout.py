@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from edl6dof.replay.views.spatial import SPACE, TIMELINE, Shown, Views, window
@@ -41,6 +41,8 @@ PAGES: dict[str, tuple[p.Plot, ...]] = {
 OF_JETS = ("Control", THRUSTERS)
 #: Pages that show fast things: their plots end so long (s) before and after the present.
 AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
+#: Lanes of every page.
+PHASE, VEHICLE, ENGINE = "Phase", "Vehicle", "Engine"
 #: Titles of the lanes of instruments by kind.
 INSTRUMENTS = {"gyro": "Gyros", "accelerometer": "Accelerometers", "beam": "Radar beams"}
 
@@ -174,10 +176,8 @@ class Layout:
             return None
         rrb = self.rrb
         lanes = [
-            rrb.StateTimelineView(
-                origin=f"/instruments/{kind}", name=INSTRUMENTS[kind], time_view=self._axis(NAVIGATION)
-            )
-            for kind in self.flown.instruments
+            self._switched(INSTRUMENTS[kind], [lane_of(kind, name) for name in names], NAVIGATION)
+            for kind, names in self.flown.instruments.items()
         ]
         left = rrb.Vertical(self.views.chase(), rrb.Tabs(*reversed(lanes), active_tab=0), row_shares=[3, 2])
         return rrb.Horizontal(left, self._grid(NAVIGATION), column_shares=[4, 9], name=NAVIGATION)
@@ -201,13 +201,12 @@ class Layout:
         return rrb.Horizontal(lanes, right, column_shares=[3, 5], name=THRUSTERS)
 
     def _jets(self, names: Sequence[str]) -> rrb.StateTimelineView:
-        contents, title = (
-            [f"/rcs/{name}" for name in names],
-            f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters",
-        )
-        return self.rrb.StateTimelineView(
-            origin="/rcs", contents=contents, name=title, time_view=self._axis(THRUSTERS)
-        )
+        title = f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters"
+        return self._switched(title, [lane_of("thruster", name) for name in names], THRUSTERS)
+
+    def _switched(self, title: str, lanes: Sequence[str], page: str) -> rrb.StateTimelineView:
+        """Some lanes in the time of a page."""
+        return self.rrb.StateTimelineView(contents=lanes, name=title, time_view=self._axis(page))
 
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
@@ -255,10 +254,17 @@ class Layout:
 
     def _lanes(self, page: str) -> rrb.StateTimelineView:
         """Lanes of the time that the page's plots show, in which each name has the room it needs."""
+        import rerun as rr
+
+        page = page if page in self.spans else "Flight"
+        own = self.flown.lanes.get(page, {})
         return self.rrb.StateTimelineView(
-            origin=f"/{lanes_of(page, self.spans)}",
+            contents=[f"/{name}" for name in (PHASE, VEHICLE, ENGINE)],
             name="Phases",
-            time_view=self._axis(page if page in self.spans else "Flight"),
+            time_view=self._axis(page),
+            overrides={
+                f"/{name}": rr.StateConfiguration.from_fields(labels=labels) for name, labels in own.items()
+            },
         )
 
 
@@ -266,9 +272,9 @@ def _title(plot: p.Plot) -> str:
     return plot.label[0].upper() + plot.label[1:]
 
 
-def lanes_of(page: str, spans: Iterable[str]) -> str:
-    """Entity of the lanes of a page: those of the whole flight where it has no time of its own."""
-    return (page if page in spans else "Flight").replace(" ", "-")
+def lane_of(kind: str, name: str) -> str:
+    """Entity of the lane of a thruster or an instrument."""
+    return f"/{kind.capitalize()}-{name}"
 
 
 def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:

@@ -41,6 +41,10 @@ _NOT_SITE = ("near", "vehicle/attitude_frame", "path", "markers", "labels", *_OW
 _NOT_AFAR = ("vehicle/failed", "near", "vehicle/attitude_frame", "sky", "labels", *_OWN)
 
 
+#: Labels of the states of each lane, in their order, by page and lane.
+Labels = dict[str, dict[str, list[str]]]
+
+
 class Shown(NamedTuple):
     """What the arrangement depends on.
 
@@ -53,7 +57,8 @@ class Shown(NamedTuple):
         groups: thruster groups.
         jets: names of the thrusters.
         scanned: place from which the ground was scanned, m in L, if any.
-        instruments: kinds of instruments that navigation has, by which their lanes are sorted.
+        instruments: names of the instruments that navigation has, by kind.
+        lanes: labels that have room in the lanes of each page.
         labels: names of the flights in the recording; one, and empty, where there is one flight.
         size: of the vehicle, m.
         scales: what 1 m of the arrows stands for.
@@ -70,7 +75,8 @@ class Shown(NamedTuple):
     plots: frozenset[str]
     groups: tuple[str, ...]
     jets: tuple[str, ...]
-    instruments: tuple[str, ...]
+    instruments: dict[str, list[str]]
+    lanes: Labels
     scanned: np.ndarray | None
     labels: tuple[str, ...]
     size: float
