@@ -22,23 +22,17 @@ import numpy as np
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows, scales
-from edl6dof.replay.scene.descent import Descent
-from edl6dof.replay.scene.ensemble import Ensemble, write_ensemble
+from edl6dof.replay.scene.craft import Descent, Vehicle
 from edl6dof.replay.scene.flames import Flames
-from edl6dof.replay.scene.globe import Globe
-from edl6dof.replay.scene.ground import Ground
-from edl6dof.replay.scene.hazards import NAVIGATED, Beams, Hazards
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.scene.near_ground import NearGround
-from edl6dof.replay.scene.track import Track
-from edl6dof.replay.scene.vehicle import Vehicle
-from edl6dof.replay.views import charts, lanes, phase_plane, readout
-from edl6dof.replay.views.cameras import Cameras, ScaleBar
-from edl6dof.replay.views.charts import axis_range, drawn, ends, shown
-from edl6dof.replay.views.director import Director
-from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
-from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.spatial import TIMELINE, Shown
+from edl6dof.replay.scene.ground import Ground, NearGround
+from edl6dof.replay.scene.poses import Motion
+from edl6dof.replay.scene.sensing import NAVIGATED, Beams, Hazards
+from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
+from edl6dof.replay.views import charts, lanes, readout
+from edl6dof.replay.views.cameras import Cameras, Director, ScaleBar
+from edl6dof.replay.views.charts import PhasePlanes, axis_range, drawn, ends, shown
+from edl6dof.replay.views.pages import GROUPS, Layout, spans_of
+from edl6dof.replay.views.scene_views import TIMELINE, Shown
 from edl6dof.telemetry.instruments import Instrument
 
 if TYPE_CHECKING:
@@ -54,7 +48,7 @@ PARTS: tuple[type[Recorder], ...] = (
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    columns = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
+    columns = (*charts.PLANE_COLUMNS, *readout.COLUMNS, *NAVIGATED)
     return History(flight, columns, (*charts.COLUMNS, *navigation))
 
 

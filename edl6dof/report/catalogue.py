@@ -1,7 +1,7 @@
 """The catalogue of plots over time: each declared once, for reports, comparisons, papers and replays.
 
 Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`); which of them a
-page of a replay shows stands in :mod:`edl6dof.replay.views.layout`.
+page of a replay shows stands in :mod:`edl6dof.replay.views.pages`.
 """
 
 from __future__ import annotations

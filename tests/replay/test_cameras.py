@@ -10,10 +10,10 @@ from made_up import MORTAR, SHELL, SHIELD, synthetic_flight
 
 import edl6dof
 from edl6dof.replay.recording import history
-from edl6dof.replay.scene.aeroshell import canopy
-from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.craft_shapes import canopy
+from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.views.cameras import SEPARATION_S, Spheres, away, facing, steady, together
-from edl6dof.replay.views.spatial import EYE, FIELD_DEG
+from edl6dof.replay.views.scene_views import EYE, FIELD_DEG
 from edl6dof.spatial import rotations as turns
 
 #: The narrowest shape of a view, width over height.

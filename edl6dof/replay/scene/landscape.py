@@ -18,7 +18,7 @@ import numpy as np
 from edl6dof.config.base import Vec3
 from edl6dof.environment.appearance import Tint
 from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles, sphere
-from edl6dof.replay.scene.site import Site
+from edl6dof.replay.scene.site_frame import Site
 
 RINGS, SPOKES = 190, 180
 #: Share of the way to the other side of the planet at which the last ring lies.

@@ -12,7 +12,7 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.replay.history import History, vector
 from edl6dof.replay.scene.outline import outline
-from edl6dof.replay.scene.site import Site
+from edl6dof.replay.scene.site_frame import Site
 from edl6dof.spatial import rotations as turns
 
 #: Longest stroke (m) of a leg that is drawn.

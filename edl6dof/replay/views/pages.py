@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from edl6dof.replay.views.spatial import SPACE, TIMELINE, Shown, Views, window
+from edl6dof.replay.views.scene_views import SPACE, TIMELINE, Shown, Views, window
 from edl6dof.report import catalogue as p
 from edl6dof.report.figure import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, SKY, VERMILION, rgb
 

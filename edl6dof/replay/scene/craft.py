@@ -4,16 +4,22 @@ attitude.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.config.base import Vec3
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import aeroshell, lander
+from edl6dof.replay.scene import craft_shapes as shapes
+from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.mesh import Mesh
+from edl6dof.replay.scene.poses import OpenParachute
 from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.thinning import spans
+
+if TYPE_CHECKING:
+    import rerun as rr
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)
 #: Tints of a heat shield and of any other surface, cold, and of both as hot as they get.
@@ -32,9 +38,9 @@ class Vehicle(Recorder):
         if (own := self.own_mesh(None)) is not None:
             self.static(body, *own)
             return
-        if (mesh := lander.lander(self.vehicle, self.motion.shape)) is not None:
+        if (mesh := shapes.lander(self.vehicle, self.motion.shape)) is not None:
             self.static(body, self.mesh(mesh))
-        if (mesh := lander.nozzles(self.vehicle, self.motion.shape)) is not None:
+        if (mesh := shapes.nozzles(self.vehicle, self.motion.shape)) is not None:
             self.static(f"{self.root}/vehicle/nozzles", self.mesh(mesh))
 
     def motions(self) -> None:
@@ -56,12 +62,12 @@ class Vehicle(Recorder):
         front, back = (None if part is None else part.name for part in parts)
         if shape.body == "sphere_cone":
             ahead = "heat_shield" if front else "forebody"
-            self._piece(ahead, front, aeroshell.heat_shield(shape), motion.heat_shield, SHIELD_COLD)
+            self._piece(ahead, front, shapes.heat_shield(shape), motion.heat_shield, SHIELD_COLD)
             behind = "backshell" if back else "afterbody"
-            self._piece(behind, back, aeroshell.backshell(shape), motion.backshell)
+            self._piece(behind, back, shapes.backshell(shape), motion.backshell)
         elif shape.body != "none":
             place = motion.heat_shield if front else motion.backshell
-            self._piece("body", front or back, aeroshell.body(shape), place, COLD)
+            self._piece("body", front or back, shapes.body(shape), place, COLD)
 
     def _piece(
         self, name: str, part: str | None, mesh: Mesh, place: np.ndarray, cold: np.ndarray | None = None
@@ -93,12 +99,12 @@ class Vehicle(Recorder):
         demands.
         """
         pads, shape = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3), self.motion.shape
-        since, out = self._legs_out(), lander.legs(self.vehicle, shape, np.zeros(len(pads)))
+        since, out = self._legs_out(), shapes.legs(self.vehicle, shape, np.zeros(len(pads)))
         if since is None or out is None or self.own_mesh(None) is not None:
             return
         entity, touching = f"{self.root}/vehicle/legs", self.flight["truth.footpads"] > 0.0
         self.at(since, entity, self.mesh(out))
-        if touching[-1] and (pressed := lander.legs(self.vehicle, shape, self.motion.strokes(pads))):
+        if touching[-1] and (pressed := shapes.legs(self.vehicle, shape, self.motion.strokes(pads))):
             self.at(self.t[np.argmax(touching)], entity, self.mesh(pressed))
 
     def _legs_out(self) -> float | None:
@@ -113,13 +119,13 @@ class Vehicle(Recorder):
         """It swings out about its hinge, and leaves with the backshell."""
         vehicle, shape = self.vehicle, self.motion.shape
         entity = f"{self.root}/vehicle/trim_wing"
-        mesh = self.mesh(aeroshell.trim_wing(vehicle, shape))
-        hinge = aeroshell.wing_hinge(vehicle, shape)[0]
+        mesh = self.mesh(shapes.trim_wing(vehicle, shape))
+        hinge = shapes.wing_hinge(vehicle, shape)[0]
         opening = np.nan_to_num(self.flight["truth.trim_wing"])
         released = self.motion.released(self.motion.backshell)
         rows = np.append(0, np.flatnonzero(np.diff(opening)) + 1)
         rows = rows[rows < (len(self.t) if released is None else released)]
-        turned = turns.xyzw(turns.from_axes(aeroshell.wing_axes(vehicle, shape, opening[rows])))
+        turned = turns.xyzw(turns.from_axes(shapes.wing_axes(vehicle, shape, opening[rows])))
         self.at(self.t[0], entity, mesh)
         pose = self.rr.Transform3D.columns(translation=np.tile(hinge, (len(rows), 1)), quaternion=turned)
         self.columns(entity, self.t[rows], pose)
@@ -136,7 +142,7 @@ class Vehicle(Recorder):
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
         for begin, end in spans(failed > 0):
-            self.at(self.t[begin], entity, self.mesh(lander.nozzle(jet, RED, 2.0)))
+            self.at(self.t[begin], entity, self.mesh(shapes.nozzle(jet, RED, 2.0)))
             self._mark(self.t[begin], entity, place, "failed")
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))
@@ -152,3 +158,76 @@ class Vehicle(Recorder):
             f"{entity}/mark",
             self.rr.Points3D([place], labels=[text], colors=PALE_RED, radii=size, show_labels=True),
         )
+
+
+LINE = (222, 214, 204)
+PART = (235, 190, 120)
+
+
+class Descent(Recorder):
+    """Writes ``parachute``, ``heat_shield`` and ``backshell``."""
+
+    def motions(self) -> None:
+        """What hangs and what falls."""
+        motion, shape = self.motion, self.motion.shape
+        for flown in motion.parachutes():
+            self._parachute(flown)
+        meshes = (shapes.heat_shield, shapes.backshell) if shape.body == "sphere_cone" else ()
+        places = (
+            ("heat_shield", "capsule", motion.heat_shield),
+            ("backshell", "backshell", motion.backshell),
+        )
+        for (name, shown_as, place), mesh in zip(places, meshes, strict=False):
+            if (part := self.vehicle.showing(shown_as)) is not None:
+                self._discarded(name, place, part.name, part.centre_m, mesh(shape))
+
+    def _parachute(self, flown: OpenParachute) -> None:
+        rr = self.rr
+        rows, place, turn, scale = self.motion.parachute(flown)
+        if len(rows) == 0:
+            return
+        mesh, lines = canopy(self.vehicle, flown.number)
+        start, entity = self.t[rows[0]], f"{self.root}/parachute"
+        self.at(start, f"{entity}/canopy", self.mesh(mesh))
+        self.at(start, f"{entity}/lines", rr.LineStrips3D(lines, colors=LINE, radii=rr.Radius.ui_points(0.7)))
+        pose = rr.Transform3D.columns(translation=place, quaternion=turns.xyzw(turn), scale=scale)
+        self.columns(entity, self.t[rows], pose)
+        bridle = self._bridle(flown.number)
+        self.at(start, f"{self.root}/vehicle/bridle", bridle)
+        gone = self.motion.released(self.motion.backshell)
+        if gone is not None and flown.end == len(self.t):
+            self.gone(self.t[gone], f"{self.root}/vehicle/bridle")
+            self.at(self.t[gone], f"{self.root}/backshell/bridle", bridle)
+
+    def _bridle(self, number: int) -> rr.LineStrips3D:
+        """The bridle of a parachute, from its attachments or from around the lid to the confluence."""
+        chute = self.vehicle.parachutes[number]
+        ends = [list(one) for one in chute.bridle_attachments_m]
+        if not ends and self.motion.shape.afterbody:
+            x, r = self.motion.shape.afterbody[-1]
+            ends = [[x, r * np.cos(a), r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
+        ends = ends or [list(self.motion.shape.centre)]
+        strips = [[end, list(chute.confluence_m)] for end in ends]
+        return self.rr.LineStrips3D(strips, colors=LINE, radii=self.rr.Radius.ui_points(1.0))
+
+    def _discarded(self, name: str, place: np.ndarray, part: str, own_centre: Vec3, mesh: Mesh) -> None:
+        """A part on its own: its mesh, and a labelled point that is seen from afar."""
+        rr, first = self.rr, self.motion.released(place)
+        if first is None:
+            return
+        origin, turn = self.motion.discarded(place, own_centre)
+        rows = first + np.flatnonzero(np.isfinite(origin[first:, 0]))
+        tint = {"albedo_factor": [104, 84, 70, 255]} if name == "heat_shield" else {}
+        self.at(self.t[first], f"{self.root}/{name}/shape", *self.shown(part, mesh, **tint))
+        attitude = np.tile(turns.xyzw(turn), (len(rows), 1))
+        self.columns(
+            f"{self.root}/{name}",
+            self.t[rows],
+            rr.Transform3D.columns(translation=origin[rows], quaternion=attitude),
+        )
+        rows = rows[::6]
+        label = rr.Points3D.from_fields(
+            labels=[name.replace("_", " ")], colors=PART, radii=-3.5, show_labels=True
+        )
+        self.at(self.t[first], f"{self.root}/labels/{name}", label)
+        self.columns(f"{self.root}/labels/{name}", self.t[rows], rr.Points3D.columns(positions=place[rows]))
