@@ -1,8 +1,10 @@
-"""What everything that writes into the recording shares: the flight, its poses, and short ways to log."""
+"""What everything that writes into the recording shares: the flight, its poses, and short ways to log.
+
+A negative radius is a size on the screen, in points.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,6 +66,40 @@ class Recorder:
         """Log a series, one row for each time (s)."""
         self.rec.send_columns(entity, [self.rr.TimeColumn(TIMELINE, duration=t)], columns)
 
+    def poses(
+        self,
+        entity: str,
+        t: np.ndarray,
+        place: np.ndarray | None = None,
+        turn: np.ndarray | None = None,
+        scale: np.ndarray | None = None,
+    ) -> None:
+        """Log place (m), attitude (quaternions, scalar first) and scale of a frame, one row for each time."""
+        quaternion = None if turn is None else turns.xyzw(turn)
+        given = {"translation": place, "quaternion": quaternion, "scale": scale}
+        known = {name: values for name, values in given.items() if values is not None}
+        self.columns(entity, t, self.rr.Transform3D.columns(**known))
+
+    def series(
+        self,
+        entity: str,
+        t: np.ndarray,
+        kind: Any,
+        look: dict[str, Any],
+        data: dict[str, Any],
+        each: np.ndarray | None = None,
+    ) -> None:
+        """Log a series of one archetype whose look holds for all time; ``each``: how many items a row has, if
+        not one.
+        """
+        self.static(entity, kind.from_fields(**look))
+        columns = kind.columns(**data)
+        self.columns(entity, t, columns if each is None else columns.partition(each))
+
+    def lines(self, entity: str, strips: Any, colour: Any, points: float) -> None:
+        """Log lines for all time, so many points wide on the screen."""
+        self.static(entity, self.rr.LineStrips3D(strips, colors=colour, radii=-points))
+
     def at(self, t: float, entity: str, *what: Any) -> None:
         """Log what holds from time ``t`` (s) on."""
         self.rec.set_time(TIMELINE, duration=float(t))
@@ -104,11 +140,11 @@ class Recorder:
         """A part as rerun takes it; ``more`` goes with the drawn shape alone."""
         return self.own_mesh(part) or [self.mesh(mesh, **more)]
 
-    def marker(
-        self, name: str, place: Sequence[float] | np.ndarray, colour: tuple[int, int, int], size: float = 4.0
-    ) -> None:
-        """A labelled point that is seen from afar."""
-        point = self.rr.Points3D(
-            [place], labels=[name], colors=colour, radii=self.rr.Radius.ui_points(size), show_labels=True
-        )
-        self.static(f"{self.root}/labels/{name}", point)
+    def point(self, place: Any, words: str, colour: Any, points: float = 4.0) -> rr.Points3D:
+        """A labelled point of one size on the screen."""
+        return self.rr.Points3D([place], labels=[words], colors=colour, radii=-points, show_labels=True)
+
+
+def and_next(shown: np.ndarray) -> np.ndarray:
+    """Rows (bool) in which something is shown, or was in the one before: a row without it ends it."""
+    return shown | np.append(False, shown[:-1])

@@ -1,5 +1,5 @@
-"""The vehicle of the replay: aeroshell and lander, heat glow, trim wing, legs, thrusters that have failed,
-attitude.
+"""The vehicle of the replay: aeroshell and lander, heat glow, trim wing, legs and thrusters that have failed;
+its parachute and the parts that were thrown off.
 """
 
 from __future__ import annotations
@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.base import Vec3
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import craft_shapes as shapes
-from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.poses import OpenParachute
 from edl6dof.spatial import rotations as turns
@@ -22,6 +20,8 @@ if TYPE_CHECKING:
     import rerun as rr
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)
+#: Colours of lines and bridle, and of the marks of discarded parts.
+LINE, PART = (222, 214, 204), (235, 190, 120)
 #: Tints of a heat shield and of any other surface, cold, and of both as hot as they get.
 SHIELD_COLD, COLD, HOT = (np.array(c, float) for c in ((104, 84, 70), (255, 255, 255), (255, 150, 70)))
 #: Temperatures (K) at which a surface begins to glow (Draper) and at which it is drawn brightest, and the
@@ -46,8 +46,7 @@ class Vehicle(Recorder):
     def motions(self) -> None:
         """Everything that moves, leaves or breaks."""
         motion, vehicle = self.motion, self.vehicle
-        pose = self.rr.Transform3D.columns(translation=motion.nose, quaternion=turns.xyzw(motion.rotation))
-        self.columns(f"{self.root}/vehicle", self.t, pose)
+        self.poses(f"{self.root}/vehicle", self.t, motion.nose, motion.rotation)
         self._aeroshell()
         self._legs()
         if vehicle.surfaces:
@@ -125,43 +124,29 @@ class Vehicle(Recorder):
         released = self.motion.released(self.motion.backshell)
         rows = np.append(0, np.flatnonzero(np.diff(opening)) + 1)
         rows = rows[rows < (len(self.t) if released is None else released)]
-        turned = turns.xyzw(turns.from_axes(shapes.wing_axes(vehicle, shape, opening[rows])))
+        turned = turns.from_axes(shapes.wing_axes(vehicle, shape, opening[rows]))
         self.at(self.t[0], entity, mesh)
-        pose = self.rr.Transform3D.columns(translation=np.tile(hinge, (len(rows), 1)), quaternion=turned)
-        self.columns(entity, self.t[rows], pose)
+        self.poses(entity, self.t[rows], np.tile(hinge, (len(rows), 1)), turned)
         if released is not None:
             self.gone(self.t[released], entity)
-            last = self.rr.Transform3D(translation=hinge, quaternion=turned[-1])
+            last = self.rr.Transform3D(translation=hinge, quaternion=turns.xyzw(turned[-1]))
             self.at(self.t[released], f"{self.root}/backshell/trim_wing", mesh, last)
 
     def _failure(self, jet: Any) -> None:
-        """A thruster that has failed is red while it is failed; once the flight software knows, it is
-        named.
+        """A thruster that has failed is red while it is failed; once the flight software knows, it is named.
+        A mark is seen through the hull.
         """
         entity = f"{self.root}/vehicle/failed/{jet.name}"
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
         for begin, end in spans(failed > 0):
             self.at(self.t[begin], entity, self.mesh(shapes.nozzle(jet, RED, 2.0)))
-            self._mark(self.t[begin], entity, place, "failed")
+            self.at(self.t[begin], f"{entity}/mark", self.point(place, "failed", PALE_RED))
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))
         known = self.flight.diagnosed.get(jet.name)
         if known is not None:
-            self._mark(known.t_s, entity, place, known.text)
-
-    def _mark(self, t: float, entity: str, place: np.ndarray, text: str) -> None:
-        """A red point with a text, which is seen through the hull."""
-        size = self.rr.Radius.ui_points(4.0)
-        self.at(
-            t,
-            f"{entity}/mark",
-            self.rr.Points3D([place], labels=[text], colors=PALE_RED, radii=size, show_labels=True),
-        )
-
-
-LINE = (222, 214, 204)
-PART = (235, 190, 120)
+            self.at(known.t_s, f"{entity}/mark", self.point(place, known.text, PALE_RED))
 
 
 class Descent(Recorder):
@@ -172,26 +157,19 @@ class Descent(Recorder):
         motion, shape = self.motion, self.motion.shape
         for flown in motion.parachutes():
             self._parachute(flown)
-        meshes = (shapes.heat_shield, shapes.backshell) if shape.body == "sphere_cone" else ()
-        places = (
-            ("heat_shield", "capsule", motion.heat_shield),
-            ("backshell", "backshell", motion.backshell),
-        )
-        for (name, shown_as, place), mesh in zip(places, meshes, strict=False):
-            if (part := self.vehicle.showing(shown_as)) is not None:
-                self._discarded(name, place, part.name, part.centre_m, mesh(shape))
+        if shape.body == "sphere_cone":
+            self._discarded("heat_shield", "capsule", motion.heat_shield, shapes.heat_shield(shape))
+            self._discarded("backshell", "backshell", motion.backshell, shapes.backshell(shape))
 
     def _parachute(self, flown: OpenParachute) -> None:
-        rr = self.rr
         rows, place, turn, scale = self.motion.parachute(flown)
         if len(rows) == 0:
             return
-        mesh, lines = canopy(self.vehicle, flown.number)
+        mesh, lines = shapes.canopy(self.vehicle, flown.number)
         start, entity = self.t[rows[0]], f"{self.root}/parachute"
         self.at(start, f"{entity}/canopy", self.mesh(mesh))
-        self.at(start, f"{entity}/lines", rr.LineStrips3D(lines, colors=LINE, radii=rr.Radius.ui_points(0.7)))
-        pose = rr.Transform3D.columns(translation=place, quaternion=turns.xyzw(turn), scale=scale)
-        self.columns(entity, self.t[rows], pose)
+        self.at(start, f"{entity}/lines", self.rr.LineStrips3D(lines, colors=LINE, radii=-0.7))
+        self.poses(entity, self.t[rows], place, turn, scale)
         bridle = self._bridle(flown.number)
         self.at(start, f"{self.root}/vehicle/bridle", bridle)
         gone = self.motion.released(self.motion.backshell)
@@ -208,26 +186,19 @@ class Descent(Recorder):
             ends = [[x, r * np.cos(a), r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
         ends = ends or [list(self.motion.shape.centre)]
         strips = [[end, list(chute.confluence_m)] for end in ends]
-        return self.rr.LineStrips3D(strips, colors=LINE, radii=self.rr.Radius.ui_points(1.0))
+        return self.rr.LineStrips3D(strips, colors=LINE, radii=-1.0)
 
-    def _discarded(self, name: str, place: np.ndarray, part: str, own_centre: Vec3, mesh: Mesh) -> None:
+    def _discarded(self, name: str, shown_as: str, place: np.ndarray, mesh: Mesh) -> None:
         """A part on its own: its mesh, and a labelled point that is seen from afar."""
-        rr, first = self.rr, self.motion.released(place)
-        if first is None:
+        part, first = self.vehicle.showing(shown_as), self.motion.released(place)
+        if part is None or first is None:
             return
-        origin, turn = self.motion.discarded(place, own_centre)
+        origin, turn = self.motion.discarded(place, part.centre_m)
         rows = first + np.flatnonzero(np.isfinite(origin[first:, 0]))
         tint = {"albedo_factor": [104, 84, 70, 255]} if name == "heat_shield" else {}
-        self.at(self.t[first], f"{self.root}/{name}/shape", *self.shown(part, mesh, **tint))
-        attitude = np.tile(turns.xyzw(turn), (len(rows), 1))
-        self.columns(
-            f"{self.root}/{name}",
-            self.t[rows],
-            rr.Transform3D.columns(translation=origin[rows], quaternion=attitude),
-        )
-        rows = rows[::6]
-        label = rr.Points3D.from_fields(
-            labels=[name.replace("_", " ")], colors=PART, radii=-3.5, show_labels=True
-        )
-        self.at(self.t[first], f"{self.root}/labels/{name}", label)
-        self.columns(f"{self.root}/labels/{name}", self.t[rows], rr.Points3D.columns(positions=place[rows]))
+        self.at(self.t[first], f"{self.root}/{name}/shape", *self.shown(part.name, mesh, **tint))
+        self.poses(f"{self.root}/{name}", self.t[rows], origin[rows], np.tile(turn, (len(rows), 1)))
+        look = {"labels": [name.replace("_", " ")], "colors": PART, "radii": -3.5, "show_labels": True}
+        label, rows = f"{self.root}/labels/{name}", rows[::6]
+        self.at(self.t[first], label, self.rr.Points3D.from_fields(**look))
+        self.columns(label, self.t[rows], self.rr.Points3D.columns(positions=place[rows]))

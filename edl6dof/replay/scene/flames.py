@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.recorder import Recorder, and_next
 from edl6dof.replay.scene.mesh import plume
 from edl6dof.spatial import rotations as turns
 
@@ -46,16 +46,11 @@ class Flames(Recorder):
         poses = self.rr.InstancePoses3D.columns(
             translations=places[which], quaternions=back[which], scales=scales
         )
-        self._poses("thruster_plumes", rows, poses.partition(shown.sum(axis=1)))
-        self._sparks(rows, places[np.nonzero(firing[rows])[1]], firing[rows].sum(axis=1))
-
-    def _sparks(self, rows: np.ndarray, places: np.ndarray, each: np.ndarray) -> None:
-        """Points of one size on the screen at the nozzles that fire, ``each`` so many in a row: a flame is
-        too small to be seen from afar.
-        """
-        entity, rr = f"{self.root}/vehicle/thruster_sparks", self.rr
-        self.static(entity, rr.Points3D.from_fields(colors=SPARK, radii=rr.Radius.ui_points(_SPARK_SIZE)))
-        self.columns(entity, self.t[rows], rr.Points3D.columns(positions=places).partition(each))
+        self._flames("thruster_plumes", rows, poses.partition(shown.sum(axis=1)))
+        # points of one size on the screen: a flame is too small to be seen from afar
+        sparks = {"positions": places[np.nonzero(firing[rows])[1]]}
+        entity, look = f"{self.root}/vehicle/thruster_sparks", {"colors": SPARK, "radii": -_SPARK_SIZE}
+        self.series(entity, self.t[rows], self.rr.Points3D, look, sparks, firing[rows].sum(axis=1))
 
     def _engines(self) -> None:
         engines = self.vehicle.own_engines
@@ -77,9 +72,9 @@ class Flames(Recorder):
             quaternions=np.tile(back, (len(scales), 1)),
             scales=np.repeat(scales, len(engines), axis=0),
         )
-        self._poses("engine_plume", rows, poses.partition(len(engines) * shown.sum(axis=1)))
+        self._flames("engine_plume", rows, poses.partition(len(engines) * shown.sum(axis=1)))
 
-    def _poses(self, name: str, rows: np.ndarray, poses: Any) -> None:
+    def _flames(self, name: str, rows: np.ndarray, poses: Any) -> None:
         """A white core in an orange mantle, from the first of ``rows`` on."""
         for layer, opacity in (("core", 255), ("mantle", 120)):
             entity = f"{self.root}/vehicle/{name}/{layer}"
@@ -102,7 +97,7 @@ def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.nda
         lengths and shown flames of the rows kept, and the kept rows.
     """
     active: np.ndarray = np.logical_or.reduce(firing, axis=1)
-    keep = np.flatnonzero(active | np.append([False], active[:-1]))
+    keep = np.flatnonzero(and_next(active))
     length, shown = length[keep].copy(), firing[keep].copy()
     silent = ~active[keep]
     length[silent], shown[silent, 0] = _GONE, True

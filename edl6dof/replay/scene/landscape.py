@@ -17,7 +17,14 @@ import numpy as np
 
 from edl6dof.config.base import Vec3
 from edl6dof.environment.appearance import Tint
-from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles, sphere
+from edl6dof.replay.scene.mesh import (
+    Mesh,
+    bright,
+    grid_triangles,
+    open_grid_triangles,
+    pole_triangles,
+    sphere,
+)
 from edl6dof.replay.scene.site_frame import Site
 
 RINGS, SPOKES = 190, 180
@@ -99,11 +106,7 @@ class Landscape:
         ends = [[*self._centre, self._middle], place[-1].mean(axis=0)]
         positions = np.append(place.reshape(-1, 3), ends, axis=0)
         colours = np.append(colours.reshape(-1, 3), colours[[0, -1]].mean(axis=1), axis=0)
-        j, last = np.arange(SPOKES), (RINGS - 1) * SPOKES
-        fans = [
-            np.stack([np.full(SPOKES, RINGS * SPOKES + k), ring + j, ring + (j + 1) % SPOKES], axis=-1)
-            for k, ring in ((0, 0), (1, last))
-        ]
+        fans = pole_triangles(RINGS, SPOKES)
         return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), *fans]), colours)
 
     def near(self) -> Mesh | None:

@@ -133,6 +133,16 @@ def grid_triangles(rows: int, columns: int) -> np.ndarray:
     return np.stack([a, a + columns, b + columns, a, b + columns, b], axis=-1).reshape(-1, 3)
 
 
+def pole_triangles(rows: int, columns: int) -> list[np.ndarray]:
+    """Fans from two more vertices to the first and the last row of such a grid."""
+    around = np.arange(columns)
+    ends = ((rows * columns, 0), (rows * columns + 1, (rows - 1) * columns))
+    return [
+        np.stack([np.full(columns, pole), first + around, first + (around + 1) % columns], axis=-1)
+        for pole, first in ends
+    ]
+
+
 def open_grid_triangles(rows: int, columns: int) -> np.ndarray:
     """Triangles between ``rows`` x ``columns`` vertices of a sheet."""
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")

@@ -10,7 +10,7 @@ import numpy as np
 from edl6dof.interface.capacities import SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.eyes import look
 from edl6dof.replay.history import thin
-from edl6dof.replay.recorder import SCALAR_HZ, Recorder
+from edl6dof.replay.recorder import SCALAR_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
 from edl6dof.report.catalogue import CELLS, STATES
@@ -54,7 +54,7 @@ class Hazards(Recorder):
         self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
         if len(found.rejected_m):
             places = self._on_ground(found.rejected_m - off, 0.3)
-            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=self.rr.Radius.ui_points(3.5))
+            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=-3.5)
             self.at(chosen, "site/hazards/passed_over", points)
         self._chosen(found, off, chosen)
 
@@ -63,16 +63,11 @@ class Hazards(Recorder):
         radius = self.flight.scenario.flight_software.hazard.footprint_radius_m
         turn = np.linspace(0.0, 2.0 * np.pi, 49)
         around = found.spot_m - off + radius * np.column_stack([np.cos(turn), np.sin(turn)])
-        ring = self.rr.LineStrips3D(
-            [self._on_ground(around, 0.15)], colors=CHOSEN, radii=self.rr.Radius.ui_points(2.5)
-        )
+        ring = self.rr.LineStrips3D([self._on_ground(around, 0.15)], colors=CHOSEN, radii=-2.5)
         self.at(t, "site/hazards/chosen", ring)
-        middle = self._on_ground((found.spot_m - off)[None], 0.3)
+        (middle,) = self._on_ground((found.spot_m - off)[None], 0.3)
         words = f"{'chosen' if found.found else 'least bad'} spot; {LEGEND}"
-        point = self.rr.Points3D(
-            middle, colors=CHOSEN, labels=[words], show_labels=True, radii=self.rr.Radius.ui_points(3.0)
-        )
-        self.at(t, "site/hazards/spot", point)
+        self.at(t, "site/hazards/spot", self.point(middle, words, CHOSEN, 3.0))
 
     def _painted(self, found: LandingMap, off: np.ndarray) -> Mesh:
         """The ground in the colours of the classes; what was not seen at all is left out."""
@@ -104,12 +99,10 @@ class Hazards(Recorder):
             # the ground where each ends, not the one straight below
             ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]
             strips.append(np.stack([np.broadcast_to(start, ends.shape), ends], axis=1))
-        last = self.t[rows[-1]] + 0.02
-        entity = "site/hazards/rays"
-        self.static(entity, self.rr.LineStrips3D.from_fields(colors=RAY, radii=self.rr.Radius.ui_points(0.6)))
-        drawn = self.rr.LineStrips3D.columns(strips=np.concatenate(strips))
-        self.columns(entity, self.t[rows], drawn.partition(np.full(len(rows), _RAYS)))
-        self.gone(last, entity)
+        entity, data = "site/hazards/rays", {"strips": np.concatenate(strips)}
+        each = np.full(len(rows), _RAYS)
+        self.series(entity, self.t[rows], self.rr.LineStrips3D, {"colors": RAY, "radii": -0.6}, data, each)
+        self.gone(self.t[rows[-1]] + 0.02, entity)
 
     def _on_ground(self, places: np.ndarray, above: float) -> np.ndarray:
         """Places east and north (m), shape (n, 2), with the height of the ground and a little more."""
@@ -129,7 +122,7 @@ class Beams(Recorder):
         reach = np.stack([self.flight[range_of(beam.name)][rows] for beam in beams], axis=-1)
         shown = reach > 0.0
         echo: np.ndarray = np.logical_or.reduce(shown, axis=1)
-        keep = echo | np.append(False, echo[:-1])  # a row without a ray ends them
+        keep = and_next(echo)
         if not echo.any():
             return
         radar = self.flight.scenario.sensors.radar
@@ -139,7 +132,6 @@ class Beams(Recorder):
         tints = np.zeros((*shown.shape, 3), np.uint8)
         for state, colour in RAYS.items():
             tints[np.stack([beam.holds(state)[rows] for beam in beams], axis=-1)] = colour
-        rays = self.rr.LineStrips3D.columns(strips=strips, colors=tints[shown])
+        data, each = {"strips": strips, "colors": tints[shown]}, shown[keep].sum(axis=1)
         entity = f"{self.root}/vehicle/beams"
-        self.static(entity, self.rr.LineStrips3D.from_fields(radii=self.rr.Radius.ui_points(1.2)))
-        self.columns(entity, self.t[rows[keep]], rays.partition(shown[keep].sum(axis=1)))
+        self.series(entity, self.t[rows[keep]], self.rr.LineStrips3D, {"radii": -1.2}, data, each)

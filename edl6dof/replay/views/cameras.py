@@ -163,7 +163,7 @@ class ScaleBar(Recorder):
             [ends, ends[:, :1] + [-stroke, stroke], ends[:, 1:] + [-stroke, stroke]], axis=1
         ).reshape(-1, 2, 3)
         rr, entity = self.rr, f"{self.root}/camera/scale_bar"
-        self.static(entity, rr.LineStrips3D.from_fields(colors=COLOUR, radii=rr.Radius.ui_points(0.9)))
+        self.static(entity, rr.LineStrips3D.from_fields(colors=COLOUR, radii=-0.9))
         drawn = rr.LineStrips3D.columns(strips=strips).partition(np.full(len(rows), 3))
         self.columns(entity, self.t[rows], drawn)
         name = f"{entity}/length"
