@@ -1,8 +1,13 @@
-"""The cameras that follow a flight: one keeps all that still hangs together in the frame, the other what fell
-away last.
+"""The cameras that follow a flight: one keeps all that still hangs together in the frame, another what fell
+away last, and the director's shots follow the stages of the flight.
 
 A camera is a frame that does not turn with what it follows: x level along the flight, z up.  Its origin and
 scale are centre and radius (m) of the sphere that it keeps in the frame, so that the eye stands still in it.
+The director's frame has x from the eye to the middle of the sphere.
+
+The director's shots.  Entry: slowly around the vehicle.  Under a parachute: all of it from below.  A
+separation: both parts, for as long as they are near.  Engines burning: from low beside.  Landing: from where
+one could stand on the ground.  They blend into each other: distance and direction never jump.
 """
 
 from __future__ import annotations
@@ -25,6 +30,16 @@ SEPARATION_S, CHANGE_S = 3.0, 2.5
 COLOUR, _ABOVE, _LONGEST, _STROKE = (225, 225, 225), 1.12, 0.7, 0.03
 #: Radius of the sphere around a vehicle in its diameters: room for flames and arrows.
 ROOM = 1.0
+
+
+#: How fast the director goes around during entry, deg/s, and from how far above the horizon it looks, deg.
+CIRCLING_DEG_S, ENTRY_DEG = 1.0, 14.0
+#: Azimuth from the direction of flight and elevation of the eye under the parachute and under engines, deg.
+PARACHUTE_DEG, POWERED_DEG = (60.0, -14.0), (74.0, 3.0)
+#: From which height on it stands at the site, and how far from it, both in diameters of the vehicle.
+LANDING_HEIGHT, LANDING_DISTANCE = 5.0, 4.0
+#: How high (m) above the ground the eye stays, and a person stands.
+CLEAR_M = 1.7
 
 
 class Spheres(NamedTuple):
@@ -51,29 +66,56 @@ class Cameras(Recorder):
     def statics(self) -> None:
         """The flight's name below it, where there are several."""
         if self.label:
-            name = self.rr.Points3D(
-                [[0.0, 0.0, -1.12 - 0.15 * self.number]],
-                labels=[self.label],
-                colors=self.own,
-                radii=-2.0,
-                show_labels=True,
-            )
-            self.static(f"{self.root}/camera/name", name)
+            place = [0.0, 0.0, -1.12 - 0.15 * self.number]
+            self.static(f"{self.root}/camera/name", self.point(place, self.label, self.own, 2.0))
 
     def motions(self) -> None:
         """Where they are, and how much they take in."""
-        centre = self.motion.centre
-        self.columns(f"{self.root}/near", self.t, self.rr.Transform3D.columns(translation=centre))
-        self._camera("camera", steady(self.t, centre, together(self.motion)))
-        self._camera("camera_away", away(self.motion))
+        motion, turn = self.motion, facing(self.motion)
+        self.poses(f"{self.root}/near", self.t, motion.centre)
+        for name, kept in (("camera", steady(motion, together(motion))), ("camera_away", away(motion))):
+            self.poses(f"{self.root}/{name}", self.t, kept.centre, turn, cubed(kept.radius))
 
-    def _camera(self, name: str, kept: Spheres) -> None:
-        pose = self.rr.Transform3D.columns(
-            translation=kept.centre,
-            quaternion=turns.xyzw(facing(self.motion)),
-            scale=np.repeat(kept.radius[:, None], 3, axis=1),
-        )
-        self.columns(f"{self.root}/{name}", self.t, pose)
+
+class Director(Recorder):
+    """Writes ``tour``, the frame of the scripted camera."""
+
+    def motions(self) -> None:
+        """Where it is, whither it looks, how far it stands off."""
+        kept, eye = shots(self.motion, self.flight["truth.engine_thrust_n"])
+        distance = np.linalg.norm(kept.centre - eye, axis=-1)
+        turn = looking(self.motion, kept.centre - eye)
+        scale = cubed(distance * np.sin(np.radians(KEPT_DEG)))
+        self.poses(f"{self.root}/tour", self.t, kept.centre, turn, scale)
+
+
+class ScaleBar(Recorder):
+    """Writes ``camera/scale_bar``: a bar of a round length, by which the eye measures what is seen."""
+
+    def motions(self) -> None:
+        """The bar, anew where what the camera takes in has changed."""
+        rr, rows = self.rr, thin(self.t, SLOW_HZ)
+        radius = steady(self.motion, together(self.motion)).radius[rows]
+        anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
+        rows, radius = rows[anew], radius[anew]
+        length = round_down(_LONGEST * radius)
+        across = np.cross(-EYE, [0.0, 0.0, 1.0])
+        across /= np.linalg.norm(across)
+        half = (0.5 * length / radius)[:, None] * across
+        ends = np.stack([-half, half], axis=1) + [0.0, 0.0, _ABOVE]
+        stroke = np.array([0.0, 0.0, _STROKE])
+        bar = [ends, ends[:, :1] + [-stroke, stroke], ends[:, 1:] + [-stroke, stroke]]
+        strips, each = np.stack(bar, axis=1).reshape(-1, 2, 3), np.full(len(rows), 3)
+        entity, look = f"{self.root}/camera/scale_bar", {"colors": COLOUR, "radii": -0.9}
+        self.series(entity, self.t[rows], rr.LineStrips3D, look, {"strips": strips}, each)
+        look = {"colors": COLOUR, "radii": -0.01, "show_labels": True}
+        data = {"positions": ends[:, 1] + 0.12 * across, "labels": [f"{one:g} m" for one in length]}
+        self.series(f"{entity}/length", self.t[rows], rr.Points3D, look, data)
+
+
+def cubed(size: np.ndarray) -> np.ndarray:
+    """One scale along all three axes, shape (rows, 3)."""
+    return np.repeat(size[:, None], 3, axis=1)
 
 
 def together(motion: Motion) -> Spheres:
@@ -116,16 +158,31 @@ def parachute(motion: Motion) -> Spheres | None:
     return Spheres(centre, radius) if np.isfinite(radius).any() else None
 
 
-def steady(t: np.ndarray, body: np.ndarray, kept: Spheres) -> Spheres:
-    """Spheres that hold ``kept`` and change smoothly about ``body``, before and after their cause."""
-    step = (t[-1] - t[0]) / max(len(t) - 1, 1)
-    width = round(CHANGE_S / step) | 1 if step > 0.0 else 1
-    shift = kept.centre - body
-    calm = moving_mean(moving_mean(shift, width), width)
+def steady(motion: Motion, kept: Spheres) -> Spheres:
+    """Spheres that hold ``kept`` and change smoothly about the vehicle, before and after their cause."""
+    from scipy.ndimage import maximum_filter1d, uniform_filter1d  # takes a fifth of a second to load
+
+    shift, width = kept.centre - motion.centre, _rows_of_change(motion.t)
+    calm = blend(motion.t, shift)
     needed = kept.radius + np.linalg.norm(calm - shift, axis=-1)
     # no mean of the largest radii around a row is less than the row's own
-    zoom = moving_mean(np.log(moving_largest(needed, width)), width)
-    return Spheres(body + calm, np.exp(zoom))
+    largest = maximum_filter1d(needed, width, mode="nearest")
+    return Spheres(motion.centre + calm, np.exp(uniform_filter1d(np.log(largest), width, mode="nearest")))
+
+
+def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values, shape (rows,) or (rows, n), that change over some seconds where they jumped."""
+    from scipy.ndimage import uniform_filter1d
+
+    for _ in range(2):
+        values = uniform_filter1d(values, _rows_of_change(t), axis=0, mode="nearest")
+    return values
+
+
+def _rows_of_change(t: np.ndarray) -> int:
+    """Rows (odd) in which a camera changes."""
+    step = (t[-1] - t[0]) / max(len(t) - 1, 1)
+    return round(CHANGE_S / step) | 1 if step > 0.0 else 1
 
 
 def facing(motion: Motion) -> np.ndarray:
@@ -144,91 +201,15 @@ def _held(places: np.ndarray) -> np.ndarray:
     return places[known]
 
 
-class ScaleBar(Recorder):
-    """Writes ``camera/scale_bar``: a bar of a round length, by which the eye measures what is seen."""
-
-    def motions(self) -> None:
-        """The bar, anew where what the camera takes in has changed."""
-        rows = thin(self.t, SLOW_HZ)
-        radius = steady(self.t, self.motion.centre, together(self.motion)).radius[rows]
-        anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
-        rows, radius = rows[anew], radius[anew]
-        length = round_down(_LONGEST * radius)
-        across = np.cross(-EYE, [0.0, 0.0, 1.0])
-        across /= np.linalg.norm(across)
-        half = (0.5 * length / radius)[:, None] * across
-        ends = np.stack([-half, half], axis=1) + [0.0, 0.0, _ABOVE]
-        stroke = np.array([0.0, 0.0, _STROKE])
-        strips = np.stack(
-            [ends, ends[:, :1] + [-stroke, stroke], ends[:, 1:] + [-stroke, stroke]], axis=1
-        ).reshape(-1, 2, 3)
-        rr, entity = self.rr, f"{self.root}/camera/scale_bar"
-        self.static(entity, rr.LineStrips3D.from_fields(colors=COLOUR, radii=-0.9))
-        drawn = rr.LineStrips3D.columns(strips=strips).partition(np.full(len(rows), 3))
-        self.columns(entity, self.t[rows], drawn)
-        name = f"{entity}/length"
-        self.static(name, rr.Points3D.from_fields(colors=COLOUR, radii=-0.01, show_labels=True))
-        texts = rr.Points3D.columns(
-            positions=ends[:, 1] + 0.12 * across, labels=[f"{one:g} m" for one in length]
-        )
-        self.columns(name, self.t[rows], texts)
-
-
 def round_down(values: np.ndarray) -> np.ndarray:
     """The largest of 1, 2 and 5 times powers of ten that is not above each value, all positive."""
     power = 10.0 ** np.floor(np.log10(values))
     return power * np.select([values >= 5.0 * power, values >= 2.0 * power], [5.0, 2.0], 1.0)
 
 
-def moving_mean(values: np.ndarray, width: int) -> np.ndarray:
-    """Mean over ``width`` rows (odd) around each row, shape as ``values``, whose rows are along axis 0.
-
-    ``scipy.ndimage`` has it, but importing it takes longer than all that the replay computes.
-    """
-    total = np.cumsum(_extended(values, width), axis=0)
-    total[width:] -= total[:-width].copy()
-    return total[width - 1 :] / width
-
-
-def moving_largest(values: np.ndarray, width: int) -> np.ndarray:
-    """Largest of ``width`` rows (odd) around each row, shape (rows,)."""
-    windows = np.lib.stride_tricks.sliding_window_view(_extended(values, width), width)
-    return np.asarray(windows.max(axis=-1))
-
-
-def _extended(values: np.ndarray, width: int) -> np.ndarray:
-    half = width // 2
-    return np.pad(values, [(half, half)] + [(0, 0)] * (values.ndim - 1), mode="edge")
-
-
-#: How fast it goes around during entry, deg/s, and from how far above the horizon it looks, deg.
-CIRCLING_DEG_S, ENTRY_DEG = 1.0, 14.0
-#: Azimuth from the direction of flight and elevation of the eye under the parachute and under engines, deg.
-PARACHUTE_DEG, POWERED_DEG = (60.0, -14.0), (74.0, 3.0)
-#: From which height on it stands at the site, and how far from it, both in diameters of the vehicle.
-LANDING_HEIGHT, LANDING_DISTANCE = 5.0, 4.0
-#: How high (m) above the ground the eye stays, and a person stands.
-CLEAR_M = 1.7
-
-
-class Director(Recorder):
-    """Writes ``tour``, the frame of the scripted camera."""
-
-    def motions(self) -> None:
-        """Where it is, whither it looks, how far it stands off."""
-        kept, eye = shots(self.motion, self.flight["truth.engine_thrust_n"])
-        distance = np.linalg.norm(kept.centre - eye, axis=-1, keepdims=True)
-        pose = self.rr.Transform3D.columns(
-            translation=kept.centre,
-            quaternion=turns.xyzw(looking(self.motion, kept.centre - eye)),
-            scale=np.repeat(distance * np.sin(np.radians(KEPT_DEG)), 3, axis=1),
-        )
-        self.columns(f"{self.root}/tour", self.t, pose)
-
-
 def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
     """What is kept in the picture, and the eye's places (m in L), shape (rows, 3)."""
-    kept = steady(motion.t, motion.centre, _kept(motion))
+    kept = steady(motion, _kept(motion))
     azimuth, elevation = _angles(motion, thrust_n > 0.0)
     distance = kept.radius / np.sin(np.radians(KEPT_DEG))
     level = facing(motion)
@@ -239,9 +220,9 @@ def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
         there = np.linalg.norm(seen, axis=-1)
         azimuth = _nearest(azimuth, np.degrees(np.arctan2(seen[:, 1], seen[:, 0])), landing)
         elevation = np.where(landing, np.degrees(np.arcsin(seen[:, 2] / there)), elevation)
-        share = _blend(motion.t, landing.astype(float))
+        share = blend(motion.t, landing.astype(float))
         distance = distance * np.maximum(there / distance, 1.0) ** share
-    azimuth, elevation = np.radians(_blend(motion.t, azimuth)), np.radians(_blend(motion.t, elevation))
+    azimuth, elevation = np.radians(blend(motion.t, azimuth)), np.radians(blend(motion.t, elevation))
     return kept, _above_ground(motion, kept.centre, level, distance, azimuth, elevation)
 
 
@@ -324,10 +305,3 @@ def _above_ground(
 def _nearest(before: np.ndarray, angle: np.ndarray, where: np.ndarray) -> np.ndarray:
     """Angles (deg) with others at some rows, by whole turns such that the way there is short."""
     return np.unwrap(np.where(where, angle, before), period=360.0)
-
-
-def _blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values that change over some seconds where they jumped."""
-    step = (t[-1] - t[0]) / max(len(t) - 1, 1)
-    width = round(CHANGE_S / step) | 1 if step > 0.0 else 1
-    return moving_mean(moving_mean(values, width), width)

@@ -1,7 +1,11 @@
-"""The plots over time, and the thrusters' duty.
+"""The plots over time, the thrusters' duty, and the phase planes with the zones of the controller at work.
 
 The viewer puts its ticks at multiples of a power of ten, and leaves out those that would stand closer than a
 line of text: of seven or more in a plot a sixth of a window high it shows the zero alone.
+
+Phase planes have the attitude error (goal minus actual) across and the body's rate upwards (bank control
+subtracts the slow turn of the velocity frame).  Both axes are compressed beyond about one unit (arsinh), so
+that a bank reversal and the last tenth of a degree fit into one picture.
 """
 
 from __future__ import annotations
@@ -24,13 +28,13 @@ if TYPE_CHECKING:
 
 #: Telemetry columns that the plots show, of every flight and of one on instruments.
 COLUMNS = tuple(
-    {
-        name: 0
+    dict.fromkeys(
+        name
         for page, plots in PAGES.items()
         if page != NAVIGATION
         for plot in plots
         for name in plot.channels
-    }
+    )
 )
 NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.channels)
 #: Rows of a plot about at most: more than a screen has columns of pixels.
@@ -47,9 +51,8 @@ class Charts(Recorder):
     def statics(self) -> None:
         """Names and colours of the series."""
         for plot in shown(self.flight):
-            self.static(
-                self._entity(plot.key), self._lines([(name, colour) for name, colour, _ in plot.lines])
-            )
+            lines = [(name, colour) for name, colour, _ in plot.lines]
+            self.static(self._entity(plot.key), self._lines(lines))
         for group, names in self._groups():
             lines = [(name, SERIES[k % len(SERIES)]) for k, name in enumerate(names)]
             self.static(self._entity(f"thruster_duty/{group}"), self._lines(lines))
@@ -173,45 +176,36 @@ class PhasePlanes(Recorder):
         if self.number or not self.flight.jets:
             return
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
-        upright = [[[squeeze(k), -y], [squeeze(k), y]] for k in TICKS]
-        level = [[[-x, -squeeze(k)], [x, -squeeze(k)]] for k in TICKS if abs(k) < REACH_DEG_S]
-        colours = [ZERO if k == 0 else GRID for k in TICKS] + [
-            ZERO if k == 0 else GRID for k in TICKS if abs(k) < REACH_DEG_S
-        ]
-        places = [[squeeze(k), y + 0.045] for k in TICKS if k % 10 == 0 or abs(k) < 2]
-        names = [f"{k}°" for k in TICKS if k % 10 == 0 or abs(k) < 2]
-        places += [[-x - 0.07, -squeeze(k)] for k in TICKS if abs(k) < REACH_DEG_S]
-        names += [f"{k}°/s" for k in TICKS if abs(k) < REACH_DEG_S]
+        rates = [k for k in TICKS if abs(k) < REACH_DEG_S]
+        grid = [[[squeeze(k), -y], [squeeze(k), y]] for k in TICKS]
+        grid += [[[-x, -squeeze(k)], [x, -squeeze(k)]] for k in rates]
+        colours = [ZERO if k == 0 else GRID for k in (*TICKS, *rates)]
+        named = [k for k in TICKS if k % 10 == 0 or abs(k) < 2]
+        places = [[squeeze(k), y + 0.045] for k in named] + [[-x - 0.07, -squeeze(k)] for k in rates]
+        names = [f"{k}°" for k in named] + [f"{k}°/s" for k in rates]
+        scale = self.rr.Points2D(places, labels=names, colors=(150, 150, 160), radii=-0.01, show_labels=True)
         for axis in AXES:
-            self.static(
-                f"phase_plane/{axis}/grid",
-                self.rr.LineStrips2D([*upright, *level], colors=colours, radii=-0.6),
-            )
-            scale = self.rr.Points2D(
-                places, labels=names, colors=(150, 150, 160), radii=-0.01, show_labels=True
-            )
+            lines = self.rr.LineStrips2D(grid, colors=colours, radii=-0.6)
+            self.static(f"phase_plane/{axis}/grid", lines)
             self.static(f"phase_plane/{axis}/scale", scale)
 
     def motions(self) -> None:
         """Zones by phase, the way of the last seconds, and the present state."""
         if self.number or len(self.t) < 5 or not self.flight.jets:
             return
-        rr = self.rr
+        rr, rows = self.rr, thin(self.t, SLOW_HZ)
         error = vector(self.flight.columns, "control.error", "roll pitch yaw", "_deg")
         rate = vector(self.flight.columns, "truth.rate", "p q r", "_deg_s")
-        rows = thin(self.t, SLOW_HZ)
         for k, axis in enumerate(AXES):
-            self._zones(k, f"phase_plane/{axis}/zones")
-            place = on_picture(error[rows, k], rate[rows, k])
-            self.static(f"phase_plane/{axis}/way", rr.LineStrips2D.from_fields(colors=rgb(BLUE), radii=-1.2))
-            segments = np.stack([place[:-1], place[1:]], axis=1)
-            self.columns(
-                f"phase_plane/{axis}/way", self.t[rows[1:]], rr.LineStrips2D.columns(strips=segments)
+            plane, place = f"phase_plane/{axis}", on_picture(error[rows, k], rate[rows, k])
+            self._zones(k, f"{plane}/zones")
+            look, data = (
+                {"colors": rgb(BLUE), "radii": -1.2},
+                {"strips": np.stack([place[:-1], place[1:]], axis=1)},
             )
-            self.static(
-                f"phase_plane/{axis}/now", rr.Points2D.from_fields(colors=(255, 255, 255), radii=-4.0)
-            )
-            self.columns(f"phase_plane/{axis}/now", self.t[rows], rr.Points2D.columns(positions=place))
+            self.series(f"{plane}/way", self.t[rows[1:]], rr.LineStrips2D, look, data)
+            look = {"colors": (255, 255, 255), "radii": -4.0}
+            self.series(f"{plane}/now", self.t[rows], rr.Points2D, look, {"positions": place})
 
     def _zones(self, axis: int, entity: str) -> None:
         """Lines of the controller that each phase names."""
@@ -231,13 +225,11 @@ def boundaries(gains: Mapping[str, Any], axis: int) -> list[Line]:
     """Lines of a controller's zones on the picture for axis 0 roll, 1 pitch, 2 yaw."""
     zones = zones_of(gains, axis)
     inside = (np.abs(zones.error) <= REACH_DEG) & (np.abs(zones.rate) <= REACH_DEG_S)
-    across, up, both = (np.array([-reach, reach]) for reach in (REACH_DEG, REACH_DEG_S, 1.0))
-    lines = [
-        (on_picture(sign * zones.error[inside], sign * zones.rate[inside]), rgb(GREEN))
-        for sign in both
-        if zones.name
+    error, rate = zones.error[inside], zones.rate[inside]
+    across, up, both = np.array([-REACH_DEG, REACH_DEG]), np.array([-REACH_DEG_S, REACH_DEG_S]), (-1.0, 1.0)
+    lines = [(on_picture(sign * error, sign * rate), rgb(GREEN)) for sign in both if zones.name]
+    lines += [(on_picture(np.full(2, sign * at), up), rgb(ORANGE)) for at in zones.errors for sign in both]
+    lines += [
+        (on_picture(across, np.full(2, sign * at)), rgb(VERMILION)) for at in zones.rates for sign in both
     ]
-    lines += [(on_picture(sign * np.full(2, at), up), rgb(ORANGE)) for at in zones.errors for sign in both]
-    return lines + [
-        (on_picture(across, sign * np.full(2, at)), rgb(VERMILION)) for at in zones.rates for sign in both
-    ]
+    return lines

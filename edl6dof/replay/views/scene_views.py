@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
+
+    from edl6dof.replay.scene.poses import Motion
 
 TIMELINE = "time"
 #: How long (s) a trail is.
@@ -25,66 +27,14 @@ EYE = np.array([2.6, 9.2, 2.6]) / np.linalg.norm([2.6, 9.2, 2.6]) / np.sin(np.ra
 #: Where the director's eye stands in the frame of its camera, which looks along x.
 TOUR_EYE = np.array([-1.0, 0.0, 0.0]) / np.sin(np.radians(KEPT_DEG))
 #: What only other views show.
-_NOT_CHASE = (
-    "campaign",
-    "path",
-    "markers",
-    "labels",
-    "drop_line",
-    "ground_track",
-    "near",
-    "vehicle/attitude_frame",
-)
+_FRAMES = ("near", "vehicle/attitude_frame")
+_NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", *_FRAMES)
 #: What belongs to one camera alone.
 _OWN = ("camera/scale_bar",)
-_NOT_SITE = ("near", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
-_NOT_AFAR = ("vehicle/failed", "near", "vehicle/attitude_frame", "sky", "labels", *_OWN)
-
-
+_NOT_SITE = (*_FRAMES, "path", "markers", "labels", *_OWN)
+_NOT_AFAR = ("vehicle/failed", *_FRAMES, "sky", "labels", *_OWN)
 #: Labels of the states of each lane, in their order, by page and lane.
 Labels = dict[str, dict[str, list[str]]]
-
-
-class Shown(NamedTuple):
-    """What the arrangement depends on.
-
-    Attributes:
-        span: first and last time, s, of the whole flight.
-        when: time, s, of the events.
-        start, end: first and last place, m in L.
-        deploy: place of the parachute deployment, m in L, if any.
-        plots: entities of the plots that have data.
-        groups: thruster groups.
-        jets: names of the thrusters.
-        scanned: place from which the ground was scanned, m in L, if any.
-        instruments: names of the instruments that navigation has, by kind.
-        lanes: labels that have room in the lanes of each page.
-        labels: names of the flights in the recording; one, and empty, where there is one flight.
-        size: of the vehicle, m.
-        scales: what 1 m of the arrows stands for.
-        ranges: first and last value on the axis of each plot, by page and entity.
-        ensemble: whether a campaign's trajectories are in it.
-        globe_eye, globe_target: whence and whither the globe is seen, km in F.
-    """
-
-    span: tuple[float, float]
-    when: dict[str, float]
-    start: np.ndarray
-    end: np.ndarray
-    deploy: np.ndarray | None
-    plots: frozenset[str]
-    groups: tuple[str, ...]
-    jets: tuple[str, ...]
-    instruments: dict[str, list[str]]
-    lanes: Labels
-    scanned: np.ndarray | None
-    labels: tuple[str, ...]
-    size: float
-    scales: str
-    ranges: dict[tuple[str, str], tuple[float, float]]
-    ensemble: bool
-    globe_eye: np.ndarray
-    globe_target: np.ndarray
 
 
 def window(rrb: ModuleType, seconds: float) -> rrb.VisibleTimeRanges:
@@ -94,16 +44,25 @@ def window(rrb: ModuleType, seconds: float) -> rrb.VisibleTimeRanges:
 
 
 class Views:
-    """Builds the views of the scene of one recording."""
+    """Builds the views of the scene of one recording, about the way of its first flight.
 
-    def __init__(self, flown: Shown) -> None:
+    Attributes:
+        motion: of the first flight.
+        labels: names of the flights in the recording; one, and empty, where there is one flight.
+        scales: what 1 m of the arrows stands for.
+        start, end, deploy: first and last place, and that of the parachute deployment if any, m in L.
+        roots: entities below which each flight's own things lie.
+    """
+
+    def __init__(self, motion: Motion, labels: Sequence[str], scales: str) -> None:
         import rerun.blueprint as rrb
 
-        self.rrb, self.flown = rrb, flown
-
-    def roots(self) -> list[str]:
-        """Entities below which each flight's own things lie."""
-        return [root_of(k) for k in range(len(self.flown.labels))]
+        self.rrb, self.motion, self.labels, self.scales = rrb, motion, labels, scales
+        places = motion.centre if len(motion.t) else np.zeros((1, 3))
+        self.start, self.end = places[0], places[-1]
+        deploy = motion.released(motion.canopy)
+        self.deploy = None if deploy is None else places[deploy]
+        self.roots = [root_of(k) for k in range(len(labels))]
 
     def _scene(
         self, name: str, origin: str, contents: Sequence[str], place: Any, target: Any, **more: Any
@@ -131,11 +90,11 @@ class Views:
         not_of_others: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
         """The site without what is hidden, of every flight or of all others."""
-        excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden]
-        others = [root for root in self.roots() if f"{root}/{origin.rpartition('/')[2]}" != origin]
+        excluded = [f"- {root}/{part}/**" for root in self.roots for part in hidden]
+        others = [root for root in self.roots if f"{root}/{origin.rpartition('/')[2]}" != origin]
         excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
         excluded += [f"/site/labels/{name}" for name in labels]
-        trails = {f"{root}/trail": window(self.rrb, TRAIL_S) for root in self.roots()}
+        trails = {f"{root}/trail": window(self.rrb, TRAIL_S) for root in self.roots}
         return self._scene(name, origin, ["/site/**", *excluded], place, target, overrides=trails)
 
     def chase(self) -> rrb.Spatial3DView | rrb.Grid:
@@ -163,23 +122,24 @@ class Views:
                 np.zeros(3),
                 not_of_others=(*_OWN, "camera/name"),
             )
-            for root, label in zip(self.roots(), self.flown.labels, strict=True)
+            for root, label in zip(self.roots, self.labels, strict=True)
         ]
         return views[0] if len(views) == 1 else self.rrb.Grid(*views, name=name)
 
     def body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
-        name = f"Body and forces: {self.flown.scales}" if self.flown.scales else "Body and frames"
-        place = body_eye(self.flown.start, self.flown.end, self.flown.size)
+        name = f"Body and forces: {self.scales}" if self.scales else "Body and frames"
+        place = body_eye(self.start, self.end, self.motion.shape.size)
         return self._scene(name, "/site/near", ["/site/vehicle/**", "/site/near/**"], place, np.zeros(3))
 
     def whole(self) -> rrb.Spatial3DView:
         """The whole flight from the side, a little from above."""
-        return self._aside("Whole flight", self.flown.start, 0.62, 0.20, 0.02)
+        return self._aside("Whole flight", self.start, 0.62, 0.20, 0.02)
 
-    def afar(self, name: str) -> rrb.Spatial3DView | None:
-        """From parachute to ground, from the side."""
-        return None if self.flown.deploy is None else self._aside(name, self.flown.deploy, 1.25, 0.12, 0.03)
+    def afar(self, name: str) -> rrb.Spatial3DView:
+        """From the parachute, if there is one, to the ground, from the side."""
+        start = self.start if self.deploy is None else self.deploy
+        return self._aside(name, start, 1.25, 0.12, 0.03)
 
     def _aside(
         self, name: str, start: np.ndarray, off: float, above: float, below: float
@@ -187,19 +147,19 @@ class Views:
         """The way from ``start`` to the end from its side: how far from its middle and above it the eye
         stands, and how far below it looks, in lengths of the way.
         """
-        along, length, side = _beside(start, self.flown.end)
+        along, length, side = _beside(start, self.end)
         middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
         place, target = middle - off * length * side + above * up, middle - below * up
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
 
     def landing(self) -> rrb.Spatial3DView:
         """The last kilometre, from the side."""
-        place, target = self.flown.end + [700.0, 500.0, 420.0], self.flown.end + [0.0, 0.0, 330.0]
+        place, target = self.end + [700.0, 500.0, 420.0], self.end + [0.0, 0.0, 330.0]
         return self._view("Landing", "/site", _NOT_AFAR, place, target, ["**"])
 
     def site(self) -> rrb.Spatial3DView:
         """The vehicle where it stands in the end."""
-        end = self.flown.end
+        end = self.end
         return self._view("Site", "/site", _NOT_SITE, end + [16.0, -26.0, 9.0], end)
 
     def above(self, scanned: np.ndarray) -> rrb.Spatial3DView:
@@ -209,8 +169,9 @@ class Views:
         return self._view("Hazards from above", "/site", hidden, place, target)
 
     def globe(self) -> rrb.Spatial3DView:
-        """The planet."""
-        return self._scene("Globe", "/globe", ["$origin/**"], self.flown.globe_eye, self.flown.globe_target)
+        """The planet, from above the middle of the way; km in F."""
+        middle = self.motion.site.in_F(0.5 * (self.start + self.end)) / 1e3
+        return self._scene("Globe", "/globe", ["$origin/**"], 2.3 * middle, 0.0 * middle)
 
 
 def root_of(number: int) -> str:
