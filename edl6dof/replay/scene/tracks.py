@@ -75,11 +75,15 @@ class Globe(Recorder):
         self.lines(f"{self._root}/ground_track", [down * 1.001], (60, 30, 20), 1.2)
         if self.number:
             return
-        origin = site.origin * 1.001 / 1e3
         self.static("globe", self.rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         mesh = planet(site.radius / 1e3, site.relief.map, site.appearance.relief)
         self.static("globe/planet", self.mesh(mesh))
-        self.static("globe/site", self.point(origin, "landing site", TARGET))
+        self.static("globe/site", self.point(site.origin * 1.001 / 1e3, "landing site", TARGET))
+        self._sun()
+
+    def _sun(self) -> None:
+        """Log an arrow from the landing site to the sun, where the scenario gives the moment."""
+        site, origin = self.motion.site, self.motion.site.origin * 1.001 / 1e3
         if site.sun is not None:
             along = SUN_ARROW * (site.in_F(site.radius * site.sun) - site.in_F(np.zeros(3))) / 1e3
             arrow = self.rr.Arrows3D(vectors=[along], origins=[origin], colors=SUN, radii=-1.6)
