@@ -36,7 +36,7 @@ LONGEST_VALUE = 220
 
 
 def parse_epoch(text: str) -> datetime:
-    """The date and time of t = 0.
+    """Return the date and time of t = 0.
 
     Raises:
         ValueError: there is none, or it cannot be read.
@@ -147,9 +147,7 @@ def write_aem(
 
 
 def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
-    """Times of the rows as UTC to the microsecond, and the rows they belong to; a time that does not rise is
-    left out.
-    """
+    """Times of the rows as UTC to the microsecond, and their rows; a time that does not rise is left out."""
     stamps: list[str] = []
     rows: list[int] = []
     for row, seconds in enumerate(t):
@@ -161,8 +159,8 @@ def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
 
 
 def _value(text: str) -> str:
-    """Text as the value of a keyword: one line of printable ASCII that no reader takes for a keyword of its
-    own.
+    """Text as the value of a keyword: one line of printable ASCII that cannot be taken for another
+    keyword.
     """
     return " ".join(re.sub(r"[^ -~]|=", " ", text).split())[:LONGEST_VALUE] or "UNKNOWN"
 

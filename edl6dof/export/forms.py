@@ -1,4 +1,4 @@
-"""The telemetry of a run in the forms of other programs."""
+"""The telemetry of a run as csv, MATLAB, netCDF, CCSDS and NESC files."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def write_export(folder: Path, form: str, target: Path, force: bool) -> int:
 
 
 def export_text(folder: Path, form: str) -> str:
-    """Return the telemetry of a run in a form that is text.
+    """Return the telemetry of a run in a text format.
 
     Raises:
         ConfigError: the form is none.
@@ -96,14 +96,14 @@ def _about(run: Run) -> Description:
 
 
 def nesc_table(run: Run) -> dict[str, np.ndarray]:
-    """The check-case columns of a run."""
+    """Return the check-case columns of a run."""
     truth = viewed_scenario(run.scenario_text, str(run.folder / "scenario.yaml")).truth
     tables = build_tables(truth)
     return check_case_table(run, build_case(truth, tables)[0], tables[0]["atmosphere"])
 
 
 class Description(NamedTuple):
-    """What a file says about its columns and itself: unit and meaning by column, and words by name."""
+    """Units and meanings by column, and attributes of the file by name."""
 
     units: Mapping[str, str]
     meanings: Mapping[str, str]
@@ -111,7 +111,7 @@ class Description(NamedTuple):
 
 
 def write_csv(path: Path, columns: Columns) -> None:
-    """One row for each time, every number with all its digits; the names of the columns carry the units."""
+    """Write one row for each time, numbers with all their digits; column names carry the units."""
     import pyarrow as pa
     from pyarrow import csv
 
@@ -119,9 +119,7 @@ def write_csv(path: Path, columns: Columns) -> None:
 
 
 def write_mat(path: Path, columns: Columns, about: Description) -> None:
-    """A MATLAB 5 file: ``t_s``, and one struct for each group of channels, ``truth.altitude_m`` as in Python;
-    units in ``units``.
-    """
+    """Write a MATLAB 5 file: ``t_s``, one struct for each group of channels, and their units in ``units``."""
     from scipy.io import savemat
 
     content: dict[str, Any] = {"t_s": np.asarray(columns["t_s"]), "about": dict(about.words), "units": {}}
@@ -133,7 +131,7 @@ def write_mat(path: Path, columns: Columns, about: Description) -> None:
 
 
 def write_netcdf(path: Path, columns: Columns, about: Description) -> None:
-    """A netCDF-3 file with 64-bit offsets and the dimension ``time``; ``truth.altitude_m`` becomes
+    """Write a netCDF-3 file with 64-bit offsets and the dimension ``time``; ``truth.altitude_m`` becomes
     ``truth_altitude_m``.
     """
     from scipy.io import netcdf_file
@@ -151,7 +149,7 @@ def write_netcdf(path: Path, columns: Columns, about: Description) -> None:
 
 
 def plain(name: str) -> str:
-    """A name of at most 63 letters, digits and underscores that begins with a letter, as MATLAB and netCDF
-    want it.
+    """Return a valid MATLAB and netCDF name: at most 63 letters, digits and underscores, beginning with a
+    letter.
     """
     return re.sub(r"^(?=[^a-zA-Z])", "n", re.sub(r"\W", "_", name, flags=re.ASCII))[:63]

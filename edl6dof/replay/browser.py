@@ -29,7 +29,7 @@ from edl6dof.replay.viewer import HOST, free_port, running
 
 
 def page(recording: Path, title: str) -> bytes:
-    """The HTML file of a recording.
+    """Return the HTML file of a recording.
 
     Raises:
         ViewerFailed: the viewer's program cannot be had from the installed rerun.
@@ -51,8 +51,8 @@ def page(recording: Path, title: str) -> bytes:
 
 @cache
 def _program() -> tuple[str, str]:
-    """The viewer for browsers: its script and its packed wasm, asked from rerun's own server on this machine,
-    which serves nothing else; the same for every page.
+    """The viewer for browsers (script, packed wasm), fetched from rerun's own server on this machine; the
+    same for every page.
     """
     port, data = free_port(), free_port()
     with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
@@ -69,7 +69,7 @@ def _fetch(url: str) -> bytes:
 
 
 def _packed(content: bytes) -> str:
-    """Compressed, as text; level 6 would take two thirds longer for a hundredth less."""
+    """Compress and encode as text; level 6 would take two thirds longer for 1 % less."""
     return base64.b64encode(gzip.compress(content, 5, mtime=0)).decode("ascii")
 
 
@@ -93,7 +93,7 @@ class PageServer(socketserver.ThreadingTCPServer):
         self.url = f"http://{HOST}:{self.server_address[1]}/"
 
     def knows_host(self, hosts: list[str]) -> bool:
-        """Whether a request names this machine and port, once."""
+        """Return True if a request names this machine and port, once."""
         port = self.server_address[1]
         return len(hosts) == 1 and hosts[0].lower() in (
             f"{HOST}:{port}",
@@ -102,7 +102,7 @@ class PageServer(socketserver.ThreadingTCPServer):
         )
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A browser that hangs up is no error."""
+        """Ignore a browser that hangs up."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
@@ -114,12 +114,12 @@ class _Request(BaseHTTPRequestHandler):
     timeout = 30.0
 
     def do_GET(self) -> None:
-        """The page."""
+        """Send the page."""
         if self._answer():
             self.wfile.write(self.server.page)
 
     def do_HEAD(self) -> None:
-        """Its headers."""
+        """Send the headers."""
         self._answer()
 
     def _answer(self) -> bool:
@@ -141,7 +141,9 @@ class _Request(BaseHTTPRequestHandler):
 
 
 def serve(page: bytes) -> None:
-    """Serve the page, tell where, open a browser if there is one, and go on until interrupted (Ctrl-C)."""
+    """Serve the page, print its address, open a browser if there is one, and continue until interrupted
+    (Ctrl-C).
+    """
     with PageServer(page) as server:
         print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
         if _has_display():
@@ -158,5 +160,5 @@ def _open(url: str) -> None:
 
 
 def _has_display() -> bool:
-    """Whether a browser can open a window; without one, Python would start a browser for terminals."""
+    """True if a browser can open a window; otherwise Python would start one for terminals."""
     return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,4 +1,4 @@
-"""A film of a recording: pictures of the viewer without a window at even times, put together by ffmpeg."""
+"""Films of a recording: pictures of the viewer without a window at even times, joined by ffmpeg."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class NoFilm(RuntimeError):
 
 
 class Cut(NamedTuple):
-    """What a film shows: first and last time of the flight, s, its own length, s, and frames per second."""
+    """First and last time of the flight (s), length of the film (s), and frames per second."""
 
     first_s: float
     last_s: float
@@ -34,12 +34,12 @@ class Cut(NamedTuple):
 
     @property
     def times(self) -> np.ndarray:
-        """Time of the flight (s) at each frame, evenly from the first to the last."""
+        """Time of the flight (s) at each frame, evenly spaced."""
         return np.linspace(self.first_s, self.last_s, max(2, round(self.length_s * self.fps)))
 
 
 def encoder() -> str:
-    """The ffmpeg program: the machine's own, or that of the package imageio-ffmpeg.
+    """Return the ffmpeg program: that of the machine, or of the package imageio-ffmpeg.
 
     Raises:
         NoFilm: there is neither.
@@ -59,7 +59,8 @@ def encoder() -> str:
 
 
 def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], None]) -> None:
-    """Write a film (MP4) of the recording; ``told`` hears after each frame how many of how many are done.
+    """Write a film (MP4) of the recording; ``progress`` is called after each frame with the counts done and
+    in all.
 
     Raises:
         NoFilm: there is no encoder, or it ended with an error.
@@ -74,7 +75,9 @@ def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], Non
 
 @contextmanager
 def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
-    """What takes the frames (PNG), one after the other; the film is complete when the block ends."""
+    """Open a stream that takes the frames (PNG) one after the other; the film is complete when the block
+    ends.
+    """
     words = [program, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png"]
     words += ["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(target.resolve())]
     with TemporaryFile() as log:

@@ -1,6 +1,4 @@
-"""What a replay is made of: the rows of a flight that can be drawn, thinned, and nothing else of its
-telemetry.
-"""
+"""The data of a replay: those rows of a flight that can be drawn, thinned."""
 
 from __future__ import annotations
 
@@ -61,11 +59,11 @@ class Flown(Protocol):
 
     @property
     def success(self) -> bool:
-        """Whether it reached its goal within all limits."""
+        """True if it reached its goal within all limits."""
 
     @property
     def scenario(self) -> Scenario:
-        """What was flown."""
+        """The scenario."""
 
     @property
     def phase_names(self) -> list[str]:
@@ -77,7 +75,7 @@ class Flown(Protocol):
 
     @property
     def landing_map(self) -> LandingMap | None:
-        """What the lander saw of the ground and chose on it."""
+        """The map of the ground and the choice on it, if it scanned the ground."""
 
     @property
     def telemetry(self) -> Mapping[str, np.ndarray]:
@@ -85,7 +83,7 @@ class Flown(Protocol):
 
 
 class Known(NamedTuple):
-    """What the flight software found out about a thruster, and when."""
+    """Time and text of the isolation of a thruster."""
 
     t_s: float
     text: str
@@ -143,13 +141,15 @@ class History:
         return self.columns[name]
 
     def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
-        """Mean duty of some thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
+        """Return the mean duty of some thrusters from each of ``rows`` to the next, shape (rows,
+        thrusters).
+        """
         own = self.duty[:, [self.jets.index(name) for name in names]]
         return _mean_between(own, rows)
 
 
 def on_instruments(flight: Flown) -> bool:
-    """Whether the flight computer navigates, and does not take the word of perfect sensors."""
+    """Return True if the flight computer navigates on instruments, and not on a given state."""
     return flight.scenario.navigation_filter != "given"
 
 
@@ -168,7 +168,7 @@ def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
-    """First isolation of each thruster; a run that was written before events told the thruster has none."""
+    """First isolation of each thruster; none from runs whose events do not name the thruster."""
     found: dict[str, Known] = {}
     for event in events:
         if event["key"] == "diagnosis" and event.get("thruster") in jets:
@@ -177,13 +177,13 @@ def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict
 
 
 def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:
-    """Columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
+    """Return columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
     return np.stack([columns[f"{stem}_{axis}{suffix}"] for axis in axes.split()], axis=-1)
 
 
 def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
-    """Rows in which the vehicle is drawn: ``POSE_HZ``; of a flight of hours about ``MANY``, all beside its
-    events and the others evenly.
+    """Return the rows in which the vehicle is drawn, at ``POSE_HZ``; of a flight of hours about ``MANY``, all
+    near its events and the others evenly.
     """
     rows = thin(t, POSE_HZ)
     if len(rows) <= MANY:
@@ -198,7 +198,7 @@ def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
 
 
 def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Rows of about ``rate_hz``, the first and the last row among them."""
+    """Return rows at about ``rate_hz``, with the first and the last row."""
     if len(t) < 2:
         return np.arange(len(t))
     step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))

@@ -1,4 +1,4 @@
-"""What everything that writes into the recording shares: the flight, its poses, and short ways to log.
+"""The base of all writers of a recording: the flight, its poses, and helpers to log them.
 
 A negative radius is a size on the screen, in points.
 """
@@ -53,13 +53,13 @@ class Recorder:
         self.colours = np.array(PHASES, np.uint8)[place % len(PHASES)]
 
     def statics(self) -> None:
-        """What holds for all time; logged first, so that a slow viewer has it from the beginning."""
+        """Write timeless entities; first, so that a slow viewer has them from the beginning."""
 
     def motions(self) -> None:
-        """What changes with time."""
+        """Write everything that changes with time."""
 
     def static(self, entity: str, *what: Any) -> None:
-        """Log what holds for all time."""
+        """Log a timeless entity."""
         self.rec.log(entity, *what, static=True)
 
     def columns(self, entity: str, t: np.ndarray, columns: Any) -> None:
@@ -101,17 +101,17 @@ class Recorder:
         self.static(entity, self.rr.LineStrips3D(strips, colors=colour, radii=-points))
 
     def at(self, t: float, entity: str, *what: Any) -> None:
-        """Log what holds from time ``t`` (s) on."""
+        """Log an entity that exists from time ``t`` (s) on."""
         self.rec.set_time(TIMELINE, duration=float(t))
         self.rec.log(entity, *what)
         self.rec.reset_time()
 
     def gone(self, t: float, entity: str) -> None:
-        """Take an entity away at time ``t`` (s)."""
+        """Remove an entity at time ``t`` (s)."""
         self.at(t, entity, self.rr.Clear(recursive=False))
 
     def mesh(self, mesh: Mesh, **more: Any) -> rr.Mesh3D:
-        """The mesh as rerun takes it."""
+        """Return the mesh as a rerun archetype."""
         return self.rr.Mesh3D(
             vertex_positions=mesh.positions,
             triangle_indices=mesh.triangles,
@@ -121,7 +121,9 @@ class Recorder:
         )
 
     def own_mesh(self, part: str | None) -> list[Any] | None:
-        """The user's own mesh that shows a part, in its place in B; of ``None``, all that is not a part."""
+        """Return the user's own mesh for a part, in its place in B; for ``None``, that of everything that is
+        not a part.
+        """
         own = next((mesh for mesh in self.vehicle.appearance.meshes if mesh.part == part), None)
         if own is None:
             return None
@@ -137,14 +139,16 @@ class Recorder:
         return [self.rr.Asset3D(contents=file.content, media_type=file.media_type), place]
 
     def shown(self, part: str | None, mesh: Mesh, **more: Any) -> list[Any]:
-        """A part as rerun takes it; ``more`` goes with the drawn shape alone."""
+        """Return a part as rerun archetypes; ``more`` applies to our own shape only."""
         return self.own_mesh(part) or [self.mesh(mesh, **more)]
 
     def point(self, place: Any, words: str, colour: Any, points: float = 4.0) -> rr.Points3D:
-        """A labelled point of one size on the screen."""
+        """Return a labelled point of one size on the screen."""
         return self.rr.Points3D([place], labels=[words], colors=colour, radii=-points, show_labels=True)
 
 
 def and_next(shown: np.ndarray) -> np.ndarray:
-    """Rows (bool) in which something is shown, or was in the one before: a row without it ends it."""
+    """Return the rows (bool) in which something is shown, and the row after each: a row without it
+    ends it.
+    """
     return shown | np.append(False, shown[:-1])

@@ -44,7 +44,7 @@ PARTS: tuple[type[Recorder], ...] = (
 
 
 def history(flight: Flown) -> History:
-    """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
+    """Return the data that a replay needs of a flight, whose telemetry may be released afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
     columns = (*charts.PLANE_COLUMNS, *readout.COLUMNS, *NAVIGATED)
     return History(flight, columns, (*charts.COLUMNS, *navigation))
@@ -100,7 +100,7 @@ def write_replay(
 
 @contextmanager
 def _failing_as_the_system_says(path: Path) -> Iterator[None]:
-    """Raise ``OSError`` where rerun cannot write: it says that its writer has ended, but not of what."""
+    """Raise ``OSError`` with the system's reason: rerun only says that its writer has ended."""
     try:
         yield
     except RuntimeError as error:
@@ -110,7 +110,7 @@ def _failing_as_the_system_says(path: Path) -> Iterator[None]:
 
 
 def recorded_span(path: Path) -> tuple[float, float]:
-    """First and last time (s) at which a recording knows where its first flight is.
+    """Return the first and last time (s) of the first flight in a recording.
 
     Raises:
         ValueError: it knows of no flight.

@@ -1,5 +1,4 @@
-"""The viewer's program: run for as long as it is needed, on this machine's own address only, and never longer
-than its parent.
+"""The viewer: open a recording on the desktop, or take its picture without a window.
 
 Where it cannot do its work, what it said on its way out tells what the machine lacks.
 """
@@ -84,7 +83,7 @@ class Program:
 
     @contextmanager
     def asked(self) -> Iterator[None]:
-        """While it is asked for something: what fails is said in its own words, if it ended.
+        """Report a failed request in the viewer's own words, if it has ended.
 
         Raises:
             ViewerFailed: it does not do what it is asked for.
@@ -116,7 +115,7 @@ class Program:
 
 @contextmanager
 def running(*options: str) -> Iterator[Program]:
-    """The program with some options, bound to this machine, for as long as the block lasts.
+    """Run the program with some options, bound to this machine, for as long as the block lasts.
 
     On Linux it also ends when the thread that started it does.
 
@@ -139,16 +138,14 @@ def running(*options: str) -> Iterator[Program]:
 
 
 def free_port() -> int:
-    """A port that nothing listens on."""
+    """Return a port that nothing listens on."""
     with socket.socket() as probe:
         probe.bind((HOST, 0))
         return int(probe.getsockname()[1])
 
 
 def _path() -> Path:
-    """Where the installed rerun keeps the program; its own ``python -m rerun`` is a wrapper that could
-    outlive us.
-    """
+    """The program of the installed rerun; its ``python -m rerun`` is a wrapper that could outlive us."""
     found = find_spec("rerun_cli")
     folder = Path(found.origin).parent if found is not None and found.origin is not None else Path()
     names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")
@@ -182,7 +179,7 @@ def show(recording: Path) -> None:
 
 
 def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] = (1920, 1080)) -> None:
-    """Picture (PNG) of the recording at time ``t`` (s), from the viewer without a window.
+    """Write a picture (PNG) of the recording at time ``t`` (s), from the viewer without a window.
 
     Raises:
         NoViewer: this machine lacks what it needs.
@@ -196,8 +193,8 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
 def drawing(
     recording: Path, t: float, size: tuple[int, int] = (1920, 1080)
 ) -> Iterator[Callable[[float], bytes]]:
-    """What draws the recording at a time (s) as PNG, in a viewer without a window that has had time to load
-    it, first at time ``t`` (s).
+    """Open a viewer without a window and return a function that draws the recording at a time (s) as PNG,
+    first at ``t``.
 
     It loads while nobody looks: with a software renderer, a picture of what is not yet complete costs as much
     as the loading.
@@ -245,7 +242,7 @@ def drawing(
 
 
 def _settled(look: Callable[[], bytes]) -> bytes:
-    """A picture that is the same twice in a row: until then views load, and show that they do."""
+    """A picture that is the same twice in a row: until then views load, and show it."""
     before, start = b"", time.monotonic()
     while time.monotonic() - start < MOST_S:
         now = look()

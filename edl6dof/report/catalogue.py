@@ -92,7 +92,7 @@ class Plot(NamedTuple):
 
     @property
     def lines(self) -> list[tuple[str, str, Dash]]:
-        """Name, colour and dash of what :meth:`values` gives."""
+        """Name, colour and dash of each array that :meth:`values` returns."""
         found: list[tuple[str, str, Dash]] = [
             ("error" if self.sigma else name, colour, "dash" if name in _DASHED else "solid")
             for name, colour in zip(self.curves.values(), SERIES, strict=False)
@@ -101,14 +101,16 @@ class Plot(NamedTuple):
         return [*found, (claimed, GREY, "dash"), (claimed, GREY, "dash")] if self.sigma else found
 
     def values(self, columns: Mapping[str, np.ndarray], rows: np.ndarray | slice) -> list[np.ndarray]:
-        """Curves at some rows in the unit of the plot, then the upper and the lower bound if there is one."""
+        """Return the curves at some rows in the unit of the plot, then the upper and the lower bound if there
+        is one.
+        """
         factor = 1e-3 if self.kilo else 1.0
         found = [factor * columns[channel][rows] for channel in self.curves]
         bounds = [sign * BOUND * factor for sign in (1.0, -1.0)] if self.sigma else []
         return found + [bound * columns[self.sigma][rows] for bound in bounds]
 
     def apart(self, since: str = "") -> tuple[Plot, ...]:
-        """A plot for each curve; ``since``: event from which on, if not that of all."""
+        """Return one plot for each curve; ``since``: event at which it begins, if not that of all."""
         return tuple(
             self._replace(
                 key=f"{self.key}_{name}",
@@ -120,8 +122,8 @@ class Plot(NamedTuple):
         )
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
-        """The plot of what a flight has: without commands and estimates that are never given; ``None`` where
-        all is zero or absent.
+        """Return the plot reduced to the channels that a flight has, without commands and estimates that are
+        never given; ``None`` if all of them are zero or absent.
         """
         there = {channel: name for channel, name in self.curves.items() if channel in columns}
         heard = {channel for channel in there if has_signal(columns[channel])}
@@ -130,18 +132,18 @@ class Plot(NamedTuple):
 
 
 def has_signal(values: np.ndarray) -> bool:
-    """Whether values are anything but zero and gaps."""
+    """Return True if any value is neither zero nor a gap."""
     return bool(np.any(np.nan_to_num(values) != 0.0))
 
 
 def _axes(channel: str, names: str, letters: str = "") -> dict[str, str]:
-    """Three channels by their axes, ``{}`` in the name of the channel, and the names of these."""
+    """Three channels by axis, ``{}`` in their name, and the names of the axes."""
     pairs = zip((letters or names).split(), names.split(), strict=True)
     return {channel.format(letter): name for letter, name in pairs}
 
 
 def _each_axis(key: str, title: str, curves: Mapping[str, str], clip: bool = False) -> tuple[Plot, ...]:
-    """A plot for each body axis, ``{}`` in the key and in the names of the channels."""
+    """A plot for each body axis, ``{}`` in the key and in the channels."""
     return tuple(
         Plot(key.format(axis), f"{title}, {name}", {c.format(axis): curve for c, curve in curves.items()},
              until="touchdown", clip=clip)
@@ -307,12 +309,12 @@ class Columns(Protocol):
         """Printed unit of a column."""
 
     def meaning(self, name: str) -> str:
-        """What a column means."""
+        """Meaning of a column."""
 
 
 def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:
-    """Names of the columns that match, in the order of the patterns, or that a plot of the catalogue shows
-    whose key is given; ``place``: whose they are, for messages.
+    """Return the names of the columns that match, in the order of the patterns, or that the plot with this
+    key shows; ``place``: their owner, for messages.
 
     Raises:
         ConfigError: a pattern matches nothing.
@@ -331,7 +333,7 @@ def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str
 
 
 def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray) -> Figure:
-    """One panel for each unit; ``rows``: which to show, shape (rows,), bool."""
+    """Draw one panel for each unit; ``rows``: those to show, shape (rows,), bool."""
     by_unit: dict[str, list[str]] = {}
     for name in channels:
         by_unit.setdefault(columns.unit(name), []).append(name)

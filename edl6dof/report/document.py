@@ -1,5 +1,5 @@
-"""What a report says: a headline, figures at a glance, and sections of text, tables and figures.  It knows no
-HTML and no matplotlib.
+"""The content of a report: a headline, key figures, and sections of text, tables and figures, independent of
+HTML and matplotlib; and the format of numbers.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Mood = Literal["good", "warn", "bad", "plain"]
 
 @dataclass(frozen=True)
 class Fact:
-    """A figure at a glance: what it is, its value with the unit, and how it is to be taken."""
+    """A key figure: its label, its value with the unit, and its mood."""
 
     label: str
     value: str
@@ -25,7 +25,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Cell:
-    """A table cell that says more than its text: by its mood, and by a bar of a share 0..1 (more is cut)."""
+    """A table cell with a mood, and with a bar for a share 0..1 (cut off beyond)."""
 
     text: str
     mood: Mood = "plain"
@@ -37,7 +37,7 @@ Row = Sequence[str | Cell]
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under headings; a heading that ends in ``>`` is that of right-aligned numbers."""
+    """Rows under headings; a heading that ends in ``>`` marks a column of right-aligned numbers."""
 
     columns: Sequence[str]
     rows: Sequence[Row]
@@ -53,7 +53,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Listing:
-    """Lines of a file, folded away under a title; a status mark such as ``# [P]`` in them is coloured."""
+    """Lines of a file, folded under a title; status marks such as ``# [P]`` are coloured."""
 
     title: str
     text: str
@@ -65,7 +65,7 @@ Block = Figure | Table | Text | Listing
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report with an entry in its contents; keys are letters, digits and ``_``, each once in a
+    """A part of the report with an entry in the contents; keys are letters, digits and ``_``, unique in a
     report.
     """
 
@@ -87,19 +87,21 @@ class Report:
     footer: str = ""
 
     def figures(self) -> Iterator[Figure]:
-        """All figures in their order."""
+        """Return all figures in order."""
         for section in self.sections:
             yield from (block for block in section.blocks if isinstance(block, Figure))
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """A number to some significant digits; large ones whole, as 12346 is read more easily than 1.235e+04."""
+    """Format a number to some significant digits; large ones whole, since 12346 is easier to read than
+    1.235e+04.
+    """
     text = f"{value:.{digits}g}"
     return f"{value:.0f}" if "e+" in text else text
 
 
 def aligned(*values: float) -> list[str]:
-    """Numbers with the same decimals: two digits of the span between them, and four at most in all.
+    """Format numbers with the same decimals: two digits of the span between them, and four at most in all.
 
     >>> aligned(86.12345, 86.0, 86.9)
     ['86.12', '86.00', '86.90']
@@ -113,7 +115,7 @@ def aligned(*values: float) -> list[str]:
 
 
 def in_percent(share: float, decimals: int = 0) -> str:
-    """A share as it is printed.
+    """Format a share as a percentage.
 
     >>> in_percent(0.963, 2), in_percent(0.5)
     ('96.30 %', '50 %')
@@ -122,5 +124,5 @@ def in_percent(share: float, decimals: int = 0) -> str:
 
 
 def printed(unit: str) -> str:
-    """A unit as it is printed: its powers raised."""
+    """Format a unit for print, with raised powers."""
     return unit.translate(str.maketrans("234", "²³⁴"))

@@ -1,4 +1,4 @@
-"""What a figure shows, apart from who draws it.
+"""The content of a figure, independent of the library that draws it.
 
 One description has two drawings: by plotly.js in a page, where a reader zooms and reads values off, and by
 matplotlib on paper.
@@ -27,7 +27,7 @@ DARK: dict[str, str] = {}
 
 
 def _inks(*pairs: str) -> tuple[str, ...]:
-    """Colours of paper, each given with the one in its place on a dark ground."""
+    """Colours of paper, each given with the one that replaces it on a dark ground."""
     both = [pair.split() for pair in pairs]
     DARK.update({paper: dark for paper, dark in both})
     return tuple(paper for paper, _ in both)
@@ -66,7 +66,7 @@ SEQUENTIAL = _inks(
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """A colour of paper as it is on a dark ground, by red, green and blue from 0 to 255."""
+    """Return the dark-ground variant of a colour of paper as red, green and blue, 0 to 255."""
     red, green, blue = bytes.fromhex(DARK[colour][1:])
     return red, green, blue
 
@@ -81,8 +81,8 @@ class Axis:
     names: Sequence[str] = ()
 
     def decades(self, span: tuple[float, float]) -> list[float]:
-        """Numbers written along a logarithmic axis: 1, 2, 5 of each decade, of many decades 1 alone; none
-        where fewer than two of them lie in the span.
+        """Return the numbers along a logarithmic axis: 1, 2, 5 of each decade, only 1 over many decades; none
+        if fewer than two of them lie in the span.
         """
         low, high = (int(np.floor(np.log10(bound))) for bound in span)
         steps = (1, 2, 5) if high - low <= 3 else (1,)
@@ -118,13 +118,13 @@ class Trace:
     border: bool = False
 
     def edges(self) -> np.ndarray:
-        """Where bars that touch each other begin and end, shape (n + 1,); they are of one width."""
+        """Return the ends of adjacent bars, shape (n + 1,); all have one width."""
         half = 0.5 * np.min(np.diff(self.x)) if len(self.x) > 1 else 0.5
         return np.append(self.x - half, self.x[-1:] + half)
 
 
 def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
-    """An entry of the legend for what is no trace."""
+    """Return a trace that only adds an entry to the legend."""
     nowhere = np.array([np.nan])
     return Trace(nowhere, nowhere, name, "points", colour, symbol="square", width=width, border=border)
 
@@ -152,7 +152,7 @@ class Heat:
 
     @property
     def kinds(self) -> bool:
-        """Whether the cells are of kinds, each of one colour, which traces name in the legend."""
+        """True if the cells are of kinds, each of one colour, which traces name in the legend."""
         return not self.title
 
     @property
@@ -170,7 +170,7 @@ class Heat:
 
 
 def cell_edges(centres: np.ndarray) -> np.ndarray:
-    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
+    """Return the edges of cells about their centres, one more than these; a single cell is 1 wide."""
     if len(centres) == 1:
         return centres[0] + np.array([-0.5, 0.5])
     half = 0.5 * np.diff(centres)
@@ -189,8 +189,8 @@ class Band:
     outline: bool = False
 
     def bounds(self, axis: Literal["x", "y"], span: tuple[float, float]) -> tuple[float, float] | None:
-        """Ends along an axis of a panel with the range ``span``; ``None`` for a band across the whole
-        panel.
+        """Return the ends along an axis of a panel with the range ``span``; ``None`` for a band across the
+        whole panel.
         """
         low, high = self.x if axis == "x" else self.y
         if low is None and high is None:
@@ -200,7 +200,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Mark:
-    """A straight line across the panel at one value of an axis, with words beside it."""
+    """A straight line across the panel at one value of an axis, with a label."""
 
     axis: Literal["x", "y"]
     at: float
@@ -211,7 +211,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes and what is drawn on it; ``equal`` gives both axes the same scale."""
+    """One pair of axes and its content; ``equal`` gives both axes the same scale."""
 
     x: Axis
     y: Axis
@@ -224,7 +224,7 @@ class Panel:
     weight: float = 1.0
 
     def span(self, axis: Literal["x", "y"]) -> tuple[float, float]:
-        """Range of an axis: the one asked for, or that of traces and marks with a little room."""
+        """Return the range of an axis: the given one, or that of traces and marks with a margin."""
         mine = self.x if axis == "x" else self.y
         if mine.range is not None:
             return mine.range
@@ -255,7 +255,7 @@ class Panel:
         return low - room * (axis == "x" or not bars or low < 0.0), high + room
 
     def coloured(self) -> list[Trace]:
-        """The traces, those without a colour given the next one of the palette."""
+        """Return the traces, those without a colour given the next one of the palette."""
         free = iter(
             colour for colour in (*SERIES, *SERIES) if colour not in {trace.colour for trace in self.traces}
         )
@@ -288,17 +288,17 @@ class Figure:
 
     @property
     def entries(self) -> set[str]:
-        """Names in the legend: none where one alone would say nothing, but that of a lone kind of cells."""
+        """Names in the legend: none if there is one only, unless it names a kind of cells."""
         names = {trace.name for panel in self.panels for trace in panel.traces if trace.legend and trace.name}
         kinds = any(panel.heat is not None and panel.heat.kinds for panel in self.panels)
         return names if len(names) > 1 or kinds else set()
 
     def size(self, index: int) -> tuple[float, float]:
-        """Width and height (px) of one panel on a page 1000 px wide."""
+        """Return width and height (px) of one panel on a page 1000 px wide."""
         return 880.0 / self.columns, self.height * self.panels[index].weight
 
     def spans(self, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ranges of x and y of one panel; a shared x axis covers all panels of its column."""
+        """Return the ranges of x and y of one panel; a shared x axis covers all panels of its column."""
         panel = self.panels[index]
         column = self.panels[index % self.columns :: self.columns] if self.share_x else (panel,)
         x = [other.span("x") for other in column]
@@ -306,7 +306,7 @@ class Figure:
 
 
 def thinned(trace: Trace, most: int = 4000) -> Trace:
-    """The trace without points that no one would see, of one over rising ``x`` about ``most`` at most.
+    """Return the trace without points that cannot be seen, with about ``most`` points if its ``x`` rises.
 
     A peak keeps its height and its place, whatever the length of the flight; a curve in a plane, in which
     every point is seen, is thinned where it is straight alone.

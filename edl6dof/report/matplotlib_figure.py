@@ -1,4 +1,4 @@
-"""A figure by matplotlib, for papers: PNG, SVG or a page of a PDF."""
+"""Figures by matplotlib, for paper: PNG, SVG or a page of a PDF."""
 
 from __future__ import annotations
 
@@ -57,26 +57,28 @@ _SYMBOLS = {
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
-    """One figure in the form that the suffix of the path names."""
+    """Write one figure in the format that the suffix of the path names."""
     with own_style():
         matplotlib_figure(figure).savefig(path, dpi=dpi)
 
 
 def styled(figure: Figure) -> Canvas:
-    """The figure in the lettering and lines of the report, whatever matplotlib is set to."""
+    """Return the figure in the style of the report, whatever matplotlib is set to."""
     with own_style():
         return matplotlib_figure(figure)
 
 
 def own_style() -> AbstractContextManager[None]:
-    """Own settings alone: a ``matplotlibrc`` of the current folder, perhaps a received one, has no say."""
+    """Return a context with our own settings only: a ``matplotlibrc`` of the current folder, which may be a
+    received one, is ignored.
+    """
     from matplotlib import style
 
     return style.context(["default", STYLE])
 
 
 def matplotlib_figure(figure: Figure) -> Canvas:
-    """The figure on a canvas as wide as the text of a page."""
+    """Return the figure on a canvas as wide as the text of a page."""
     from matplotlib.figure import Figure as Canvas
 
     canvas = Canvas(figsize=(WIDTH, height(figure)), layout="constrained")
@@ -85,7 +87,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
 
 
 def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
-    """Height (in) of a drawing ``letters`` wide whose panels are drawn smaller by a factor."""
+    """Return the height (in) of a drawing ``letters`` wide whose panels are smaller by a factor."""
     weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
     titled = 1 if figure.share_x else figure.rows
     names = figure.entries
@@ -95,7 +97,7 @@ def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
 
 
 def _entries_in_line(names: Collection[str], letters: int) -> int:
-    """Entries of a legend beside each other."""
+    """Number of legend entries in one line."""
     return max(min(len(names), letters // (max(map(len, names)) + 9)), 1)
 
 
@@ -197,7 +199,7 @@ def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
 
 
 def _beside(side: Side) -> dict[str, Any]:
-    """Where words stand from their point, pt."""
+    """Offset (pt) and alignment of a label at its point."""
     up = ("above" in side) - ("below" in side)
     across = ("right" in side) - ("left" in side)
     offset = (4 if up else 5) * across, 4 * up

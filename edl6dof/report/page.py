@@ -38,7 +38,7 @@ _MARK = re.compile(r"#\s*\[([" + "".join(STATUS_MARKS) + r"])\](.*)$")
 
 
 def page(report: Report) -> str:
-    """The whole page."""
+    """Return the whole page."""
     return (
         _environment()
         .get_template("page.html")
@@ -56,7 +56,7 @@ def page(report: Report) -> str:
 
 
 def drawing(shown: Figure) -> dict[str, Any]:
-    """What plotly.js draws; and where panels side by side go in a window too narrow for them."""
+    """Return the plotly.js drawing, with a second layout for narrow windows if panels stand side by side."""
     drawn = plotly_figure(shown)
     if shown.columns > 1:
         drawn["narrow"] = plotly_layout(replace(shown, columns=1))
@@ -83,7 +83,7 @@ def _as_cell(item: str | Cell) -> Cell:
 
 
 def _first_of_words(columns: Sequence[str]) -> int:
-    """The first column that holds words: in a narrow window it heads the card that a row becomes."""
+    """The first column of words: in a narrow window it heads the card of a row."""
     return next((k for k, name in enumerate(columns) if not name.endswith(">")), 0)
 
 

@@ -30,7 +30,7 @@ _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": INK}
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Headline and tables on A4 pages, then the figures on A4 pages."""
+    """Write headline and tables, then the figures, on A4 pages."""
     import matplotlib
 
     with own_style():
@@ -47,7 +47,7 @@ def write_pdf(report: Report, path: Path) -> None:
 
 
 class Placed(NamedTuple):
-    """A figure on a page: inches from the top of the text to its top and foot, and the columns it fills."""
+    """A figure on a page: inches from the top of the text to its top and foot, and its columns."""
 
     figure: Figure
     top: float
@@ -56,8 +56,8 @@ class Placed(NamedTuple):
 
 
 def figure_pages(figures: Iterable[Figure]) -> Iterator[list[Placed]]:
-    """The figures of each page, in their order: panels side by side go across both columns, others into the
-    one that ends higher.
+    """Yield the figures of each page in order: panels side by side go across both columns, others into the
+    shorter one.
     """
     page: list[Placed] = []
     feet = [0.0, 0.0]
@@ -121,7 +121,9 @@ _HEAD = 2
 
 
 def _pages(report: Report) -> Iterator[list[Line]]:
-    """Lines of each page; a table stays on one page if it fits there, else its head stands on every page."""
+    """Lines of each page; a table stays on one page if it fits there, else its head is repeated on every
+    page.
+    """
     page = list(_summary(report))
     for section in report.sections:
         for table in (block for block in section.blocks if isinstance(block, Table)):
@@ -141,7 +143,7 @@ def _pages(report: Report) -> Iterator[list[Line]]:
 
 
 def _summary(report: Report) -> Iterator[Line]:
-    """What stands above the tables: title, headline and facts."""
+    """Title, headline and facts above the tables."""
     yield [(0.0, "left", report.title, {"fontsize": 17, "fontweight": "bold"})]
     yield []
     yield [(0.0, "left", report.subtitle, {"fontsize": 8, "color": GREY})]

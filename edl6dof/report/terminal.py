@@ -1,4 +1,4 @@
-"""What a flight looks like on a terminal: timeline, comparison with the published flight, limits, outcome."""
+"""A flight on a terminal: timeline, comparison with the published flight, limits, outcome."""
 
 from __future__ import annotations
 
@@ -35,9 +35,8 @@ NAVIGATION = {
 
 
 class Compared(NamedTuple):
-    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a requirement
-    is, if it is one; ``sigmas`` is the difference in standard deviations, where they are known: one flight
-    does not tell how far flights differ.
+    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``: the
+    difference in standard deviations, if these are known.
     """
 
     figure: str
@@ -50,14 +49,12 @@ class Compared(NamedTuple):
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """What a table shows."""
+        """Cells of a table."""
         return self[:6]
 
 
 def show_flight(console: Console, flight: Flight) -> None:
-    """Print timeline, the table against the published flight, errors of navigation, limits, and last, where
-    the eye is, the outcome.
-    """
+    """Print timeline, comparison, navigation errors, limits, and last the outcome."""
     console.print(timeline_table(flight))
     if flight.scenario.published:
         rows = comparison(flight.metrics, flight.scenario.published)
@@ -73,7 +70,7 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 
 def timeline_table(flight: Flight) -> Table:
-    """Events in order of time; what happens inside a phase is indented below it."""
+    """Tabulate events in order of time, those inside a phase indented."""
     # a heading of one line would leave no room for the events in 80 columns
     heads = ("\nt (s)>", "\nevent", "height above\nground (m)>", "\nspeed (m/s)>", "\nMach>")
     table = open_table("Timeline", *heads)
@@ -92,7 +89,7 @@ def timeline_table(flight: Flight) -> Table:
 
 
 def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
-    """Figures beside the published ones, whatever the difference; ``own`` heads this product's."""
+    """Tabulate figures and the published ones; ``own`` heads this product's."""
     spread = any(row.sigmas for row in rows)
     heads = ["figure", "unit", f"{own}>", "published>", "difference>", *(["sigma>"] if spread else [])]
     table = open_table(title, *heads)
@@ -106,7 +103,7 @@ def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
 def comparison(
     figures: Mapping[str, float | None], published: Published, deviations: Mapping[str, float] | None = None
 ) -> list[Compared]:
-    """A row for each published figure.
+    """Return a row for each published figure.
 
     Args:
         figures: of a flight, or means.
@@ -120,7 +117,7 @@ def comparison(
 
 
 def navigation_table(flight: Flight) -> Table:
-    """How far the estimated state was from the truth, of a flight on instruments."""
+    """Tabulate the errors of navigation."""
     table = open_table("Navigation", "figure", "unit", "this flight>")
     for name, form in NAVIGATION.items():
         if (value := flight.metrics.get(name)) is not None:
@@ -130,7 +127,7 @@ def navigation_table(flight: Flight) -> Table:
 
 
 def limits_table(flight: Flight) -> Table:
-    """Limits of the mission."""
+    """Tabulate the limits of the mission."""
     table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
         mark = Text(LIMIT_STATUS[check.ok], style="green" if check.ok else "bold red")
@@ -140,13 +137,13 @@ def limits_table(flight: Flight) -> Table:
 
 
 def headline(flight: Flight) -> Text:
-    """One line: how it ended."""
+    """Return the outcome in one line."""
     style = "bold green" if flight.success else "bold yellow" if flight.termination.reached else "bold red"
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 
 def open_table(title: str, *columns: str) -> Table:
-    """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
+    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers."""
     table = Table(
         title=Text(title, style="bold") if title else None,
         title_justify="left",
@@ -165,7 +162,7 @@ def open_table(title: str, *columns: str) -> Table:
 
 
 def print_whole(table: Table) -> None:
-    """Print a table as wide as it is: numbers are never cut, and a terminal breaks its lines."""
+    """Print a table at its full width: numbers are never cut, and a terminal breaks its lines."""
     Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
@@ -184,13 +181,13 @@ def _compared(beside: Beside, own: float | None, deviation: float | None) -> Com
 
 
 def _published_places(value: float) -> int:
-    """Decimal places with which a figure was published: as many as it has, and not more than six."""
+    """Decimal places of a published figure, six at most."""
     return min(len(repr(float(value)).rstrip("0").partition(".")[2]), 6) if abs(value) >= 1e-4 else 0
 
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
-    """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look
-    kept.
+    """Format value and limit with the same decimals: three digits of the limit, more if a missed limit would
+    look kept.
     """
     places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":

@@ -41,8 +41,8 @@ STEP, MOST_STEPS = 0.12, 24
 
 
 class Arrow(NamedTuple):
-    """An arrow at each row: what it is called, its colour, its values in L, shape (rows, 3), where it means
-    something, its unit, and how much of it 1 m stands for.
+    """An arrow at each row: name, colour, values in L, shape (rows, 3), rows in which it is shown, unit, and
+    the value of 1 m.
     """
 
     name: str
@@ -59,8 +59,8 @@ class Arrows(Recorder):
     """
 
     def motions(self) -> None:
-        """Log the velocity from ahead of the vehicle, forces from the centre of mass, and the names and values
-        of arrows and axes beyond their ends, placed as the page of the body shows them.
+        """Log the velocity from ahead of the vehicle, forces from the centre of mass, and names beyond the
+        ends of arrows and axes.
         """
         motion, rows = self.motion, thin(self.t, SCALAR_HZ)
         if len(rows) < 3:
@@ -88,7 +88,7 @@ class Arrows(Recorder):
     def _arrow(
         self, arrow: Arrow, rows: np.ndarray, start: np.ndarray, vectors: np.ndarray, shown: np.ndarray
     ) -> None:
-        """One arrow where ``shown``, from the centre of mass plus ``start``."""
+        """Log one arrow where ``shown``, from the centre of mass plus ``start``."""
         if shown.any():
             keep, entity = and_next(shown), f"{self.root}/near/arrows/{arrow.name.replace(' ', '_')}"
             look = {"colors": arrow.colour, "radii": 0.011 * self.motion.shape.size}
@@ -96,7 +96,7 @@ class Arrows(Recorder):
             self.series(entity, self.t[rows[keep]], self.rr.Arrows3D, look, data, each)
 
     def _frames(self, rows: np.ndarray, way: np.ndarray) -> dict[str, np.ndarray]:
-        """Body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its
+        """Log body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its
         vertical plane.
 
         Returns:
@@ -123,7 +123,7 @@ class Arrows(Recorder):
         return ends | {f"{name}V": VELOCITY_AXES * size * axes[:, :, k] for k, name in enumerate("xyz")}
 
     def _names(self, rows: np.ndarray, plane: Screen, names: list[tuple[Label, list[str], RGB]]) -> None:
-        """Labels with their texts at each row, and their colours, where they have room."""
+        """Log labels with their texts at each row, and their colours, where they have room."""
         labels, texts, colours = zip(*names, strict=True)
         places, there = laid_out(plane, COVERED * self.motion.shape.size, list(labels))
         when, which = np.nonzero(there.T)
@@ -137,7 +137,7 @@ class Arrows(Recorder):
 
 
 def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
-    """Lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever there."""
+    """Return lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever present."""
     columns, turn = flight.columns, motion.rotation[rows]
     way = _way(motion, rows)[0]
     force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
@@ -167,7 +167,7 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
 
 
 def scales(flight: History, motion: Motion) -> str:
-    """What 1 m of the arrows stands for."""
+    """Return the values of 1 m of the arrows, as text."""
     rows = thin(flight.t, SCALAR_HZ)
     by_scale: dict[str, list[str]] = {}
     for arrow in forces(flight, motion, rows):
@@ -216,7 +216,9 @@ class Screen(NamedTuple):
     metres_per_px: float
 
     def seen(self, places: np.ndarray) -> np.ndarray:
-        """Where places (m from the vehicle), shape (..., 3), appear on the plane, m, shape (..., 2)."""
+        """Return where places (m from the vehicle), shape (..., 3), appear on the plane, m, shape
+        (..., 2).
+        """
         distance = np.linalg.norm(self.eye)
         depth = np.maximum(distance - places @ self.eye / distance, 0.1 * distance)
         flat = np.stack([places @ self.right, places @ self.up], axis=-1)
@@ -238,8 +240,8 @@ class Screen(NamedTuple):
 
 
 class Label(NamedTuple):
-    """A label at each row: where its arrow ends (m on the plane), shape (rows, 2); where it is wanted, shape
-    (rows,); its greatest number of letters; and whether it may move outwards, or is left out instead.
+    """A label at each row: end of its arrow (m on the plane), shape (rows, 2); rows in which it is wanted;
+    greatest number of letters; and whether it may move outwards, or is left out instead.
     """
 
     end: np.ndarray
@@ -249,7 +251,7 @@ class Label(NamedTuple):
 
 
 def screen(eye: np.ndarray) -> Screen:
-    """The plane as seen from ``eye`` (m from the vehicle), z up."""
+    """Return the plane as seen from ``eye`` (m from the vehicle), z up."""
     distance = float(np.linalg.norm(eye))
     right = np.cross(-eye, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
@@ -258,7 +260,7 @@ def screen(eye: np.ndarray) -> Screen:
 
 
 def laid_out(plane: Screen, craft: float, labels: list[Label]) -> tuple[np.ndarray, np.ndarray]:
-    """Places of labels, earlier ones first, none on the craft (a disc of radius ``craft``, m) or on another.
+    """Place labels, earlier ones first, none on the craft (a disc of radius ``craft``, m) or on another.
 
     Returns:
         places (m on the plane), shape (labels, rows, 2), and which are shown, shape (labels, rows).
@@ -286,6 +288,6 @@ def laid_out(plane: Screen, craft: float, labels: list[Label]) -> tuple[np.ndarr
 
 
 def _off_craft(middle: np.ndarray, box: np.ndarray, craft: float) -> np.ndarray:
-    """Whether a box stays off the disc."""
+    """True if a box does not touch the disc."""
     nearest = np.maximum(np.abs(middle) - box, 0.0)
     return np.linalg.norm(nearest, axis=-1) >= craft

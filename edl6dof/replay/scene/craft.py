@@ -1,5 +1,5 @@
-"""The vehicle of the replay: aeroshell and lander, heat glow, trim wing, legs and thrusters that have failed;
-its parachute and the parts that were thrown off.
+"""The vehicle: aeroshell and lander, heat glow, trim wing, legs and failed thrusters; its parachute and
+discarded parts.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Vehicle(Recorder):
     """Writes ``vehicle``, whose axes are B."""
 
     def statics(self) -> None:
-        """Lander and nozzles."""
+        """Write lander and nozzles."""
         body = f"{self.root}/vehicle/lander"
         if (own := self.own_mesh(None)) is not None:
             self.static(body, *own)
@@ -44,7 +44,7 @@ class Vehicle(Recorder):
             self.static(f"{self.root}/vehicle/nozzles", self.mesh(mesh))
 
     def motions(self) -> None:
-        """Everything that moves, leaves or breaks."""
+        """Write everything that moves, leaves or fails."""
         motion, vehicle = self.motion, self.vehicle
         self.poses(f"{self.root}/vehicle", self.t, motion.nose, motion.rotation)
         self._aeroshell()
@@ -55,7 +55,7 @@ class Vehicle(Recorder):
             self._failure(jet)
 
     def _aeroshell(self) -> None:
-        """What the air sees at entry: pieces that are parts leave, others stay."""
+        """Write the entry vehicle: pieces that are parts leave, others stay."""
         motion, shape = self.motion, self.motion.shape
         parts = (self.vehicle.showing("capsule"), self.vehicle.showing("backshell"))
         front, back = (None if part is None else part.name for part in parts)
@@ -71,8 +71,8 @@ class Vehicle(Recorder):
     def _piece(
         self, name: str, part: str | None, mesh: Mesh, place: np.ndarray, cold: np.ndarray | None = None
     ) -> None:
-        """One piece until it is released, which glows where its ``cold`` tint is given; where it is no part,
-        the user's own mesh of all such takes its place.
+        """Write one piece until it is released, glowing if its ``cold`` tint is given; the user's own mesh
+        replaces all pieces that are not parts.
         """
         entity, own = f"{self.root}/vehicle/{name}", self.own_mesh(part)
         if part is None and own is not None:
@@ -85,7 +85,9 @@ class Vehicle(Recorder):
             self.gone(self.t[released], entity)
 
     def _glow(self, entity: str, until: int | None, cold: np.ndarray) -> None:
-        """A surface glows at the temperature at which it radiates its heat flux away as a black body."""
+        """Write the glow of a surface: at the temperature at which it radiates its heat flux as a
+        black body.
+        """
         rows = thin(self.t, 2.0)
         rows = rows[rows < (len(self.t) if until is None else until)]
         heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"]), 0.0)[rows]
@@ -94,8 +96,8 @@ class Vehicle(Recorder):
         self.columns(entity, self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
     def _legs(self) -> None:
-        """Legs as they come out, and once they stand: each pushed in as far as the ground under its pad
-        demands.
+        """Write the legs as they extend, and once they stand: each compressed as far as the ground under its
+        pad demands.
         """
         pads, shape = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3), self.motion.shape
         since, out = self._legs_out(), shapes.legs(self.vehicle, shape, np.zeros(len(pads)))
@@ -107,7 +109,9 @@ class Vehicle(Recorder):
             self.at(self.t[np.argmax(touching)], entity, self.mesh(pressed))
 
     def _legs_out(self) -> float | None:
-        """When legs are out: unfolded by the mission, or where it does not, once nothing is ahead of them."""
+        """Time at which the legs are visible: when the mission extends them, else when the heat shield has
+        left.
+        """
         events = self.flight.scenario.mission.events.values()
         if any(event.action == "extend" and event.thing == "landing_gear" for event in events):
             return self.when.get("landing_legs")
@@ -115,7 +119,7 @@ class Vehicle(Recorder):
         return None if row is None else float(self.t[row])
 
     def _trim_wing(self) -> None:
-        """It swings out about its hinge, and leaves with the backshell."""
+        """Write the trim wing, which opens about its hinge and leaves with the backshell."""
         vehicle, shape = self.vehicle, self.motion.shape
         entity = f"{self.root}/vehicle/trim_wing"
         mesh = self.mesh(shapes.trim_wing(vehicle, shape))
@@ -133,8 +137,8 @@ class Vehicle(Recorder):
             self.at(self.t[released], f"{self.root}/backshell/trim_wing", mesh, last)
 
     def _failure(self, jet: Any) -> None:
-        """A thruster that has failed is red while it is failed; once the flight software knows, it is named.
-        A mark is seen through the hull.
+        """Write a thruster red while it has failed, with a mark that is visible through the hull and that
+        names the fault once it is isolated.
         """
         entity = f"{self.root}/vehicle/failed/{jet.name}"
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
@@ -153,7 +157,7 @@ class Descent(Recorder):
     """Writes ``parachute``, ``heat_shield`` and ``backshell``."""
 
     def motions(self) -> None:
-        """What hangs and what falls."""
+        """Write parachutes and discarded parts."""
         motion, shape = self.motion, self.motion.shape
         for flown in motion.parachutes():
             self._parachute(flown)
@@ -189,7 +193,7 @@ class Descent(Recorder):
         return self.rr.LineStrips3D(strips, colors=LINE, radii=-1.0)
 
     def _discarded(self, name: str, shown_as: str, place: np.ndarray, mesh: Mesh) -> None:
-        """A part on its own: its mesh, and a labelled point that is seen from afar."""
+        """Write a discarded part: its mesh, and a labelled point that is visible from afar."""
         part, first = self.vehicle.showing(shown_as), self.motion.released(place)
         if part is None or first is None:
             return

@@ -1,4 +1,5 @@
-"""Shapes of what the air sees: heat shield and backshell, a sphere, a box, the trim wing, a parachute.
+"""Shapes of the vehicle: heat shield and backshell, sphere, box, trim wing, parachute; lander, rover, legs
+and nozzles.
 
 All are in ``B``: x forward through the nose, y right, z down.  The dimensions that the vehicle file gives are
 kept; stripes and rims are decoration.
@@ -67,7 +68,7 @@ def backshell(shape: Outline) -> Mesh:
 
 
 def body(shape: Outline) -> Mesh:
-    """A sphere or a box, painted so that the eye sees it turn."""
+    """Return a sphere or a box, painted so that its rotation can be seen."""
     if shape.body == "box":
         stripe = shape.sides * [0.12, 1.01, 1.01]
         ahead = shape.centre + [0.38 * shape.sides[0], 0.0, 0.0]
@@ -100,8 +101,8 @@ def wing_hinge(vehicle: VehicleParams, shape: Outline) -> tuple[np.ndarray, floa
 
 
 def wing_axes(vehicle: VehicleParams, shape: Outline, opening: np.ndarray) -> np.ndarray:
-    """Axes of the wing's mesh in B as columns, shape (..., 3, 3): along the backshell when closed, square to
-    the axis when open.
+    """Return the axes of the wing's mesh in B as columns, shape (..., 3, 3): along the backshell when closed,
+    square to the axis when open.
     """
     flank = shape.flank_angle if shape.afterbody else 0.0
     swing = (1.0 - opening) * (0.5 * pi + flank)
@@ -113,8 +114,8 @@ def wing_axes(vehicle: VehicleParams, shape: Outline, opening: np.ndarray) -> np
 
 
 def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
-    """Disk-gap-band canopy of a parachute of the vehicle, and its lines; x from the bridle confluence to the
-    canopy, skirt at the line length.
+    """Return a disk-gap-band canopy and its lines; x from the bridle confluence to the canopy, skirt at the
+    line length.
 
     Returns:
         mesh, and the lines as segments (n, 2, 3).
@@ -154,8 +155,8 @@ _RADIUS, _ROOM = 1.7, 0.97
 
 
 def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
-    """Body, deck and rover, as large as the aeroshell allows, with struts to the thrusters; ``None`` where
-    nothing comes out of it.
+    """Return body, deck and rover, as large as the aeroshell allows, with struts to the thrusters; ``None``
+    if nothing comes out of it.
     """
     if shape.lander == "none":
         return None
@@ -173,7 +174,7 @@ def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
 def _inside(
     parts: Sequence[Callable[[float, float], Mesh]], base: float, scale: float, shape: Outline
 ) -> bool:
-    """Whether all of a lander lies inside the aeroshell; anything does where there is none."""
+    """True if all of a lander lies inside the aeroshell, if there is one."""
     if not shape.afterbody:
         return True
     place = np.concatenate([part(base, scale).positions for part in parts])
@@ -237,7 +238,7 @@ def _rover(base: float, scale: float) -> Mesh:
 
 
 def _strut(jet: Any, base: float, scale: float) -> Mesh:
-    """What holds a thruster to the body."""
+    """A strut from the body to a thruster."""
     place, back = np.array(jet.position_m), -np.array(jet.direction)
     mount = np.array([np.clip(place[0], base - 0.9 * scale, base), 0.75 * place[1], 0.75 * place[2]])
     mount[1:] *= min(1.0, 0.84 * scale / max(np.hypot(*mount[1:]), 1e-6))
@@ -245,7 +246,7 @@ def _strut(jet: Any, base: float, scale: float) -> Mesh:
 
 
 def nozzles(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
-    """Nozzles of thrusters and bells of engines, each in its place; ``None`` without any."""
+    """Return nozzles of thrusters and bells of engines; ``None`` without any."""
     parts = [nozzle(jet, DARK) for jet in vehicle.rcs.thrusters]
     parts += [bell(engine, shape.radius / _RADIUS) for engine in vehicle.own_engines]
     return merge(parts) if parts else None
@@ -266,8 +267,8 @@ def bell(engine: Any, scale: float) -> Mesh:
 
 
 def legs(vehicle: VehicleParams, shape: Outline, stroke: np.ndarray) -> Mesh | None:
-    """Landing legs with their pads: at the footpads of the vehicle file, each pushed in by its ``stroke``
-    (m); ``None`` where the lander has none.
+    """Return landing legs at the footpads, each compressed by its ``stroke`` (m); ``None`` if the lander has
+    none.
     """
     if shape.lander not in ("legs", "rover") or not vehicle.landing_gear.footpads_m:
         return None

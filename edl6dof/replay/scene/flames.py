@@ -1,6 +1,4 @@
-"""Flames: one for each firing thruster, as long as its duty; one for each engine, as long as its throttle is
-open.  All is written from the telemetry, shapes too: what never fires has no flame.
-"""
+"""Flames: one for each firing thruster, as long as its duty; one for each engine, as long as its throttle."""
 
 from __future__ import annotations
 
@@ -25,7 +23,7 @@ class Flames(Recorder):
     """Writes ``vehicle/thruster_plumes``, ``vehicle/thruster_sparks`` and ``vehicle/engine_plume``."""
 
     def motions(self) -> None:
-        """Their shapes from the first time that one burns, and their lengths."""
+        """Write their shapes from the first time that one burns, and their lengths."""
         self._thrusters()
         self._engines()
 
@@ -75,7 +73,7 @@ class Flames(Recorder):
         self._flames("engine_plume", rows, poses.partition(len(engines) * shown.sum(axis=1)))
 
     def _flames(self, name: str, rows: np.ndarray, poses: Any) -> None:
-        """A white core in an orange mantle, from the first of ``rows`` on."""
+        """Write a white core in an orange mantle, from the first of ``rows`` on."""
         for layer, opacity in (("core", 255), ("mantle", 120)):
             entity = f"{self.root}/vehicle/{name}/{layer}"
             shape = self.mesh(plume(layer == "core"), albedo_factor=[255, 255, 255, opacity])

@@ -45,7 +45,7 @@ class Ground(Recorder):
     """Writes ``/site/ground``, ``/site/sky`` and the target."""
 
     def statics(self) -> None:
-        """Landscape, rocks, rings around touchdown and target, the planned ellipse."""
+        """Write landscape, rocks, rings around touchdown and target, and the planned ellipse."""
         if self.number:
             return
         motion, scenario = self.motion, self.flight.scenario
@@ -75,7 +75,7 @@ class Ground(Recorder):
             self.static("site/labels/touchdown", self.point(place, "touchdown", (120, 235, 140)))
 
     def motions(self) -> None:
-        """The sky goes with the vehicle and darkens with height."""
+        """Write the sky, which moves with the vehicle and darkens with height."""
         if self.number:
             return
         look = self.motion.site.appearance
@@ -114,13 +114,13 @@ class NearGround(Recorder):
     """Writes ``near_ground/shadow`` and ``near_ground/dust``."""
 
     def motions(self) -> None:
-        """Both, where the vehicle is low enough."""
+        """Write both, where the vehicle is low enough."""
         rows = thin(self.t, SCALAR_HZ)
         self._shadow(rows[self.motion.height[rows] < _SHADOW_BELOW])
         self._dust()
 
     def _shadow(self, rows: np.ndarray) -> None:
-        """Discs on the ground, paler and wider from higher up: by them the eye estimates the height."""
+        """Write discs on the ground, paler and wider from higher up, by which the height can be judged."""
         if len(rows) == 0:
             return
         motion, rr, entity = self.motion, self.rr, f"{self.root}/near_ground/shadow"
@@ -140,12 +140,12 @@ class NearGround(Recorder):
             self.columns(f"{entity}/{layer}", self.t[seldom], tints)
 
     def _width(self) -> float:
-        """Radius (m) of what throws the shadow: of the footpads' circle once the vehicle is a lander."""
+        """Radius (m) of the shadow: of the footpads' circle once the vehicle is a lander."""
         pads = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3)
         return 0.85 * float(np.hypot(pads[:, 1], pads[:, 2]).max(initial=self.motion.shape.radius))
 
     def _dust(self) -> None:
-        """Rings that run outwards under the engines, as thick as the plume presses."""
+        """Write rings that run outwards under the engines, as thick as the plume presses."""
         if not self.vehicle.engines:
             return
         rows, rr = thin(self.t, SCALAR_HZ), self.rr
@@ -181,8 +181,8 @@ class NearGround(Recorder):
         return self.rr.InstancePoses3D(translations=place, scales=np.repeat(size[:, None], 3, axis=1))
 
     def _on_ground(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places east and north (m), shape (n, 2), on the ground, and the turn that lays z along its normal
-        there.
+        """Places east and north (m), shape (n, 2), on the ground, and the rotation that aligns z with its
+        normal.
         """
         site, reach = self.motion.site, max(self._width(), 0.5)
         up = site.ground(*places.T)[1]

@@ -1,6 +1,4 @@
-"""Where everything is during the replay: telemetry turned into poses in landing-site axes (east, north,
-up).
-"""
+"""Poses: telemetry converted to places and attitudes in landing-site axes (east, north, up)."""
 
 from __future__ import annotations
 
@@ -20,9 +18,7 @@ _LONGEST_STROKE = 0.4
 
 
 class OpenParachute(NamedTuple):
-    """Number of a parachute in the vehicle file, and the rows from which on and before which it is the one
-    that flies.
-    """
+    """Number of a parachute in the vehicle file, its first row, and the row after its last."""
 
     number: int
     first: int
@@ -61,12 +57,12 @@ class Motion:
         return self.centre[-1]
 
     def released(self, place: np.ndarray) -> int | None:
-        """Row at which a discarded part is first on its own."""
+        """Return the row at which a discarded part is first on its own."""
         rows = np.flatnonzero(np.isfinite(place[:, 0]))
         return int(rows[0]) if len(rows) else None
 
     def strokes(self, pads: np.ndarray) -> np.ndarray:
-        """How far (m) the ground under each of ``pads`` (m in B) pushes it up at the last row, none
+        """Return how far (m) the ground under each of ``pads`` (m in B) pushes it up at the last row, none
         negative.
         """
         turn = self.rotation[-1]
@@ -76,7 +72,7 @@ class Motion:
         return np.clip(below / upright, 0.0, _LONGEST_STROKE)
 
     def parachutes(self) -> list[OpenParachute]:
-        """The parachutes that fly, one after the other: each from its deployment on, the last to the end."""
+        """Return the parachutes in order: each from its deployment on, the last to the end."""
         out = self.released(self.canopy)
         if out is None or not self.vehicle.parachutes:
             return []
@@ -95,7 +91,8 @@ class Motion:
         ]
 
     def parachute(self, flown: OpenParachute) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Rows, confluence points, quaternions and scales of a canopy: x from the confluence to the canopy.
+        """Return rows, confluence points, quaternions and scales of a canopy: x from the confluence to the
+        canopy.
 
         After release the backshell hangs under the last canopy, whose own position is no longer computed: it
         is drawn above.
@@ -128,7 +125,7 @@ class Motion:
         return rows, confluence, turns.from_x_to(line), scale
 
     def _spread(self, number: int, rows: np.ndarray, reach: np.ndarray) -> np.ndarray:
-        """Width of a canopy over that of the open one, from the drag area it has after line stretch."""
+        """Relative width of a canopy, from its drag area after line stretch."""
         chute = self.vehicle.parachutes[number]
         taut = np.flatnonzero(reach >= 0.97 * chute.line_length_m)
         start = self.t[rows[taut[0]]] if len(taut) else np.inf
@@ -136,6 +133,8 @@ class Motion:
         return 0.08 + 0.92 * np.sqrt(grown)
 
     def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""
+        """Return the origin of a discarded part's B axes at each row, and its attitude, drawn as at
+        release.
+        """
         turn = self.rotation[self.released(place) or 0]
         return place - turns.rotate(turn, np.asarray(own_centre)), turn

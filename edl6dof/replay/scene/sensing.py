@@ -1,6 +1,5 @@
-"""What the lander saw and chose: rays of the lidar while it scans, and from the choice on the map of hazards
-painted on the ground, the spots that were passed over, and the footprint of the chosen one; and the beams of
-the radar, as far as they have their echo.
+"""Sensors that see the ground: rays of the lidar, the map of hazards with rejected and chosen spots, and the
+beams of the radar.
 """
 
 from __future__ import annotations
@@ -37,10 +36,10 @@ _RAYS = 17
 
 
 class Hazards(Recorder):
-    """Writes ``/site/hazards``; nothing of a flight that chose no spot from a scan."""
+    """Writes ``/site/hazards``, for a flight that chose a spot from a scan."""
 
     def motions(self) -> None:
-        """Rays, map, spots."""
+        """Write rays, map and spots."""
         found = self.flight.landing_map
         if self.number or found is None:
             return
@@ -59,7 +58,7 @@ class Hazards(Recorder):
         self._chosen(found, off, chosen)
 
     def _chosen(self, found: LandingMap, off: np.ndarray, t: float) -> None:
-        """The footprint around the chosen spot, as a ring."""
+        """Write the footprint around the chosen spot, as a ring."""
         radius = self.flight.scenario.flight_software.hazard.footprint_radius_m
         turn = np.linspace(0.0, 2.0 * np.pi, 49)
         around = found.spot_m - off + radius * np.column_stack([np.cos(turn), np.sin(turn)])
@@ -70,7 +69,7 @@ class Hazards(Recorder):
         self.at(t, "site/hazards/spot", self.point(middle, words, CHOSEN, 3.0))
 
     def _painted(self, found: LandingMap, off: np.ndarray) -> Mesh:
-        """The ground in the colours of the classes; what was not seen at all is left out."""
+        """The ground in the colours of the classes, without cells that were not seen."""
         cell_class = found.cell_class[::_EVERY, ::_EVERY]
         seen = np.isfinite(found.elevation_m[::_EVERY, ::_EVERY])
         side = (np.arange(0, len(found.cell_class), _EVERY) + 0.5) * float(found.cell_m)
@@ -85,7 +84,7 @@ class Hazards(Recorder):
         return bright(places, triangles[whole], colours.reshape(-1, 3))
 
     def _rays(self, rows: np.ndarray, since: float, until: float) -> None:
-        """Rays of the row of the scan that is shot, as far as the ground."""
+        """Write the rays of the current row of the scan, as far as the ground."""
         lidar = self.flight.scenario.sensors.lidar
         tangent = np.tan(0.5 * np.radians(lidar.field_of_view_deg))
         shot = (self.t[rows] - since) / max(until - since, 1e-9) * (SCAN_ROWS - 1)
@@ -111,10 +110,10 @@ class Hazards(Recorder):
 
 
 class Beams(Recorder):
-    """Writes ``vehicle/beams``, in B; nothing for a vehicle without a radar."""
+    """Writes ``vehicle/beams``, in B, for a vehicle with a radar."""
 
     def motions(self) -> None:
-        """The rays, as long as the range that was read."""
+        """Write the rays, as long as the measured range."""
         beams = [one for one in self.flight.instruments if one.kind == "beam"]
         rows = thin(self.t, SCALAR_HZ)
         if not beams or not len(rows):

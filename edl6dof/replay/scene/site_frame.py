@@ -51,7 +51,7 @@ class Site:
         self.relief = Relief(terrain, planet, scenario.seed, scenario.profile)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
-        """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.
+        """Return rotations from components in B to components in L.
 
         F and I coincide at t = 0.
         """
@@ -59,12 +59,12 @@ class Site:
         return turns.multiply(turns.from_axes(self.axes), turns.multiply(to_F, q_I2B))
 
     def in_F(self, place: np.ndarray) -> np.ndarray:
-        """Planet-fixed position (m) of points in L."""
+        """Return the planet-fixed position (m) of points in L."""
         return self.origin + place @ self.axes
 
     def surface(self, east: np.ndarray, north: np.ndarray, altitude: np.ndarray | float) -> np.ndarray:
-        """Up coordinate (m) of the point at ``altitude`` above the ellipsoid; beyond the limb, of the
-        limb.
+        """Return the up coordinate (m) of the point at ``altitude`` above the ellipsoid; of the limb beyond
+        it.
         """
         a = self.radius + np.asarray(altitude)
         squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
@@ -76,7 +76,9 @@ class Site:
         return (np.sqrt(np.maximum(k1**2 - k2 * k0, 0.0)) - k1) / k2
 
     def ground(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Elevation (m above the areoid) of the simulation's own ground, and its up coordinate in L (m)."""
+        """Return the elevation (m above the areoid) of the simulation's own ground, and its up coordinate in
+        L (m).
+        """
         east, north = np.broadcast_arrays(np.asarray(east, float), np.asarray(north, float))
         elevation, altitude = self.relief.heights(*self._geodetic(east, north))
         return elevation, self.surface(east, north, altitude)
@@ -84,8 +86,8 @@ class Site:
     def around(
         self, centre: np.ndarray, east: np.ndarray, north: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Elevation (m above the areoid) of the ground at arcs (m) east and north of ``centre`` (in L), as
-        far as the other side of the planet, and its places in L (m), shape (..., 3).
+        """Return elevation (m above the areoid) and place in L (m), shape (..., 3), of the ground at arcs (m)
+        east and north of ``centre`` (in L), as far as the other side of the planet.
         """
         here = self._geodetic(np.array(centre[0], float), np.array(centre[1], float))
         arc, heading = np.hypot(east, north) / self.radius, np.arctan2(east, north)
@@ -110,8 +112,8 @@ class Site:
         return placed
 
     def rocks(self, east: float, north: float, side: float, smallest: float) -> np.ndarray:
-        """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place: east and north
-        in L and diameter (m), shape (n, 3).
+        """Return the rocks of at least ``smallest`` (m) in a square of ``side`` (m) about a place: east and
+        north in L and diameter (m), shape (n, 3).
         """
         here = self._geodetic(np.array([east]), np.array([north]))
         latitude, longitude, diameter = self.relief.rocks(
@@ -135,8 +137,8 @@ class Site:
 
 
 def sun_direction(scenario: Scenario) -> np.ndarray | None:
-    """Unit vector (east, north, up) from the landing site to the sun at t = 0; ``None`` where the scenario
-    does not tell the moment, or the planet's calendar.
+    """Return the unit vector (east, north, up) from the landing site to the sun at t = 0; ``None`` if the
+    scenario has no date or the planet no calendar.
     """
     moment, climate = scenario.initial.epoch_utc, scenario.planet.climate
     if not moment or climate is None:
@@ -147,7 +149,7 @@ def sun_direction(scenario: Scenario) -> np.ndarray | None:
 
 
 def towards_sun(calendar: CalendarParams, days: float, latitude: float, longitude: float) -> np.ndarray:
-    """Unit vector (east, north, up) to the sun ``days`` after J2000, seen from a place (rad).
+    """Return the unit vector (east, north, up) to the sun ``days`` after J2000, from a place (rad).
 
     The tilt of the axis is that of the first term of the equation of time, tan^2(tilt/2).  Source: Meeus,
     Astronomical Algorithms (1998), chapters 13 and 28.
@@ -166,5 +168,5 @@ def towards_sun(calendar: CalendarParams, days: float, latitude: float, longitud
 
 
 def light(sun: np.ndarray | None) -> np.ndarray:
-    """Direction that the light of a picture comes from: the sun's where it is known and up."""
+    """Return the direction of the light: that of the sun if it is known and above the horizon."""
     return ANYWHERE if sun is None or sun[2] < _LOWEST else sun

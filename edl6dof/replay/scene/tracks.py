@@ -1,4 +1,4 @@
-"""Where vehicles go: the path of each over the site and on the globe, and the trajectories of a campaign."""
+"""Tracks: the path of each vehicle over the site and on the globe, and the trajectories of a campaign."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Track(Recorder):
     """Writes path, trail, ground track and markers."""
 
     def statics(self) -> None:
-        """The whole path, and its track on the ground."""
+        """Write the whole path, and its track on the ground."""
         motion, rows = self.motion, thin(self.t, 5.0)
         starts = np.append(0, np.flatnonzero(np.diff(self.phase[rows])) + 1)
         strips = [rows[a : b + 1] for a, b in zip(starts, [*starts[1:], len(rows)], strict=True)]
@@ -40,7 +40,7 @@ class Track(Recorder):
         self.lines(f"{self.root}/ground_track", [np.column_stack([east, north, up])], [150, 104, 78], 1.0)
 
     def motions(self) -> None:
-        """Marker, drop line and trail."""
+        """Write marker, drop line and trail."""
         rr, motion, rows = self.rr, self.motion, thin(self.t, SCALAR_HZ)
         look = {"labels": [self.label], "show_labels": True} if self.label else {}
         look |= {"colors": self.own if self.label else (255, 255, 255), "radii": -5.0}
@@ -60,7 +60,7 @@ class Track(Recorder):
             self.series(f"{self.root}/trail", self.t[1:], rr.LineStrips3D, {"radii": -1.5}, data)
 
     def _colour(self, phase: int) -> np.ndarray:
-        """The phase's colour; beside other flights, the flight's own."""
+        """Colour of the phase; with several flights, that of the flight."""
         return np.array(self.own, np.uint8) if self.label else self.colours[phase]
 
 
@@ -68,7 +68,7 @@ class Globe(Recorder):
     """Writes ``/globe``: planet-fixed axes in km."""
 
     def statics(self) -> None:
-        """Planet, track and site."""
+        """Write planet, track and site."""
         site, place = self.motion.site, self._places()
         down = place * (site.radius / 1e3 / np.linalg.norm(place, axis=-1, keepdims=True))
         self.lines(f"{self._root}/track", [place], (255, 236, 120), 2.2)
@@ -91,7 +91,7 @@ class Globe(Recorder):
             self.static("globe/sun/name", self.point(origin + along, "to the sun", SUN, 0.0))
 
     def motions(self) -> None:
-        """The vehicle as a point."""
+        """Write the vehicle as a point."""
         look, data = {"colors": (255, 255, 255), "radii": -5.0}, {"positions": self._places()}
         self.series(f"{self._root}/vehicle", self.t[thin(self.t, 2.0)], self.rr.Points3D, look, data)
 
@@ -100,14 +100,12 @@ class Globe(Recorder):
         return f"globe/flight_{self.number}" if self.number else "globe"
 
     def _places(self) -> np.ndarray:
-        """Where it flew, km in F."""
+        """Places of the vehicle, km in F."""
         return self.motion.site.in_F(self.motion.centre[thin(self.t, 2.0)]) / 1e3
 
 
 def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
-    """A sphere with the map as colours by the heights (km) of ``relief``, lit from the west; the relief is in
-    the colours only.
-    """
+    """Return a sphere with the map as colours by the heights (km) of ``relief``, lit from the west."""
     height = heights.reshape(90, 2, 180, 2).mean(axis=(1, 3))  # 2 degrees, m
     lat = np.radians(np.linspace(89.0, -89.0, 90))[:, None]
     lon = np.radians(np.linspace(-179.0, 179.0, 180))
@@ -125,22 +123,22 @@ def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
 
 
 class Trajectory(NamedTuple):
-    """Where one case flew: places (n, 3) in L, m; and why it failed, empty when it did not."""
+    """The path of one case, shape (n, 3) in L, m; and the cause of its failure, empty for a success."""
 
     places: np.ndarray
     cause: str
 
 
 class Ensemble(NamedTuple):
-    """The trajectories of a campaign's cases; and which flight among them the camera follows, and why."""
+    """The trajectories of a campaign, and a text about the flight that the camera follows."""
 
     trajectories: Sequence[Trajectory]
     followed: str
 
 
 def write_ensemble(recording: rr.RecordingStream, ensemble: Ensemble) -> None:
-    """Write ``/site/campaign``: one entity for the successes and one for each cause, and as text the counts
-    and whom the camera follows.
+    """Write ``/site/campaign``: one entity for the successes and one for each cause, and the counts
+    as text.
     """
     import rerun as rr
 

@@ -73,8 +73,8 @@ class Layout:
         self.views = Views(motion, labels or ("",), arrows)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
-        """All pages that the flight has something for, that named ``active`` in front; the tour alone, as a
-        film is.
+        """Return all pages for which the flight has data, that named ``active`` in front; the tour alone, as
+        in a film.
         """
         rrb, when = self.rrb, self.flight.when
         clock = rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing")
@@ -195,7 +195,7 @@ class Layout:
         return self.rrb.StateTimelineView(contents=lanes, name=title, time_view=self._axis(page))
 
     def _lanes(self, page: str) -> rrb.StateTimelineView:
-        """Lanes of the time that the page's plots show, in which each name has the room it needs."""
+        """The lanes of a page in the time of its plots, with the labels that have room."""
         import rerun as rr
 
         page = page if page in self.spans else "Flight"

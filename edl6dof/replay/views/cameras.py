@@ -49,7 +49,7 @@ class Spheres(NamedTuple):
     radius: np.ndarray
 
     def with_(self, other: Spheres, where: np.ndarray) -> Spheres:
-        """The smallest spheres around both, at some rows."""
+        """Return the smallest spheres around both, at some rows."""
         way = other.centre - self.centre
         apart = np.linalg.norm(way, axis=-1)
         radius = np.maximum(0.5 * (apart + self.radius + other.radius), np.maximum(self.radius, other.radius))
@@ -64,13 +64,13 @@ class Cameras(Recorder):
     """Writes ``near``, which moves with the centre of mass, ``camera`` and ``camera_away``."""
 
     def statics(self) -> None:
-        """The flight's name below it, where there are several."""
+        """Write the flight's name below it, if there are several."""
         if self.label:
             place = [0.0, 0.0, -1.12 - 0.15 * self.number]
             self.static(f"{self.root}/camera/name", self.point(place, self.label, self.own, 2.0))
 
     def motions(self) -> None:
-        """Where they are, and how much they take in."""
+        """Write the frames of the cameras."""
         motion, turn = self.motion, facing(self.motion)
         self.poses(f"{self.root}/near", self.t, motion.centre)
         for name, kept in (("camera", steady(motion, together(motion))), ("camera_away", away(motion))):
@@ -81,7 +81,7 @@ class Director(Recorder):
     """Writes ``tour``, the frame of the scripted camera."""
 
     def motions(self) -> None:
-        """Where it is, whither it looks, how far it stands off."""
+        """Write its place, direction and distance."""
         kept, eye = shots(self.motion, self.flight["truth.engine_thrust_n"])
         distance = np.linalg.norm(kept.centre - eye, axis=-1)
         turn = looking(self.motion, kept.centre - eye)
@@ -93,7 +93,7 @@ class ScaleBar(Recorder):
     """Writes ``camera/scale_bar``: a bar of a round length, by which the eye measures what is seen."""
 
     def motions(self) -> None:
-        """The bar, anew where what the camera takes in has changed."""
+        """Write the bar again when the scale of the camera has changed."""
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
         radius = steady(self.motion, together(self.motion)).radius[rows]
         anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
@@ -114,12 +114,14 @@ class ScaleBar(Recorder):
 
 
 def cubed(size: np.ndarray) -> np.ndarray:
-    """One scale along all three axes, shape (rows, 3)."""
+    """Return one scale for all three axes, shape (rows, 3)."""
     return np.repeat(size[:, None], 3, axis=1)
 
 
 def together(motion: Motion) -> Spheres:
-    """Around the vehicle and the canopy that it hangs from, until shortly after it has let go."""
+    """Return spheres around the vehicle and the canopy that it hangs from, until shortly after its
+    release.
+    """
     size = ROOM * motion.shape.size
     kept = Spheres(motion.centre, np.full(len(motion.t), size))
     canopy = parachute(motion)
@@ -131,7 +133,9 @@ def together(motion: Motion) -> Spheres:
 
 
 def away(motion: Motion) -> Spheres:
-    """Around what fell away last: heat shield, then backshell and canopy; before, around the vehicle."""
+    """Return spheres around the part released last: heat shield, then backshell and canopy; before, around
+    the vehicle.
+    """
     size = ROOM * motion.shape.size
     centre, radius = motion.centre.copy(), np.full(len(motion.t), size)
     shield, free = motion.released(motion.heat_shield), motion.released(motion.backshell)
@@ -147,7 +151,7 @@ def away(motion: Motion) -> Spheres:
 
 
 def parachute(motion: Motion) -> Spheres | None:
-    """Around canopy and lines, where there are any; ``None`` of a flight without."""
+    """Return spheres around canopy and lines; ``None`` for a flight without."""
     centre, radius = np.full((len(motion.t), 3), np.nan), np.full(len(motion.t), np.nan)
     for flown in motion.parachutes():
         rows, place, turn, scale = motion.parachute(flown)
@@ -159,7 +163,9 @@ def parachute(motion: Motion) -> Spheres | None:
 
 
 def steady(motion: Motion, kept: Spheres) -> Spheres:
-    """Spheres that hold ``kept`` and change smoothly about the vehicle, before and after their cause."""
+    """Return spheres that hold ``kept`` and change smoothly about the vehicle, before and after
+    each cause.
+    """
     from scipy.ndimage import maximum_filter1d, uniform_filter1d  # takes a fifth of a second to load
 
     shift, width = kept.centre - motion.centre, _rows_of_change(motion.t)
@@ -171,7 +177,7 @@ def steady(motion: Motion, kept: Spheres) -> Spheres:
 
 
 def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values, shape (rows,) or (rows, n), that change over some seconds where they jumped."""
+    """Smooth values, shape (rows,) or (rows, n), over the time of a change."""
     from scipy.ndimage import uniform_filter1d
 
     for _ in range(2):
@@ -186,7 +192,9 @@ def _rows_of_change(t: np.ndarray) -> int:
 
 
 def facing(motion: Motion) -> np.ndarray:
-    """Quaternions of the cameras: x level along the flight, z up from the planet where the vehicle is."""
+    """Return quaternions of the cameras: x level along the flight, z up from the planet where the
+    vehicle is.
+    """
     up = motion.centre + motion.site.axes @ motion.site.origin
     up /= np.linalg.norm(up, axis=-1, keepdims=True)
     along = motion.last - motion.centre[0]
@@ -196,19 +204,19 @@ def facing(motion: Motion) -> np.ndarray:
 
 
 def _held(places: np.ndarray) -> np.ndarray:
-    """Places, the last known one where they are not."""
+    """Places, replaced by the last known one where they are unknown."""
     known = np.maximum.accumulate(np.where(np.isfinite(places[:, 0]), np.arange(len(places)), 0))
     return places[known]
 
 
 def round_down(values: np.ndarray) -> np.ndarray:
-    """The largest of 1, 2 and 5 times powers of ten that is not above each value, all positive."""
+    """Return the largest of 1, 2 and 5 times powers of ten that is not above each value, all positive."""
     power = 10.0 ** np.floor(np.log10(values))
     return power * np.select([values >= 5.0 * power, values >= 2.0 * power], [5.0, 2.0], 1.0)
 
 
 def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
-    """What is kept in the picture, and the eye's places (m in L), shape (rows, 3)."""
+    """Return the spheres in the picture, and the eye's places (m in L), shape (rows, 3)."""
     kept = steady(motion, _kept(motion))
     azimuth, elevation = _angles(motion, thrust_n > 0.0)
     distance = kept.radius / np.sin(np.radians(KEPT_DEG))
@@ -227,7 +235,7 @@ def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
 
 
 def looking(motion: Motion, ahead: np.ndarray) -> np.ndarray:
-    """Quaternions of frames whose x axis points ``ahead``, y level to the left."""
+    """Return quaternions of frames whose x axis points ``ahead``, y level to the left."""
     up = turns.rotate(facing(motion), np.array([0.0, 0.0, 1.0]))
     x = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
     y = np.cross(up, x)
@@ -265,7 +273,7 @@ def _angles(motion: Motion, burning: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _landing(motion: Motion) -> np.ndarray:
-    """Whether the vehicle is about to arrive on the ground, or has."""
+    """Rows (bool) in which the vehicle is about to land, or has landed."""
     size = motion.shape.size
     arrives = motion.height[-1] < 2.0 * size
     high = np.flatnonzero(motion.height > LANDING_HEIGHT * size)

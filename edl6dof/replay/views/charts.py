@@ -49,7 +49,7 @@ class Charts(Recorder):
     """Writes ``/plots``."""
 
     def statics(self) -> None:
-        """Names and colours of the series."""
+        """Write names and colours of the series."""
         for plot in shown(self.flight):
             lines = [(name, colour) for name, colour, _ in plot.lines]
             self.static(self._entity(plot.key), self._lines(lines))
@@ -58,7 +58,7 @@ class Charts(Recorder):
             self.static(self._entity(f"thruster_duty/{group}"), self._lines(lines))
 
     def motions(self) -> None:
-        """The series, where they mean something."""
+        """Write the series, in the time in which they are valid."""
         for plot in shown(self.flight):
             t, curves = drawn(plot, self.flight)
             if len(t):
@@ -82,8 +82,8 @@ class Charts(Recorder):
         ]
 
     def _lines(self, lines: Sequence[tuple[str, str]]) -> rr.SeriesLines:
-        """Lines of some names and colours; where there are several flights, they carry the flight's label,
-        and its colour, the darker the later in the plot.
+        """Lines of some names and colours; with several flights they carry the flight's label and shades of
+        its colour.
         """
         colours = np.array([rgb(colour) for _, colour in lines])
         if self.label:
@@ -101,28 +101,30 @@ class Charts(Recorder):
 
 
 def shown(flight: History) -> list[Plot]:
-    """The plots that a flight has something for."""
+    """Return the plots for which a flight has data."""
     pages = [plots for page, plots in PAGES.items() if flight.jets or page not in OF_JETS]
     own = {plot.key: plot for plots in pages for plot in plots}
     return [found for plot in own.values() if (found := plot.shown(flight.series)) is not None]
 
 
 def drawn(plot: Plot, flight: History) -> tuple[np.ndarray, np.ndarray]:
-    """Times (s), shape (n,), and curves of a plot, shape (n, curves), where they mean something."""
+    """Return times (s), shape (n,), and curves of a plot, shape (n, curves), in the time in which it is
+    valid.
+    """
     t = flight.series["t_s"]
     rows = _within(t, flight.when.get(plot.since, -np.inf), flight.when.get(plot.until, np.inf))
     return t[rows], np.stack(plot.values(flight.series, rows), axis=-1)
 
 
 def ends(t: np.ndarray, curves: np.ndarray, span: tuple[float, float]) -> list[float]:
-    """Least and largest value of curves within a time (s); empty where there are none."""
+    """Return least and largest value of curves within a time (s); empty if there are none."""
     values = curves[_within(t, *span)]
     values = values[np.isfinite(values)]
     return [float(values.min()), float(values.max())] if len(values) else []
 
 
 def axis_range(low: float, high: float) -> tuple[float, float]:
-    """First and last value of an axis on which values from ``low`` to ``high`` are drawn, with two ticks."""
+    """Return the range of an axis for values from ``low`` to ``high``, with two ticks."""
     if abs(low + high) < 3.0 * (high - low):  # zero is near
         low, high = min(low, 0.0), max(high, 0.0)
     if high - low < 1e-9 * max(abs(low), abs(high), 1.0):
@@ -137,7 +139,7 @@ def axis_range(low: float, high: float) -> tuple[float, float]:
 
 
 def _within(t: np.ndarray, first: float, last: float) -> slice:
-    """Rows from one time (s) to another, both among them."""
+    """Rows from one time (s) to another, inclusive."""
     return slice(int(np.searchsorted(t, first)), int(np.searchsorted(t, last, side="right")))
 
 
@@ -159,12 +161,12 @@ Line = tuple[np.ndarray, tuple[int, int, int]]
 
 
 def squeeze(x: np.ndarray | float) -> np.ndarray:
-    """The compressed scale: linear below one unit, logarithmic beyond; 180 maps to 1."""
+    """Compress values: linear below one unit, logarithmic beyond; 180 maps to 1."""
     return np.arcsinh(x) / np.arcsinh(180.0)
 
 
 def on_picture(error_deg: np.ndarray, rate_deg_s: np.ndarray) -> np.ndarray:
-    """Picture coordinates (x right, y down), shape (..., 2)."""
+    """Return picture coordinates (x right, y down), shape (..., 2)."""
     return np.stack(np.broadcast_arrays(squeeze(error_deg), -squeeze(rate_deg_s)), axis=-1)
 
 
@@ -172,7 +174,7 @@ class PhasePlanes(Recorder):
     """Writes ``/phase_plane``; of the first flight only."""
 
     def statics(self) -> None:
-        """Grid and scales."""
+        """Write grid and scales."""
         if self.number or not self.flight.jets:
             return
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
@@ -190,7 +192,7 @@ class PhasePlanes(Recorder):
             self.static(f"phase_plane/{axis}/scale", scale)
 
     def motions(self) -> None:
-        """Zones by phase, the way of the last seconds, and the present state."""
+        """Write zones by phase, the path of the last seconds, and the present state."""
         if self.number or len(self.t) < 5 or not self.flight.jets:
             return
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
@@ -208,7 +210,7 @@ class PhasePlanes(Recorder):
             self.series(f"{plane}/now", self.t[rows], rr.Points2D, look, {"positions": place})
 
     def _zones(self, axis: int, entity: str) -> None:
-        """Lines of the controller that each phase names."""
+        """Write the lines of the controller of each phase."""
         phases = self.flight.scenario.mission.phases
         for row in np.append(0, np.flatnonzero(np.diff(self.phase)) + 1):
             name = phases[self.phase[row]].control if phases else "off"
@@ -222,7 +224,7 @@ class PhasePlanes(Recorder):
 
 
 def boundaries(gains: Mapping[str, Any], axis: int) -> list[Line]:
-    """Lines of a controller's zones on the picture for axis 0 roll, 1 pitch, 2 yaw."""
+    """Return lines of a controller's zones on the picture for axis 0 roll, 1 pitch, 2 yaw."""
     zones = zones_of(gains, axis)
     inside = (np.abs(zones.error) <= REACH_DEG) & (np.abs(zones.rate) <= REACH_DEG_S)
     error, rate = zones.error[inside], zones.rate[inside]

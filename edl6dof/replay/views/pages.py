@@ -43,12 +43,14 @@ INSTRUMENTS = {"gyro": "Gyros", "accelerometer": "Accelerometers", "beam": "Rada
 
 
 def lane_of(kind: str, name: str) -> str:
-    """Entity of the lane of a thruster or an instrument."""
+    """Return the entity of the lane of a thruster or an instrument."""
     return f"/{kind.capitalize()}-{name}"
 
 
 def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    """First and last time (s) of the pages that do not show the whole flight: of those parts that it has."""
+    """Return first and last time (s) of the pages that do not show the whole flight, for those parts that it
+    has.
+    """
     first, last = flown_s
     mortar, shell = when.get("mortar", last), when.get("backshell", last)
     spans = {

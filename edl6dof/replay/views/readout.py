@@ -1,6 +1,4 @@
-"""What a flight controller would read off, field by field, of the stage that the flight is in; and what has
-failed.
-"""
+"""The readout: numbers of the current stage of the flight and present faults, as text; and the legend."""
 
 from __future__ import annotations
 
@@ -23,7 +21,7 @@ AIR, FLYING = (ENTRY, CHUTE), (ENTRY, CHUTE, POWERED)
 
 
 class Field(NamedTuple):
-    """A line of the readout: label, format, unit, and the stages in which it says something."""
+    """A line of the readout: label, format, unit, and the stages in which it is shown."""
 
     label: str
     form: str
@@ -60,7 +58,7 @@ class Readout(Recorder):
     """Writes ``/readout``, of the first flight only."""
 
     def motions(self) -> None:
-        """The lines at each time."""
+        """Write the lines at each time."""
         if self.number:
             return
         rows, stages = thin(self.t, READOUT_HZ), self._stages()
@@ -117,7 +115,7 @@ class Readout(Recorder):
         return [f"| {field.label} | **{value:z{field.form}}** {field.unit} |" for value in values.tolist()]
 
     def _troubles(self, rows: np.ndarray) -> list[str]:
-        """What has failed, was diagnosed or is excluded, at some rows."""
+        """Failed, diagnosed and excluded components, at some rows."""
         flight = self.flight
         holds = {
             "failed": {jet: state[rows] > 0 for jet, state in flight.failures.items()},
@@ -138,10 +136,10 @@ def _parted(lines: list[str]) -> tuple[str, str]:
 
 
 class Legend(Recorder):
-    """Writes ``/legend``, what the colours of the scene mean; of the first flight only."""
+    """Writes ``/legend``, the meaning of the colours of the scene; of the first flight only."""
 
     def statics(self) -> None:
-        """A table of things and colours."""
+        """Write a table of things and colours."""
         if self.number:
             return
         rows = "\n".join(f"| {what} | {colours} |" for what, colours in self._rows())
@@ -149,7 +147,7 @@ class Legend(Recorder):
         self.static("legend", self.rr.TextDocument(text, media_type="text/markdown"))
 
     def _rows(self) -> list[tuple[str, str]]:
-        """Things and what their colours mean."""
+        """Things and the meaning of their colours."""
         flight, kinds = self.flight, {one.kind for one in self.flight.instruments}
         path = "each flight's own" if self.label else "of the phase, as in its lane"
         known = [

@@ -1,4 +1,4 @@
-"""The views of the scene, and where each looks from."""
+"""The views of the scene, and the place of the eye in each."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Labels = dict[str, dict[str, list[str]]]
 
 
 def window(rrb: ModuleType, seconds: float) -> rrb.VisibleTimeRanges:
-    """Rows of the last seconds before the cursor."""
+    """Return the time range of the last seconds before the cursor."""
     edge = rrb.TimeRangeBoundary.cursor_relative
     return rrb.VisibleTimeRanges(rrb.VisibleTimeRange(TIMELINE, start=edge(seconds=-seconds), end=edge()))
 
@@ -89,7 +89,7 @@ class Views:
         labels: Sequence[str] = (),
         not_of_others: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
-        """The site without what is hidden, of every flight or of all others."""
+        """A view of the site without what is hidden, of every flight or of all others."""
         excluded = [f"- {root}/{part}/**" for root in self.roots for part in hidden]
         others = [root for root in self.roots if f"{root}/{origin.rpartition('/')[2]}" != origin]
         excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
@@ -98,15 +98,15 @@ class Views:
         return self._scene(name, origin, ["/site/**", *excluded], place, target, overrides=trails)
 
     def chase(self) -> rrb.Spatial3DView | rrb.Grid:
-        """The vehicle with all that it hangs from, wherever it goes; side by side where there are several."""
+        """Return the vehicle with everything that it hangs from; side by side if there are several."""
         return self._each("camera", "Chase", _NOT_CHASE, EYE)
 
     def tour(self) -> rrb.Spatial3DView | rrb.Grid:
-        """What the director shows; side by side where there are several flights."""
+        """Return the director's picture; side by side if there are several flights."""
         return self._each("tour", "Tour", (*_NOT_CHASE, "trail", *_OWN), TOUR_EYE)
 
     def away(self) -> rrb.Spatial3DView:
-        """What fell away last."""
+        """Return the part released last."""
         return self._view("What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), EYE, np.zeros(3))
 
     def _each(
@@ -127,25 +127,25 @@ class Views:
         return views[0] if len(views) == 1 else self.rrb.Grid(*views, name=name)
 
     def body(self) -> rrb.Spatial3DView:
-        """The vehicle with its frames and forces."""
+        """Return the vehicle with its frames and forces."""
         name = f"Body and forces: {self.scales}" if self.scales else "Body and frames"
         place = body_eye(self.start, self.end, self.motion.shape.size)
         return self._scene(name, "/site/near", ["/site/vehicle/**", "/site/near/**"], place, np.zeros(3))
 
     def whole(self) -> rrb.Spatial3DView:
-        """The whole flight from the side, a little from above."""
+        """Return the whole flight from the side, a little from above."""
         return self._aside("Whole flight", self.start, 0.62, 0.20, 0.02)
 
     def afar(self, name: str) -> rrb.Spatial3DView:
-        """From the parachute, if there is one, to the ground, from the side."""
+        """Return the flight from the parachute, if there is one, to the ground, from the side."""
         start = self.start if self.deploy is None else self.deploy
         return self._aside(name, start, 1.25, 0.12, 0.03)
 
     def _aside(
         self, name: str, start: np.ndarray, off: float, above: float, below: float
     ) -> rrb.Spatial3DView:
-        """The way from ``start`` to the end from its side: how far from its middle and above it the eye
-        stands, and how far below it looks, in lengths of the way.
+        """The path from ``start`` to the end from its side: distances of the eye from and above its middle,
+        and of its target below it, in lengths of the path.
         """
         along, length, side = _beside(start, self.end)
         middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
@@ -153,34 +153,34 @@ class Views:
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
 
     def landing(self) -> rrb.Spatial3DView:
-        """The last kilometre, from the side."""
+        """Return the last kilometre, from the side."""
         place, target = self.end + [700.0, 500.0, 420.0], self.end + [0.0, 0.0, 330.0]
         return self._view("Landing", "/site", _NOT_AFAR, place, target, ["**"])
 
     def site(self) -> rrb.Spatial3DView:
-        """The vehicle where it stands in the end."""
+        """Return the vehicle where it comes to rest."""
         end = self.end
         return self._view("Site", "/site", _NOT_SITE, end + [16.0, -26.0, 9.0], end)
 
     def above(self, scanned: np.ndarray) -> rrb.Spatial3DView:
-        """The ground below the hover, north up."""
+        """Return the ground below the hover, north up."""
         place, target = scanned - [0.0, 20.0, 20.0], scanned - [0.0, 0.0, 100.0]
         hidden = (*_NOT_SITE, "drop_line", "trail", "sky")
         return self._view("Hazards from above", "/site", hidden, place, target)
 
     def globe(self) -> rrb.Spatial3DView:
-        """The planet, from above the middle of the way; km in F."""
+        """Return the planet, from above the middle of the path; km in F."""
         middle = self.motion.site.in_F(0.5 * (self.start + self.end)) / 1e3
         return self._scene("Globe", "/globe", ["$origin/**"], 2.3 * middle, 0.0 * middle)
 
 
 def root_of(number: int) -> str:
-    """Entity under which lies what belongs to one flight of a recording alone."""
+    """Return the entity above everything that belongs to one flight of a recording only."""
     return f"/site/flight_{number}" if number else "/site"
 
 
 def body_eye(start: np.ndarray, end: np.ndarray, size: float) -> np.ndarray:
-    """Where the eye stands from a vehicle of this size (m) when it looks at its frames and forces, m in L."""
+    """Return the place of the eye (m in L) that looks at frames and forces of a vehicle of this size (m)."""
     along, length, side = _beside(start, end)
     return size * (0.84 * along / length - 2.4 * side + [0.0, 0.0, 0.78])
 

@@ -1,4 +1,4 @@
-"""The report of a campaign, put together from its parts; and a sweep as maps over its grid."""
+"""The report of a campaign, assembled from its sections; and a sweep as maps over its grid."""
 
 from __future__ import annotations
 
@@ -89,8 +89,8 @@ _FIGURES = (
 
 
 def sweep_maps(results: Results) -> Iterator[Figure]:
-    """Maps over the first two axes, the mean over all others and over dispersed flights; curves where there
-    is one axis.
+    """Draw maps over the first two axes of a sweep (means over all others and over dispersed flights), or
+    curves over its only axis.
     """
     sweep = results.document.get("sweep") or {"axes": []}
     places = [("truth." if axis.get("of") == "truth" else "belief.") + axis["path"] for axis in sweep["axes"]]

@@ -1,4 +1,6 @@
-"""What drives what: the dispersed quantities that can be told to move a figure, with their shares."""
+"""Sensitivities: the dispersed inputs that can be shown to move a figure, with their shares of its
+variance.
+"""
 
 from __future__ import annotations
 
@@ -33,14 +35,14 @@ _LETTERS = 24
 
 @dataclass(frozen=True)
 class Told:
-    """A figure and what is told of it."""
+    """A figure and its drivers."""
 
     figure: FigureOfMerit
     drivers: Drivers
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """A map of who drives what, and the shares with their intervals."""
+    """Show which input drives which figure, and the shares with their intervals."""
     if not (results.groups and results.is_sample):
         return
     if len(results.cases) < FEWEST:
@@ -60,7 +62,7 @@ def blocks(results: Results) -> Iterator[Block]:
 
 
 def indices(results: Results) -> Iterator[Block]:
-    """Sobol indices of each figure, of a campaign that flew their design."""
+    """Show Sobol indices of each figure, for a campaign that flew their design."""
     if not results.has_design:
         return
     rows: list[Row] = []
@@ -102,7 +104,7 @@ def _ends(low: float, high: float) -> str:
 
 
 def _figures(results: Results) -> list[str]:
-    """Figures with limits and others to explain, those that move."""
+    """Names of the figures to explain, without those that never change."""
     names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
     return [name for name in names if results.has(name) and _moves(results[name])]
 
@@ -113,7 +115,7 @@ def _moves(values: np.ndarray) -> bool:
 
 
 def _rows(told: list[Told]) -> Iterator[Row]:
-    """A line that says what of a figure can be told, and below it its drivers."""
+    """A line about each figure, and below it its drivers."""
     for one in told:
         least = in_percent(one.drivers.least)
         flights = f"cannot be told with {one.drivers.flights:,} flights"
@@ -130,7 +132,7 @@ def _rows(told: list[Told]) -> Iterator[Row]:
 
 
 def chart(told: list[Told]) -> Figure:
-    """Each figure's variance as a bar, cut into the shares of its drivers."""
+    """Draw each figure's variance as a bar, divided into the shares of its drivers."""
     every = sorted((driver for one in told for driver in one.drivers.found), key=lambda found: -found.share)
     ranked = list(dict.fromkeys(driver.name for driver in every))
     colours = dict(zip(ranked, SERIES, strict=False))

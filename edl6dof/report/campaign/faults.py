@@ -1,5 +1,5 @@
-"""Faults in the report of a campaign: what was required, shares and times of each kind, and maps of
-components and moments.
+"""Fault matrices: requirements, shares and times of each kind of fault, and maps of components and
+moments.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ _WHERE = ("component", "kind", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
-    """How many flights are within limits, and how many faults are rightly named; and how that is to be
-    taken.
+    """Return how many flights are within limits and how many faults are named correctly, and the mood of
+    that.
     """
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
@@ -67,7 +67,7 @@ def headline(results: Results) -> tuple[str, Mood]:
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Everything that a report says about the faults of a matrix."""
+    """Show everything that a report says about the faults of a matrix."""
     rows = results.table.to_pylist()
     figures = fault_figures(rows)
     if figures["acceptance"]:
@@ -90,7 +90,7 @@ def blocks(results: Results) -> Iterator[Block]:
 
 
 def became(row: Row) -> int:
-    """What became of a fault, as an index of the list above."""
+    """Return the outcome of a fault, an index into ``_BECAME``."""
     if row.get("wrongly_named"):
         return _SOUND if row.get("sound_named") else _WRONG_KIND
     if is_right(row):
@@ -125,7 +125,7 @@ def _share(part: int, whole: int) -> str:
 
 
 def _over_time(kind: str, rows: Sequence[Row]) -> Figure:
-    """Components by moments."""
+    """A map of components by moments."""
     across = list(dict.fromkeys(row["moment"] for row in rows))
     down = list(dict.fromkeys(row["component"] for row in rows))[::-1]
     places = [(down.index(row["component"]), across.index(row["moment"])) for row in rows]
@@ -133,7 +133,7 @@ def _over_time(kind: str, rows: Sequence[Row]) -> Figure:
 
 
 def _pairs(kind: str, rows: Sequence[Row]) -> Iterator[Figure]:
-    """One component by the other, for each moment."""
+    """A map of one component by the other, for each moment."""
     names = list(dict.fromkeys(name for row in rows for name in row["component"].split(AND)))
     for number, moment in enumerate(dict.fromkeys(row["moment"] for row in rows)):
         some = [row for row in rows if row["moment"] == moment]
@@ -151,7 +151,9 @@ def _figure(
     down: Sequence[str],
     along: str,
 ) -> Figure:
-    """Two maps: what became of a fault, and how long it took; ``places``: row and column of each flight."""
+    """Two maps: the outcome of each fault, and the time it took; ``places``: row and column of each
+    flight.
+    """
     shape = len(down), len(across)
     cells: dict[tuple[int, int], list[Row]] = {}
     for (i, j), row in zip(places, rows, strict=True):
@@ -182,7 +184,7 @@ def _figure(
 
 
 def _legend(what: np.ndarray, lost: Sequence[tuple[int, int]]) -> list[Trace]:
-    """A name for every colour that there is, and the crosses."""
+    """A legend entry for every colour in use, and the crosses."""
     named = [
         legend_entry(name, colour) for number, (name, colour) in enumerate(_BECAME) if (what == number).any()
     ]
@@ -197,13 +199,13 @@ def _crosses(lost: Sequence[tuple[int, int]]) -> list[Trace]:
 
 
 def _thinned(names: Sequence[str]) -> list[str]:
-    """Every so many of the names; the others are empty."""
+    """Keep every nth name so that they fit; the others are empty."""
     step = -(-len(names) // _NAMED) if len(names) > _BESIDE else 1
     return [name if k % step == 0 else "" for k, name in enumerate(names)]
 
 
 def _words(rows: Sequence[Row]) -> str:
-    """What a cell holds."""
+    """Text of a cell."""
     head = f"{rows[0]['component']} {rows[0]['kind']} at {rows[0]['moment']}"
     lines = []
     for row in rows[:8]:

@@ -1,6 +1,4 @@
-"""Where the flights of a campaign came down and where their parachutes opened; where covariance expects an
-event.
-"""
+"""Landing points and parachute deployments of a campaign, and the ellipses that covariance predicts."""
 
 from __future__ import annotations
 
@@ -29,7 +27,7 @@ _LOWEST = 3
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Footprint with its ellipses, and the box of parachute deployment."""
+    """Show the footprint with its ellipses, and the box of parachute deployment."""
     if results.has("landing_east_m") and np.isfinite(results["landing_east_m"]).sum() > 2:
         yield footprint(results)
         yield ellipse_table(results)
@@ -38,7 +36,7 @@ def blocks(results: Results) -> Iterator[Block]:
 
 
 def footprint(results: Results) -> Figure:
-    """Landing points about the site, with the ellipses of one to three standard deviations."""
+    """Draw landing points about the site, with the ellipses of one to three standard deviations."""
     east, north = results["landing_east_m"] / 1e3, results["landing_north_m"] / 1e3
     down = np.isfinite(east)
     wide = float(np.ptp(north[down])) or 1.0
@@ -56,8 +54,8 @@ def footprint(results: Results) -> Figure:
 
 
 def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) -> Figure:
-    """Ellipses of one to three standard deviations of the first two figures of an event, which are its
-    position if it has one, and the flights of a campaign if given, shape (flights, figures).
+    """Draw ellipses of the first two figures of an event, which are its position if it has one, and the
+    flights of a campaign if given, shape (flights, figures).
     """
     mean, covariance = found.spread.mean[:2], found.pairs.covariance[:2, :2]
     traces = list(_ellipses(lambda sigmas: contour(covariance, sigmas) + mean[:, None]))
@@ -80,8 +78,8 @@ def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]
 
 
 def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, float]) -> Iterator[Trace]:
-    """Successes and failures; failures and the outermost successes carry the number of their case, as far as
-    axes of these spans leave room for it.
+    """Successes and failures; the outermost of each carry the number of their case where axes of these spans
+    leave room for it.
     """
     both = np.isfinite(x) & np.isfinite(y)
     middle = [np.median(values[both]) if both.any() else 0.0 for values in (x, y)]
@@ -96,8 +94,8 @@ def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, 
 
 
 def _apart(order: np.ndarray, x: np.ndarray, y: np.ndarray) -> set[int]:
-    """The first of an order, without those so near to one before that their words would cover each other;
-    ``x`` and ``y`` in shares of their axes.
+    """Return the first of an order, without those too near to an earlier one for both labels; ``x`` and ``y``
+    in shares of their axes.
     """
     taken: list[int] = []
     for index in order[: 4 * _NAMED]:
@@ -108,7 +106,7 @@ def _apart(order: np.ndarray, x: np.ndarray, y: np.ndarray) -> set[int]:
 
 
 def ellipse_table(results: Results) -> Table:
-    """Size and direction of the footprint."""
+    """Tabulate size and direction of the footprint."""
     east, north = results["landing_east_m"], results["landing_north_m"]
     down = np.isfinite(east)
     values, vectors = np.linalg.eigh(np.cov(np.stack([east[down], north[down]])))
@@ -130,7 +128,7 @@ def ellipse_table(results: Results) -> Table:
 
 
 def deployment(results: Results) -> Figure:
-    """Mach number, dynamic pressure, height and angle of attack at mortar fire, with the limits."""
+    """Draw Mach number, dynamic pressure, height and angle of attack at mortar fire, with the limits."""
     box = _scatter(
         results,
         ("parachute_mach", "Mach number (1)", 1.0),
@@ -150,9 +148,7 @@ def deployment(results: Results) -> Figure:
 
 
 def _scatter(results: Results, across: tuple[str, str, float], up: tuple[str, str, float]) -> Panel:
-    """The flights in the plane of two figures, each given by name, title and unit: axes reach from the
-    flights to the limits, however far these are.
-    """
+    """Draw the flights in the plane of two figures (name, title, unit); the axes include the limits."""
     limits = {figure: limit for figure, _, limit, _ in results.limits}
     ways: tuple[Literal["x", "y"], ...] = ("x", "y")
     values, axes, spans, marks = [], [], [], []

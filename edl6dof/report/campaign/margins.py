@@ -1,5 +1,5 @@
-"""How the flights of a campaign stand: quantiles beside limits, propellant, faults that every flight carries,
-causes of failures, and the worst cases.
+"""Margins of a campaign: quantiles and limits, propellant, faults that every flight carries, causes of
+failure, and the worst cases.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _TIMES = ("time_to_detect_s", "time_to_exclude_s")
 
 
 def limits(results: Results) -> Iterator[Block]:
-    """Median and outermost quantile of every figure that has a limit, beside it."""
+    """Tabulate the median and the outermost quantile of every figure that has a limit."""
     if not results.limits:
         return
     shares = shown_shares(results)[-2:]
@@ -64,7 +64,9 @@ def limits(results: Results) -> Iterator[Block]:
 
 
 def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
-    """Upper bound of the outermost quantile that there is; the largest value of what is no sample."""
+    """Upper bound of the outermost quantile that is bounded; the largest value if the flights are
+    no sample.
+    """
     if not results.is_sample:
         return float(np.nanmax(values)) if np.isfinite(values).any() else None
     found = (quantile(values, share) for share in reversed(shares))
@@ -72,7 +74,7 @@ def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> flo
 
 
 def other_figures(results: Results) -> Iterator[Block]:
-    """Quantiles of other figures."""
+    """Tabulate quantiles of figures without a limit."""
     limited = {name for name, *_ in results.limits}
     table = _quantiles(results, "figure", (name for name in _OTHERS if name not in limited))
     if table.rows:
@@ -81,7 +83,7 @@ def other_figures(results: Results) -> Iterator[Block]:
 
 
 def _quantiles(results: Results, heading: str, names: Iterable[str]) -> Table:
-    """A row for each of some figures that the campaign has."""
+    """Tabulate quantiles of some figures, those that the campaign has."""
     shares = shown_shares(results)
     rows: list[Row] = [
         [figure.meaning, printed(figure.unit.label), *(in_words(results, results[name], s) for s in shares)]
@@ -97,7 +99,7 @@ def injected(results: Results) -> list[str]:
 
 
 def isolation(results: Results) -> Iterator[Block]:
-    """In how many flights the faults were isolated, and how fast; nothing without faults."""
+    """Tabulate in how many flights the faults were isolated, and how fast; nothing without faults."""
     if not _of_every_flight(results):
         return
     shares: list[Row] = []
@@ -113,7 +115,7 @@ def isolation(results: Results) -> Iterator[Block]:
 
 
 def _of_every_flight(results: Results) -> Sequence[Mapping[str, Any]]:
-    """The scenario's own faults; a fault matrix has those of its cells."""
+    """Faults of the scenario itself; those of a fault matrix belong to its cells."""
     return () if results.has_faults else results.document.get("faults") or ()
 
 
@@ -127,7 +129,9 @@ def _in_words(fault: Mapping[str, Any]) -> str:
 
 
 def shown_shares(results: Results) -> tuple[float, ...]:
-    """The median and the outermost pair of quantiles that a sample can bound; the ends of what is none."""
+    """Return the median and the outermost pair of quantiles that a sample can bound; the extremes if the
+    flights are no sample.
+    """
     if not results.is_sample:
         return 0.0, 0.5, 1.0
     bounded = bounded_shares(len(results.cases))
@@ -135,12 +139,14 @@ def shown_shares(results: Results) -> tuple[float, ...]:
 
 
 def head(share: float) -> str:
-    """What a quantile is called."""
+    """Return the heading of a quantile."""
     return {0.0: "least", 1.0: "largest"}.get(share, percent(share))
 
 
 def in_words(results: Results, values: np.ndarray, share: float) -> str:
-    """A quantile with its bounds, or how many flights it takes; as flown in what is no sample."""
+    """Return a quantile with its bounds, or the number of flights that it needs; without bounds if the
+    flights are no sample.
+    """
     if not results.is_sample:
         finite = values[np.isfinite(values)]
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"
@@ -152,9 +158,7 @@ def in_words(results: Results, values: np.ndarray, share: float) -> str:
 
 
 def note(results: Results) -> str:
-    """What stands beside quantiles: whose bounds they are, and how many flights those take that are not
-    told.
-    """
+    """Explain the bounds of the quantiles, and which ones need more flights."""
     if not results.is_sample:
         return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
     flights = len(results.cases)
@@ -165,7 +169,7 @@ def note(results: Results) -> str:
 
 
 def causes(results: Results) -> Block:
-    """Why flights failed."""
+    """Tabulate the causes of failures."""
     if not results.causes:
         if not results.is_sample:
             return Text("No flight failed.")
@@ -183,7 +187,7 @@ def causes(results: Results) -> Block:
 
 
 def convergence(results: Results) -> Iterator[Figure]:
-    """Success probability so far, with its interval."""
+    """Draw the success probability after each flight, with its interval."""
     if not results.is_sample:
         return
     order = np.argsort(results.cases)
@@ -210,7 +214,7 @@ def convergence(results: Results) -> Iterator[Figure]:
 
 
 def propellant(results: Results) -> Iterator[Block]:
-    """Propellant left."""
+    """Draw a histogram of the propellant left."""
     loaded = sum(float(tank["mass_kg"]) for tank in results.document["vehicle"]["tanks"])
     if not results.has("propellant_used_kg") or not loaded:
         return
@@ -235,7 +239,9 @@ def propellant(results: Results) -> Iterator[Block]:
 
 
 def worst(results: Results) -> Iterator[Block]:
-    """The cases nearest to each limit, or furthest beyond it, and the command that flies one again."""
+    """Tabulate the cases nearest to each limit, or furthest beyond it, and the command that flies
+    one again.
+    """
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]

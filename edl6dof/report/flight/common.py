@@ -1,4 +1,6 @@
-"""Pieces that many figures share: plots of the catalogue, phases behind them and events across them."""
+"""Shared pieces of figures: plots of the catalogue over time, phases and events, maps about the
+landing site.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,7 @@ EVENTS: dict[str, str] = {
 
 
 def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
-    """Figures of some stacks, of those that the flight has something for."""
+    """Draw those of some stacks for which the flight has data."""
     for stack in stacks:
         if not stack.needs or any(need in run.when or has_signal(run, need) for need in stack.needs):
             figure = figure_of(run, stack)
@@ -61,7 +63,7 @@ def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
 
 
 def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
-    """The figure of a stack at some rows; ``words`` go into the caption."""
+    """Draw a stack at some rows; ``words`` go into the caption."""
     panels: list[Panel] = []
     same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
     for plot in stack.plots:
@@ -87,7 +89,7 @@ def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **
 
 
 def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
-    """A plot at some rows (bool), with the events of that time; ``None`` where it would show nothing."""
+    """Draw a plot at some rows (bool), with the events of that time; ``None`` if it has no data."""
     found = plot.shown({channel: run[channel][rows] for channel in plot.channels if channel in run})
     if found is None:
         return None
@@ -105,7 +107,7 @@ def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
 def time_panel(
     run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
 ) -> Panel:
-    """A panel over times ``t`` (s), with the events among them."""
+    """Return a panel over times ``t`` (s), with the events among them."""
     return Panel(Axis(TIME), y, traces, marks=[*event_marks(run, t), *marks], weight=weight)
 
 
@@ -117,7 +119,7 @@ def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[f
 
 
 def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
-    """First and last value of an axis that a single peak would leave nothing else on; else ``None``."""
+    """Range of an axis that a single peak would leave empty; ``None`` if there is no such peak."""
     sizes = [np.abs(one) for one in values]
     bulk = max(float(np.nanquantile(one, BULK)) for one in sizes)
     if max(float(np.nanmax(one)) for one in sizes) <= PEAK * bulk:
@@ -126,9 +128,7 @@ def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
 
 
 def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", height: int = 190) -> Figure:
-    """Panels over time, one above the other; events are named in the first, and panels without a curve are
-    left out.
-    """
+    """Stack panels over time; the first one names the events, and panels without a curve are left out."""
     drawn = [
         replace(panel, y=replace(panel.y, title=fill(panel.y.title, LETTERS)))
         for panel in panels
@@ -142,19 +142,19 @@ def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", he
 
 
 def event_marks(run: Run, t: np.ndarray) -> list[Mark]:
-    """Lines at the events inside the times ``t``."""
+    """Return lines at the events inside the times ``t``."""
     inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
     return [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
 
 
 def phase_keys(run: Run) -> dict[str, str]:
-    """Event keys of the phases that were flown, in their order, and the colours of these."""
+    """Return the event keys of the phases flown, in order, and their colours."""
     flown = [f"phase.{name}" for name in run.phase_names if f"phase.{name}" in run.when]
     return {key: PHASES[i % len(PHASES)] for i, key in enumerate(flown)}
 
 
 def phase_bands(run: Run) -> list[Band]:
-    """The mission phases as bands over time."""
+    """Return the mission phases as bands over time."""
     keys = phase_keys(run)
     starts = [*(run.when[key] for key in keys), float(run.t[-1])]
     return [
@@ -164,7 +164,7 @@ def phase_bands(run: Run) -> list[Band]:
 
 
 def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
-    """The way of the vehicle in a plane."""
+    """Return the path of the vehicle in a plane."""
     return Trace(x, y, name, colour=BLUE, width=2.2)
 
 
@@ -175,7 +175,7 @@ def site_panel(
     equal: bool = True,
     heat: Heat | None = None,
 ) -> Panel:
-    """A map about the landing site; of cells it has their size."""
+    """Return a map about the landing site, with the size of the cells if there are any."""
     spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
     east, north = (
         Axis(f"{way} of the landing site ({unit})", span)
@@ -185,20 +185,20 @@ def site_panel(
 
 
 def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndarray, np.ndarray]:
-    """Two coordinates of points around a circle, the first of them again at the end."""
+    """Return two coordinates of points around a circle, the first of them again at the end."""
     turn = np.linspace(0.0, 2.0 * np.pi, points)
     return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
 
 
 def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:
-    """Whether the run has the channel and it is anything but zero and gaps."""
+    """Return True if the run has the channel and it is not only zero and gaps."""
     return channel in run and catalogue.has_signal(run[channel][rows])
 
 
 def placed(
     run: Run, x: str, y: str, events: Mapping[str, str] = EVENTS, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Trace:
-    """The events as labelled points in the plane of two channels."""
+    """Return the events as labelled points in the plane of two channels."""
     keys = [key for key in events if key in run.when]
     xs, ys = (
         np.array([factor * run.at(channel, run.when[key]) for key in keys])

@@ -1,4 +1,4 @@
-"""The review of one flight: its words and tables, and the figures of its parts section by section."""
+"""The review of one flight: its tables, and the figures of its parts section by section."""
 
 from __future__ import annotations
 
@@ -81,19 +81,19 @@ _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 
 def mood(summary: Mapping[str, Any]) -> Mood:
-    """Good within limits, a warning when it got through outside them, bad otherwise."""
+    """Return good within limits, warn if the goal was reached outside them, bad otherwise."""
     if summary["success"]:
         return "good"
     return "warn" if summary.get("reached_goal") else "bad"
 
 
 def headline(run: Run) -> str:
-    """How the flight ended."""
+    """Return the outcome and its time."""
     return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
 
 
 def facts(run: Run) -> list[Fact]:
-    """Figures at a glance; those under a limit take its colour."""
+    """Return the key figures; those beyond a limit are marked bad."""
     figures = run.summary["figures"]
     missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
     return [
@@ -109,7 +109,7 @@ def facts(run: Run) -> list[Fact]:
 
 
 def limits_and_published(run: Run) -> Iterator[Block]:
-    """Limits and published figures, as far as there are any."""
+    """Tabulate limits, published figures and unusual values."""
     of_limits, of_published = limits(run), published(run)
     yield of_limits if of_limits.rows else Text("No limit applies as far as this flight went.")
     if of_published.rows:
@@ -119,7 +119,7 @@ def limits_and_published(run: Run) -> Iterator[Block]:
 
 
 def limits(run: Run) -> Table:
-    """Each limit with the share of it that was used."""
+    """Tabulate each limit with the share of it that was used."""
     rows: list[Row] = []
     for limit in run.summary["limits"]:
         value = math.nan if limit["value"] is None else float(limit["value"])
@@ -134,7 +134,7 @@ def limits(run: Run) -> Table:
 
 
 def published(run: Run) -> Table:
-    """This flight's figures beside the published ones, whatever the difference."""
+    """Tabulate this flight's figures and the published ones."""
     found = comparison(run.summary["figures"], run.summary["published"])
     rows: list[Row] = [
         [row.figure, printed(row.unit), row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
@@ -146,18 +146,18 @@ def published(run: Run) -> Table:
 
 
 def _sign(bound: str) -> str:
-    """A bound with the sign of print."""
+    """A bound with printed signs."""
     return bound.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
 
 
 def subtitle(run: Run) -> str:
-    """Description of the scenario, and what was made to fail."""
+    """Return the description of the scenario, and its faults."""
     faults = [f"{event['name']} at {event['t_s']:.1f} s" for event in run.events if event["key"] == "fault"]
     return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
 
 
 def timeline(run: Run) -> Iterator[Block]:
-    """Events in order of time, and what their speeds are relative to."""
+    """Tabulate events in order of time."""
     rows: list[Row] = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
@@ -177,7 +177,7 @@ def timeline(run: Run) -> Iterator[Block]:
 
 
 def configuration(run: Run) -> Iterator[Block]:
-    """The resolved scenario by its sections, each with the count of its status marks."""
+    """List the resolved scenario by section, each with the count of its status marks."""
     counts: dict[str, Counter[str]] = {}
     for path, status in run.document.status.items():
         counts.setdefault(path.partition(".")[0], Counter())[status] += 1
@@ -204,7 +204,7 @@ def configuration(run: Run) -> Iterator[Block]:
 
 
 def software(run: Run) -> Table:
-    """What flew it and what wrote this."""
+    """Tabulate versions, seed, hash and telemetry."""
     from edl6dof import __version__
 
     rows: list[Row] = [

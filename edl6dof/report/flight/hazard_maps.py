@@ -1,5 +1,5 @@
-"""What the lander saw of the ground and why it went where it went: the map of hazards with the spot that was
-chosen and those that were passed over, and before it the choice on the landing image.
+"""Hazard avoidance: the map from hover with the chosen and the rejected spots, and the choice on the landing
+image before it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _WAYS = ("east", "north")
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section; none of a flight that chose no spot from a scan."""
+    """Draw the figures of the section; none for a flight that chose no spot from a scan."""
     found = run.landing_map
     if found is None:
         return
@@ -63,7 +63,7 @@ def _fine(run: Run, found: LandingMap) -> Figure:
 
 
 def _words(run: Run, found: LandingMap) -> str:
-    """What the map says, and why the spot is where it is, in a few sentences."""
+    """A caption that explains the map and the choice."""
     safe = 100.0 * np.mean(found.cell_class == CELL_CLASSES.index("safe"))
     away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
     reasons = Counter(found.reasons())
@@ -85,7 +85,7 @@ def _words(run: Run, found: LandingMap) -> str:
 
 
 def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
-    """Why it is not the nearest safe spot, where another is nearer (m) but less clear (m) of unsafe ones."""
+    """A sentence if another safe spot was nearer (m) but had less clearance (m)."""
     east, north = middles(found)
     distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
     distance[found.cell_class != CELL_CLASSES.index("safe")] = np.inf
@@ -101,7 +101,7 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 
 
 def _coarse(run: Run, found: LandingMap) -> Figure:
-    """The targets that the parts of the landing image offered, and what else comes down there."""
+    """The targets that the parts of the landing image offered, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
     offered = Trace(*_xy(found.coarse_m), "parts of the image", "points", GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[int(found.coarse_part)]
@@ -124,7 +124,7 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
 
 
 def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
-    """Hover, the way from there to the ground, the footprint around the chosen spot, and the touchdown."""
+    """Hover, the path from there to the ground, the footprint around the chosen spot, and the touchdown."""
     radius = float(run.scenario["flight_software"]["hazard"]["footprint_radius_m"])
     last = run.between("spot", "touchdown")
     east, north = _navigated(run)
@@ -139,7 +139,7 @@ def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
 
 
 def _passed_over(found: LandingMap) -> Iterator[Trace]:
-    """The spots that the search passed over."""
+    """The spots that the search rejected."""
     if len(found.rejected_m):
         yield Trace(*_xy(found.rejected_m), "passed over", "points", ORANGE, symbol="x", width=3.0)
 

@@ -1,4 +1,4 @@
-"""Navigation: the error of the estimate beside the bounds that the flight software claims for it.
+"""Navigation: the error of the estimate and the bounds that the flight software claims for it.
 
 Errors are hundreds of metres at entry and decimetres at touchdown: each stretch of the flight has a figure of
 its own scale.
@@ -42,7 +42,7 @@ TITLES = {"gyro": "gyros", "accelerometer": "accelerometers", "beam": "radar bea
 
 
 def figures(run: Run) -> Iterator[Figure | Table]:
-    """Figures of the section; none where navigation takes the word of ideal instruments."""
+    """Draw the figures of the section; none with ideal navigation."""
     if not has_signal(run, "nav.sigma_down_m"):
         return
     seen = echoes(run)
@@ -59,7 +59,7 @@ def figures(run: Run) -> Iterator[Figure | Table]:
 
 
 def innovations(run: Run, seen: np.ndarray) -> Figure:
-    """How far the beam that was farthest off was from what the filter expected, while there are echoes."""
+    """Draw the largest innovation of a beam, while there are echoes."""
     navigation = run.scenario["flight_software"]["navigation"]
     gate = navigation.get(str(navigation["filter"]), {}).get("gate")
     limit = [] if gate is None else [Mark("y", float(gate), "gate", BAD)]
@@ -68,7 +68,7 @@ def innovations(run: Run, seen: np.ndarray) -> Figure:
 
 
 def instrument_lanes(run: Run) -> Iterator[Figure]:
-    """A lane for each gyro, accelerometer and radar beam, in the colour of what was made of it."""
+    """Draw a lane for each gyro, accelerometer and radar beam, coloured by its use."""
     found = instruments(run, names(run))
     if found:
         kinds = dict.fromkeys(one.kind for one in found)
@@ -81,13 +81,13 @@ def instrument_lanes(run: Run) -> Iterator[Figure]:
 
 
 def echoes(run: Run) -> np.ndarray:
-    """Rows in which a beam of the radar has an echo, shape (rows,), bool."""
+    """Return the rows in which a beam of the radar has an echo, shape (rows,), bool."""
     ranges = [run[name] for name in run if name.startswith("range.")]
     return np.any(ranges, axis=0) if ranges else np.zeros(len(run.t), bool)
 
 
 def at_moments(run: Run) -> Table:
-    """Error and bound of everything that is estimated, at the moments that count."""
+    """Tabulate error and bound of every estimate at the main events."""
     reached = [key for key in MOMENTS if key in run.when]
     rows: list[Row] = []
     for name, unit, form, stem, suffix in ESTIMATED:
@@ -108,7 +108,7 @@ def _bounded(run: Run, error: str, sigma: str, key: str, form: str) -> str:
 
 
 def names(run: Run) -> Components:
-    """Names of the instruments that are carried, by kind."""
+    """Return the names of the instruments carried, by kind."""
     sensors = run.scenario["sensors"]
     found: dict[Component, list[str]] = {}
     if "inertial_unit" in sensors["carried"]:
@@ -121,7 +121,7 @@ def names(run: Run) -> Components:
 
 
 def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
-    """A lane for each of some instruments of one kind."""
+    """Draw a lane for each of some instruments of one kind."""
     traces = []
     for state, colour in STATES.items():
         ends = [

@@ -45,7 +45,7 @@ _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fi
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """One figure for each controller that flew; a point mass has none."""
+    """Draw one figure for each controller that flew; none for a point mass."""
     if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
         return
     phases = run.scenario["mission"]["phases"]
@@ -57,7 +57,7 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]) -> Figure:
-    """Roll, pitch and yaw planes of one controller, one colour for each of its phases."""
+    """Draw roll, pitch and yaw planes of one controller, one colour for each of its phases."""
     gains = run.scenario["flight_software"]["control"].get(control, {})
     rates, cycles = control_rates(run, control), control_cycles(run)
     panels = []
@@ -82,7 +82,7 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
 
 
 def _ways(x: np.ndarray, y: np.ndarray, phases: Sequence[tuple[str, np.ndarray]]) -> list[Trace]:
-    """The way of the vehicle in a plane, in a colour for each phase."""
+    """The path in a plane, in a colour for each phase."""
     return [
         Trace(x[rows], y[rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
         for k, (phase, rows) in enumerate(phases)
@@ -97,7 +97,7 @@ def _plane(
     lines: Sequence[Trace] = (),
     zero: Sequence[Mark] = (),
 ) -> Panel:
-    """A plane whose axes are symmetric about zero and reach over what was flown to the nearest border."""
+    """A plane with axes symmetric about zero, from the flown part to the nearest border."""
 
     def span(axis: str) -> tuple[float, float]:
         flown = np.concatenate([getattr(way, axis) for way in ways])
@@ -111,7 +111,7 @@ def _plane(
 
 
 def _meanings(panels: Sequence[Panel]) -> str:
-    """What the colours of the lines mean that are drawn, as a sentence."""
+    """A sentence about the colours of the lines that are drawn."""
     grey = any(mark.colour != AXIS for panel in panels for mark in panel.marks)
     names = {trace.name for panel in panels for trace in panel.traces}
     found = ["grey: zone borders of the controller"] * grey
@@ -121,8 +121,8 @@ def _meanings(panels: Sequence[Panel]) -> str:
 
 
 def control_cycles(run: Run) -> np.ndarray:
-    """Rows (bool) in which the controller has just run: in others the error of telemetry is an old one, which
-    beside the present rate would draw steps that were not flown.
+    """Return the rows (bool) in which the controller has just run: in others telemetry holds an old error,
+    which would draw steps that were not flown.
     """
     errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
     return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))

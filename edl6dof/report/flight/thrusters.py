@@ -1,5 +1,5 @@
-"""Thrusters: their activity, the torque asked for and not delivered, propellant, and what acted besides; what
-failed of them and what the flight computer made of it, by torque and by the meters of their branches.
+"""Thrusters: activity, torque, propellant and disturbances; faults, and their diagnosis by torque and by the
+meters of their branches.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ MEAN_S, MOST = 0.1, 4
 
 
 def thruster_use(run: Run) -> Iterator[Figure | Table]:
-    """Figures and tables of the section."""
+    """Draw activity, torque and propellant, and tabulate the use of each thruster."""
     thrusters = [
         jet["name"] for jet in run.scenario["vehicle"]["rcs"]["thrusters"] if f"rcs.{jet['name']}" in run
     ]
@@ -58,7 +58,7 @@ def thruster_use(run: Run) -> Iterator[Figure | Table]:
 
 
 def activity(run: Run, thrusters: list[str]) -> Figure:
-    """Mean duty of each thruster over time, one lane each."""
+    """Draw the mean duty of each thruster over time, one lane each."""
     edges = np.linspace(run.t[0], run.t[-1], BINS + 1)
     place = np.clip(np.searchsorted(edges, run.t, side="right") - 1, 0, BINS - 1)
     count = np.maximum(np.bincount(place, minlength=BINS), 1)
@@ -86,7 +86,7 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
 
 
 def use(run: Run) -> Table:
-    """What each thruster did: pulses, time at full thrust, impulse and propellant."""
+    """Tabulate pulses, time at full thrust, impulse and propellant of each thruster."""
     step = float(np.median(np.diff(run.t)))
     rows = []
     for jet in run.scenario["vehicle"]["rcs"]["thrusters"]:
@@ -105,7 +105,7 @@ def use(run: Run) -> Table:
 
 
 def disturbances(run: Run) -> Iterator[Figure]:
-    """What acted on the vehicle besides its thrusters, and the estimates where the run has them."""
+    """Draw torque and force from other sources than the thrusters, and their estimates."""
     if not any(has_signal(run, f"truth.disturbance_{axis}_nm") for axis in "xyz"):
         return
     acting = "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
@@ -115,8 +115,8 @@ def disturbances(run: Run) -> Iterator[Figure]:
 
 
 def force(run: Run, acting: str) -> Figure:
-    """Estimated force beside the aerodynamic force and engine thrust, where no riser pulls in a direction
-    that telemetry lacks.
+    """Draw the estimated and the true force; telemetry lacks the direction of the riser's pull, so that true
+    values under tension are left out.
     """
     rows = run.between(until="touchdown")
     free, t = np.where(run["truth.riser_tension_n"] > 0.0, np.nan, 1.0), run.t[rows]
@@ -137,7 +137,7 @@ def force(run: Run, acting: str) -> Figure:
 
 
 def fault_diagnosis(run: Run) -> Iterator[Figure]:
-    """Figures of the section; none where nothing failed and the flight computer named nothing."""
+    """Draw the history of the diagnosis; nothing without a fault and without an isolation."""
     if not {"fault", "diagnosis"} & run.when.keys():
         return
     flown = run.between(until="touchdown")
@@ -153,7 +153,7 @@ def fault_diagnosis(run: Run) -> Iterator[Figure]:
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Residual torque, confidence of the best hypothesis, branch looked into, and thrusters isolated, for
+    """Draw residual torque, confidence of the best hypothesis, branch under test, and thrusters isolated, at
     some rows (bool).
     """
     t, isolated = run.t[rows], run["diagnosis.isolated"][rows]
@@ -188,7 +188,7 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
 
 
 def leaks(run: Run, rows: np.ndarray) -> Panel:
-    """When which branch was shut to look into its leak: a lane for each that was."""
+    """Draw when which branch was closed to test it for a leak."""
     t, leaking = run.t[rows], run["diagnosis.leaking"][rows]
     lanes = sorted({int(number) for number in leaking if number >= 0.0})
     y = Axis("leak in branch", names=[list(thrusters_of(run))[number] for number in lanes])
@@ -200,7 +200,7 @@ def leaks(run: Run, rows: np.ndarray) -> Panel:
 
 
 def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
-    """Flow through each branch with a thruster that failed, for some rows (bool)."""
+    """Draw the flow through each branch with a failed thruster, at some rows (bool)."""
     failed = [
         name
         for name, jets in thrusters_of(run).items()
@@ -219,7 +219,7 @@ def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
 
 
 def branch_use(run: Run) -> Iterator[Table]:
-    """What each branch used and its meter counted; nothing where the run has no meters."""
+    """Tabulate the propellant of each branch and the count of its meter, if the run has meters."""
     rows = [
         [name, ", ".join(jets), *(f"{run[f'{kind}.{name}_kg'][-1]:.3f}" for kind in ("used", "metered"))]
         for name, jets in thrusters_of(run).items()
@@ -231,21 +231,21 @@ def branch_use(run: Run) -> Iterator[Table]:
 
 
 def thrusters_of(run: Run) -> dict[str, list[str]]:
-    """Names of the propellant branches, and of the thrusters of each."""
+    """Return the propellant branches and the thrusters of each."""
     rcs = run.scenario["vehicle"]["rcs"]
     given = {branch["name"]: branch["thrusters"] for branch in rcs.get("branches", [])}
     return given or {jet["name"]: [jet["name"]] for jet in rcs["thrusters"]}
 
 
 def mean_flow(t: np.ndarray, counted: np.ndarray) -> np.ndarray:
-    """Mean flow (kg/s) up to each row from a count (kg); ``nan`` in the first."""
+    """Return the mean flow (kg/s) up to each row from a count (kg); ``nan`` in the first."""
     first = np.searchsorted(t, t - MEAN_S)
     with np.errstate(invalid="ignore"):
         return np.asarray((counted - counted[first]) / (t - t[first]))
 
 
 def flow_panel(run: Run, branch: str, rows: np.ndarray) -> Panel:
-    """What one branch was to let through, where that is known, lets through, and its meter reads."""
+    """Draw the commanded (if known), the true and the metered flow of one branch."""
     t, expected = run.t[rows], run[f"expected.{branch}_kg_s"]
     counts = [
         ("commanded", np.cumsum(expected * np.diff(run.t, prepend=run.t[0])), GREY),

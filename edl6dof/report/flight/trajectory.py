@@ -1,5 +1,5 @@
-"""Where it flew: overview over time, the entry in its corridor, the deployment box, powered descent, and the
-landing site from above.
+"""The trajectory: overview over time, the entry in its corridor, deployment box, powered descent, and landing
+site.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the whole flight and of the entry."""
+    """Draw the whole flight and the entry."""
     yield overview(run)
     entry = entry_state(run)
     if entry is not None:
@@ -64,7 +64,7 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def overview(run: Run) -> Figure:
-    """What everyone asks first, over the whole flight."""
+    """Draw the main quantities over the whole flight."""
     figure, phases = figure_of(run, OVERVIEW), phase_keys(run)
     panels = [replace(panel, bands=phase_bands(run)) for panel in figure.panels]
     entries = [
@@ -77,7 +77,7 @@ def overview(run: Run) -> Figure:
 
 
 def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
-    """The drag beyond the lowest border, up to ``edge``, as one shaded region."""
+    """Return the drag beyond the lowest border, up to ``edge``, as one shaded region."""
     if not found:
         return []
     lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
@@ -88,7 +88,7 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
 
 
 def on_scale(panel: Panel) -> tuple[Panel, str]:
-    """The panel without the borders of which nothing lies on its scales, and a sentence that names them."""
+    """Return the panel without the borders that lie outside its scales, and a sentence that names them."""
     (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
     seen = [
         not trace.border
@@ -105,7 +105,7 @@ def on_scale(panel: Panel) -> tuple[Panel, str]:
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
-    """Drag over speed inside its corridor."""
+    """Draw drag over speed inside its corridor."""
     found = borders(run, entry)
     lowest = min((float(border.drag.min()) for border in found), default=1.0)
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
@@ -131,7 +131,7 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
-    """Height above the areoid over speed inside its corridor."""
+    """Draw height above the areoid over speed inside its corridor."""
     speed, height = run["truth.airspeed_m_s"] / 1e3, run["truth.height_above_areoid_m"] / 1e3
     rows = run.between(until="mortar")
     found = borders(run, entry)
@@ -153,17 +153,17 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
 
 
 def glide(entry: Entry) -> Border:
-    """The equilibrium glide."""
+    """Return the equilibrium glide."""
     return Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")
 
 
 def _titled(words: str, panel: Panel) -> str:
-    """The title, which speaks of a corridor where a border of one is drawn."""
+    """The title, with the corridor if a border of it is drawn."""
     return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
 
 
 def deployment_box(run: Run) -> Figure:
-    """Mach number and dynamic pressure around mortar fire, with the box that the parachute allows."""
+    """Draw Mach number and dynamic pressure around mortar fire, with the box that the parachute allows."""
     limit = run.scenario["limits"]
     most = float(limit["parachute_mach_max"]), float(limit["parachute_dynamic_pressure_pa"])
     t0 = run.when["mortar"]
@@ -187,7 +187,9 @@ def deployment_box(run: Run) -> Figure:
 
 
 def powered_descent(run: Run) -> Iterator[Figure]:
-    """Height over descent speed, the plane in which powered descent is designed; then its plots over time."""
+    """Draw height over descent speed, the plane in which powered descent is designed; then its plots over
+    time.
+    """
     if "ignition" in run.when:
         rows = run.between("backshell", "touchdown")
         names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
@@ -199,14 +201,14 @@ def powered_descent(run: Run) -> Iterator[Figure]:
 
 
 def site_figures(run: Run) -> Iterator[Figure]:
-    """Ground track, and the landing site from above."""
+    """Draw ground track and landing site."""
     yield ground_track(run)
     if "mortar" in run.when and "backshell" in run.when:
         yield landing_site(run)
 
 
 def ground_track(run: Run) -> Figure:
-    """The whole way over ground, east and north of the landing site; the two axes have different scales."""
+    """Draw the whole path east and north of the landing site; the axes have different scales."""
     traces = [_track(run, slice(None), 1e3), _target(run), _events(run, {"mortar": "parachute"}, 1e3)]
     caption = "Axes have different scales."
     if run.summary["figures"].get("bank_reversals"):
@@ -216,8 +218,8 @@ def ground_track(run: Run) -> Figure:
 
 
 def landing_site(run: Run) -> Figure:
-    """The planned ellipse where the scenario has one, the descent from the parachute on, and the last leg,
-    each to scale.
+    """Draw the planned ellipse if there is one, the descent under the parachute, and the last leg, each to
+    scale.
     """
     last = run.between("backshell")
     target, planned, below = [_target(run)], _planned(run), _track(run, run.between("mortar"), 1e3)
@@ -254,7 +256,7 @@ def _track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
 
 
 def _target(run: Run) -> Trace:
-    """The landing site, which is no target of what flies until its time is up."""
+    """The landing site, called target unless the flight only has to last."""
     name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
     return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
 
@@ -271,7 +273,7 @@ def _planned(run: Run) -> list[Trace]:
 
 
 def _part(run: Run, name: str, scale: float = 1.0) -> Trace:
-    """The way of a discarded part to the ground."""
+    """The path of a discarded part to the ground."""
     east, north = (run[f"truth.{name}_{way}_m"] / scale for way in ("east", "north"))
     there = np.isfinite(east)
     return Trace(east[there], north[there], name.replace("_", " "), colour=_PARTS[name], dash="dash")
