@@ -58,7 +58,7 @@ def encoder() -> str:
     return found
 
 
-def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], None]) -> None:
+def film(recording: Path, target: Path, cut: Cut, progress: Callable[[int, int], None]) -> None:
     """Write a film (MP4) of the recording; ``progress`` is called after each frame with the counts done and
     in all.
 
@@ -70,7 +70,7 @@ def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], Non
     with drawing(recording, float(times[0]), SIZE) as draw, _encoding(program, target, cut.fps) as frames:
         for k, t in enumerate(times):
             frames.write(draw(float(t)))
-            told(k + 1, len(times))
+            progress(k + 1, len(times))
 
 
 @contextmanager
@@ -94,5 +94,5 @@ def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
             process.wait()
         if status:
             log.seek(0)
-            said = log.read().decode(errors="replace").split("\n")
-            raise NoFilm(f"ffmpeg ended with status {status}: {' '.join(said).strip()[-200:]}")
+            words = log.read().decode(errors="replace").split("\n")
+            raise NoFilm(f"ffmpeg ended with status {status}: {' '.join(words).strip()[-200:]}")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: Rows kept per second.
 POSE_HZ = 25.0
-#: Rows from which on a flight keeps them all only beside its events, and how far beside, s.
+#: Rows from which on a flight keeps them all only near its events, and how near, s.
 MANY, BESIDE_S = 30_000, 60.0
 
 #: Columns that say where everything is.
@@ -124,8 +124,8 @@ class History:
         self.series["t_s"] = table["t_s"][rows]
         rows = rows[poses(table["t_s"][rows], [event["t_s"] for event in flight.events])]
         components = flight.scenario.components if on_instruments(flight) else {}
-        wanted = dict.fromkeys([*POSES, *names, *columns_of(components)])
-        self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in wanted if name in table}
+        needed = dict.fromkeys([*POSES, *names, *columns_of(components)])
+        self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in needed if name in table}
         self.t = self.columns["t_s"]
         self.jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if f"rcs.{jet.name}" in table]
         self.duty = np.zeros((len(rows), len(self.jets)), np.float32)

@@ -32,7 +32,7 @@ class Recorder:
 
     Attributes:
         number: of this flight in the recording; 0 owns the ground and the lanes.
-        label: tells this flight from others in the recording; empty when it is alone.
+        label: name of this flight among others in the recording; empty when it is alone.
         own: colour that does.
         root: entity under which lies what belongs to this flight alone.
     """

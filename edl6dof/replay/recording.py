@@ -60,7 +60,7 @@ def write_replay(
 ) -> None:
     """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
 
-    ``labels`` tell several flights apart, or one from the trajectories of a campaign in ``ensemble``; a
+    ``labels`` distinguish several flights, or one from the trajectories of a campaign in ``ensemble``; a
     flight alone needs none.
 
     Raises:

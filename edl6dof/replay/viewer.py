@@ -1,6 +1,6 @@
 """The viewer: open a recording on the desktop, or take its picture without a window.
 
-Where it cannot do its work, what it said on its way out tells what the machine lacks.
+If it fails, its last words say what the machine lacks.
 """
 
 from __future__ import annotations
@@ -99,16 +99,16 @@ class Program:
 
     def _why_ended(self) -> ViewerFailed:
         self._log.seek(0)
-        said = [
+        lines = [
             line.strip() for line in self._log.read().decode(errors="replace").splitlines() if line.strip()
         ]
-        for line in said:
+        for line in lines:
             for words, remedy in _LACKING.items():
                 if words in line:
                     return NoViewer(f"the viewer does not run on this machine: {remedy} ({_short(line)})")
         telling = next(
-            (line for line in said if line.lower().startswith("error") or "panicked at" in line),
-            said[-1] if said else "",
+            (line for line in lines if line.lower().startswith("error") or "panicked at" in line),
+            lines[-1] if lines else "",
         )
         return ViewerFailed(f"the viewer ended with status {self._process.returncode}: {_short(telling)}")
 

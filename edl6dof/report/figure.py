@@ -58,7 +58,7 @@ PHASES = _inks(
 SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = _inks(
     "#b7e3c8 #1c7a52", "#aeb4bc #4c525a", "#f7d08a #d0a03a", "#e79a7c #a83f22", "#e6e8eb #343b44"
 )
-#: Sequential scale from paper white to dark blue: it saves ink, and lightness alone tells its order.
+#: Sequential scale from paper white to dark blue: it saves ink, and lightness alone gives its order.
 SEQUENTIAL = _inks(
     "#f7f9fb #1b2027", "#cfe1f2 #173a5e", "#93c4de #1f5f93", "#4a97c9 #3f8fc4", "#1764ab #86bfe3",
     "#08306b #e2f0fa",

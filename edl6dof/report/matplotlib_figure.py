@@ -183,7 +183,7 @@ def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, 
 def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
     for x, y, words, side in zip(trace.x, trace.y, trace.labels, placed, strict=False):
         style: Any = {"fontsize": "small", "color": trace.colour, "textcoords": "offset points"}
-        axes.annotate(words, (x, y), **style, **_beside(side))
+        axes.annotate(words, (x, y), **style, **_offset(side))
     if trace.kind == "bars":
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
         return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
@@ -198,7 +198,7 @@ def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
     return axes.plot(trace.x, trace.y, color=trace.colour, **look)[0]
 
 
-def _beside(side: Side) -> dict[str, Any]:
+def _offset(side: Side) -> dict[str, Any]:
     """Offset (pt) and alignment of a label at its point."""
     up = ("above" in side) - ("below" in side)
     across = ("right" in side) - ("left" in side)

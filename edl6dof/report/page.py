@@ -24,7 +24,7 @@ from edl6dof.report.figure import DARK, Figure
 from edl6dof.report.plotly_figure import TEMPLATE, plotly_figure, plotly_layout
 
 _HERE = Path(__file__).parent
-#: plotly.js for plots of two axes, compressed; where it is from stands beside it.
+#: plotly.js for plots of two axes, compressed; its source is stated next to it.
 PLOTLY = _HERE.parent / "data" / "plotly" / "plotly-cartesian.min.js.gz"
 #: Colours by their names in the style of the page.
 COLOURS: dict[str, str] = {

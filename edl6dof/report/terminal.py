@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 #: No table has more letters in a line.
 _WIDEST = 400
-#: What is said of a limit or a requirement.
+#: Status of a limit or a requirement.
 LIMIT_STATUS = {True: "kept", False: "broken"}
-#: What is said below the figures of one flight.
+#: Remark below the figures of one flight.
 ONE_DRAW = "One flight is one draw; mean and spread of many: edl6dof figures SCENARIO"
 #: Figures of navigation and their formats.
 NAVIGATION = {
@@ -82,8 +82,8 @@ def timeline_table(flight: Flight) -> Table:
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        told = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
-        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", told
+        number = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
+        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", number
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
 
@@ -107,12 +107,12 @@ def comparison(
 
     Args:
         figures: of a flight, or means.
-        published: what stands beside them.
+        published: the published ones.
         deviations: standard deviations, where the figures are means; of one flight there are none.
     """
     return [
-        _compared(beside, figures.get(beside.figure.name), (deviations or {}).get(beside.figure.name))
-        for beside in published_figures(published)
+        _compared(pair, figures.get(pair.figure.name), (deviations or {}).get(pair.figure.name))
+        for pair in published_figures(published)
     ]
 
 
@@ -166,8 +166,8 @@ def print_whole(table: Table) -> None:
     Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
-def _compared(beside: Beside, own: float | None, deviation: float | None) -> Compared:
-    figure, published = beside
+def _compared(pair: Beside, own: float | None, deviation: float | None) -> Compared:
+    figure, published = pair
     places = _published_places(published.number)
     head, shown = (figure.meaning, figure.unit.label), f"{published.mark}{published.number:,.{places}f}"
     if own is None or not math.isfinite(own):

@@ -172,8 +172,8 @@ def scales(flight: History, motion: Motion) -> str:
     by_scale: dict[str, list[str]] = {}
     for arrow in forces(flight, motion, rows):
         by_scale.setdefault(_amount(arrow.metre, arrow.unit), []).append(arrow.name)
-    told = [f"{scale} ({', '.join(names)})" for scale, names in by_scale.items()]
-    return f"1 m = {', '.join(told)}" if told else ""
+    texts = [f"{scale} ({', '.join(names)})" for scale, names in by_scale.items()]
+    return f"1 m = {', '.join(texts)}" if texts else ""
 
 
 def _way(motion: Motion, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -125,8 +125,8 @@ class Layout:
 
     def _parachute(self) -> rrb.Container:
         rrb, views = self.rrb, self.views
-        beside = rrb.Vertical(views.away(), views.afar("Descent"), row_shares=[1, 1])
-        left = rrb.Horizontal(views.chase(), beside, column_shares=[1, 1])
+        others = rrb.Vertical(views.away(), views.afar("Descent"), row_shares=[1, 1])
+        left = rrb.Horizontal(views.chase(), others, column_shares=[1, 1])
         return rrb.Horizontal(left, self._grid("Parachute"), column_shares=[11, 8], name="Parachute")
 
     def _powered(self) -> rrb.Container:

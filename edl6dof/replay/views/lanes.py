@@ -23,8 +23,7 @@ TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 FIRING = 0.02
 #: Least width of a page's lanes, and room that a letter takes, px.
 LANE_PX, LETTER_PX = 800.0, 6.6
-#: Letters of an event's name at most: a longer one, such as why a flight ended, would leave no room to tell
-#: where.
+#: Letters of an event's name at most, so that its place has room.
 MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "

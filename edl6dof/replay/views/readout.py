@@ -68,7 +68,7 @@ class Readout(Recorder):
     def _written(self, rows: np.ndarray, stages: np.ndarray) -> None:
         """The texts of some rows, in so many stages."""
         lines = {name: self._line(field, values[rows]) for name, field, values in self._fields()}
-        said = [
+        tables = [
             "\n|:--|--:|\n".join(
                 _parted([lines[name][k] for name in lines if STAGES[stage] in READOUT[name].stages])
             )
@@ -79,7 +79,7 @@ class Readout(Recorder):
         text = [
             f"## T+{t:.1f} s\n**{title}**\n\n{table}\n\n{troubles}"
             for t, title, table, troubles in zip(
-                self.t[rows].tolist(), titles, said, self._troubles(rows), strict=True
+                self.t[rows].tolist(), titles, tables, self._troubles(rows), strict=True
             )
         ]
         media = ["text/markdown"] * len(text)
@@ -122,12 +122,12 @@ class Readout(Recorder):
             "diagnosed": {jet: self.t[rows] >= found.t_s for jet, found in flight.diagnosed.items()},
             "excluded": {one.name: one.holds(EXCLUDED)[rows] for one in flight.instruments},
         }
-        told: list[list[str]] = [[] for _ in rows]
+        found: list[list[str]] = [[] for _ in rows]
         for word, by_name in holds.items():
             for k in np.flatnonzero(np.any([*by_name.values(), np.zeros(len(rows), bool)], axis=0)):
                 names = ", ".join(name for name, there in by_name.items() if there[k])
-                told[k].append(f"**{word}:** {names}")
-        return ["  \n".join(lines) for lines in told]
+                found[k].append(f"**{word}:** {names}")
+        return ["  \n".join(lines) for lines in found]
 
 
 def _parted(lines: list[str]) -> tuple[str, str]:

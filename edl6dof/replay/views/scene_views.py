@@ -147,7 +147,7 @@ class Views:
         """The path from ``start`` to the end from its side: distances of the eye from and above its middle,
         and of its target below it, in lengths of the path.
         """
-        along, length, side = _beside(start, self.end)
+        along, length, side = _course(start, self.end)
         middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
         place, target = middle - off * length * side + above * up, middle - below * up
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
@@ -181,11 +181,11 @@ def root_of(number: int) -> str:
 
 def body_eye(start: np.ndarray, end: np.ndarray, size: float) -> np.ndarray:
     """Return the place of the eye (m in L) that looks at frames and forces of a vehicle of this size (m)."""
-    along, length, side = _beside(start, end)
+    along, length, side = _course(start, end)
     return size * (0.84 * along / length - 2.4 * side + [0.0, 0.0, 0.78])
 
 
-def _beside(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+def _course(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """From start to end, its length, and a level unit vector to its right."""
     along = end - start
     length = float(np.linalg.norm(along)) or 1.0

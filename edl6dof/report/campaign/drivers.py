@@ -25,16 +25,16 @@ _FIGURES = (
 )
 #: Before an input that stands below its figure.
 _INDENT = "\u2003"
-#: Inputs of each figure whose Sobol indices are told.
+#: Inputs of each figure whose Sobol indices are shown.
 _SHOWN = 5
-#: Interval of a total index beyond which a figure's indices tell nothing.
+#: Interval of a total index beyond which a figure's indices mean nothing.
 _WIDEST = 1.0
-#: Letters of a line of a figure's name beside the bars.
+#: Letters of a line of a figure's name at the bars.
 _LETTERS = 24
 
 
 @dataclass(frozen=True)
-class Told:
+class Explained:
     """A figure and its drivers."""
 
     figure: FigureOfMerit
@@ -48,7 +48,7 @@ def blocks(results: Results) -> Iterator[Block]:
     if len(results.cases) < FEWEST:
         yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
         return
-    told = _told(results)
+    explained = _explained(results)
     yield Text(
         "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
         "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
@@ -56,9 +56,11 @@ def blocks(results: Results) -> Iterator[Block]:
         "random profiles of density and gusts, of inputs whose share is too small to be told, and of what "
         "only several inputs together do."
     )
-    if any(one.drivers.found for one in told):
-        yield chart([one for one in told if one.drivers.found])
-    yield Table(["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(told)))
+    if any(one.drivers.found for one in explained):
+        yield chart([one for one in explained if one.drivers.found])
+    yield Table(
+        ["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(explained))
+    )
 
 
 def indices(results: Results) -> Iterator[Block]:
@@ -70,7 +72,7 @@ def indices(results: Results) -> Iterator[Block]:
         matrices = results.swapped(name)
         a, b = matrices.pop(A), matrices.pop(B)
         found = sobol_indices(a, b, matrices)[:_SHOWN]
-        if not all(map(_is_told, found)):
+        if not all(map(_is_resolved, found)):
             found = []
         words = "" if found else f": cannot be told with {len(a):,} rows"
         rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
@@ -83,13 +85,13 @@ def indices(results: Results) -> Iterator[Block]:
     yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
 
 
-def _told(results: Results) -> list[Told]:
+def _explained(results: Results) -> list[Explained]:
     moving = {name: results[name] for name in _figures(results)}
     found = drivers_of_each(results.groups, list(moving.values()))
-    return [Told(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
+    return [Explained(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
 
 
-def _is_told(index: Index) -> bool:
+def _is_resolved(index: Index) -> bool:
     _, low, high = index.total
     return high - low <= _WIDEST
 
@@ -114,9 +116,9 @@ def _moves(values: np.ndarray) -> bool:
     return bool(len(finite)) and float(np.ptp(finite)) > 0.0
 
 
-def _rows(told: list[Told]) -> Iterator[Row]:
+def _rows(explained: list[Explained]) -> Iterator[Row]:
     """A line about each figure, and below it its drivers."""
-    for one in told:
+    for one in explained:
         least = in_percent(one.drivers.least)
         flights = f"cannot be told with {one.drivers.flights:,} flights"
         if not one.drivers.found:
@@ -131,29 +133,31 @@ def _rows(told: list[Told]) -> Iterator[Row]:
             yield [_INDENT + driver.name, share, _ends(driver.low, driver.high), driver.effect]
 
 
-def chart(told: list[Told]) -> Figure:
+def chart(explained: list[Explained]) -> Figure:
     """Draw each figure's variance as a bar, divided into the shares of its drivers."""
-    every = sorted((driver for one in told for driver in one.drivers.found), key=lambda found: -found.share)
+    every = sorted(
+        (driver for one in explained for driver in one.drivers.found), key=lambda found: -found.share
+    )
     ranked = list(dict.fromkeys(driver.name for driver in every))
     colours = dict(zip(ranked, SERIES, strict=False))
-    bands = [band for row, one in enumerate(reversed(told)) for band in _bar(one, row, colours)]
+    bands = [band for row, one in enumerate(reversed(explained)) for band in _bar(one, row, colours)]
     legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
     if len(ranked) > len(colours):
         legend.append(("others", GREY))
     traces = [legend_entry(name, colour, 1.6) for name, colour in legend]
     panel = Panel(
         Axis("share of the variance (%)", range=(0.0, 100.0)),
-        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(told)]),
+        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(explained)]),
         traces,
         bands=bands,
     )
     caption = "What no colour covers cannot be told from chance. Figures without a driver are left out."
     return Figure(
-        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(told)
+        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(explained)
     )
 
 
-def _bar(one: Told, row: int, colours: dict[str, str]) -> Iterator[Band]:
+def _bar(one: Explained, row: int, colours: dict[str, str]) -> Iterator[Band]:
     start = 0.0
     for driver in one.drivers.found:
         end = min(start + 100.0 * driver.share, 100.0)

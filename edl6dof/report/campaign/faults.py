@@ -44,10 +44,10 @@ _LOST = "not within limits"
 #: Top of the scale of times, s; longer ones have its colour.  White is not isolated, and none of its colours.
 _LONGEST_S = 15.0
 _SCALE = SEQUENTIAL[1:]
-#: Moments named along an axis that holds more than stand beside each other, and lines of a table.
+#: Moments named along an axis that holds more than fit, and lines of a table.
 _NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
-#: What tells a fault in a list.
+#: Columns that identify a fault in a list.
 _WHERE = ("component", "kind", "moment", "regime")
 
 
@@ -220,7 +220,7 @@ def _words(rows: Sequence[Row]) -> str:
 def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
     columns = ("case>", *_WHERE, column.replace("_", " "))
     words = title if len(rows) <= _LINES else f"{title}: the first {_LINES} of {len(rows)}"
-    told = [
+    texts = [
         (
             *(str(row["case"]), row["component"], row["kind"], row["moment"]),
             row.get("regime") or "",
@@ -228,7 +228,7 @@ def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
         )
         for row in rows[:_LINES]
     ]
-    return Table(columns, told, words)
+    return Table(columns, texts, words)
 
 
 def _text(value: Any) -> str:

@@ -99,8 +99,8 @@ def _apart(order: np.ndarray, x: np.ndarray, y: np.ndarray) -> set[int]:
     """
     taken: list[int] = []
     for index in order[: 4 * _NAMED]:
-        beside = [abs(x[index] - x[k]) < _WORD[0] and abs(y[index] - y[k]) < _WORD[1] for k in taken]
-        if not any(beside) and len(taken) < _NAMED:
+        near = [abs(x[index] - x[k]) < _WORD[0] and abs(y[index] - y[k]) < _WORD[1] for k in taken]
+        if not any(near) and len(taken) < _NAMED:
             taken.append(int(index))
     return set(taken)
 

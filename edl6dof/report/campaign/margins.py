@@ -32,7 +32,7 @@ _OTHERS = (
     *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
     *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
-#: Cases that are named beside each limit.
+#: Cases that are named for each limit.
 _NEAREST = 3
 #: Figures that count what should be none: what it says of a flight in which there is none.
 _COUNTS = {
@@ -231,10 +231,10 @@ def propellant(results: Results) -> Iterator[Block]:
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
         marks=[Mark("x", at, words) for words, at in lowest],
     )
-    told = "".join(
+    shown = "".join(
         f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
     )
-    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}."
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{shown}."
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 

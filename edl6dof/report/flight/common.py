@@ -39,7 +39,7 @@ FAR = 30.0
 #: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
 BULK, PEAK = 0.999, 3.0
 
-#: Events worth a line across a plot, and the word beside it.
+#: Events worth a line across a plot, and its label.
 EVENTS: dict[str, str] = {
     "fault": "fault",
     "diagnosis": "diagnosed",

@@ -58,9 +58,9 @@ def outcomes(first: Run, second: Run) -> Table:
     """Tabulate the outcomes."""
     rows: list[Row] = []
     for name, run in zip(labels(first, second), (first, second), strict=True):
-        told = run.summary
-        outcome = Cell(str(told["outcome"]), mood(told))
-        rows.append([name, outcome, f"{told['time_s']:.2f}", told["edl6dof_version"]])
+        summary = run.summary
+        outcome = Cell(str(summary["outcome"]), mood(summary))
+        rows.append([name, outcome, f"{summary['time_s']:.2f}", summary["edl6dof_version"]])
     return Table(["flight", "outcome", "end (s)>", "edl6dof"], rows)
 
 
@@ -127,8 +127,8 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
         if not trace.border
     ]
     ranges = [
-        None if axis.range is None or axis.names else widest(axis.range, beside.range)
-        for axis, beside in ((one.x, two.x), (one.y, two.y))
+        None if axis.range is None or axis.names else widest(axis.range, other.range)
+        for axis, other in ((one.x, two.x), (one.y, two.y))
     ]
     x, y = (
         replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True)
