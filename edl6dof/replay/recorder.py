@@ -14,8 +14,7 @@ from edl6dof.interchange.mesh_file import read_mesh_file
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import FLIGHTS, PHASES
-from edl6dof.replay.views.scene_views import TIMELINE, root_of
+from edl6dof.replay.views.pages import FLIGHTS, PHASES, TIMELINE, root_of
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:

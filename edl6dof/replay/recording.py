@@ -21,8 +21,7 @@ import numpy as np
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows
-from edl6dof.replay.scene.craft import Descent, Vehicle
-from edl6dof.replay.scene.flames import Flames
+from edl6dof.replay.scene.craft import Descent, Flames, Vehicle
 from edl6dof.replay.scene.ground import Ground, NearGround
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.scene.sensing import NAVIGATED, Beams, Hazards
@@ -31,7 +30,7 @@ from edl6dof.replay.views import charts, lanes, readout
 from edl6dof.replay.views.blueprint import Layout
 from edl6dof.replay.views.cameras import Cameras, Director, ScaleBar
 from edl6dof.replay.views.charts import PhasePlanes
-from edl6dof.replay.views.scene_views import TIMELINE
+from edl6dof.replay.views.pages import TIMELINE
 
 if TYPE_CHECKING:
     pass

@@ -17,7 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import IO
 
-from edl6dof.replay.views.scene_views import TIMELINE
+from edl6dof.replay.views.pages import TIMELINE
 
 HOST = "127.0.0.1"
 STARTUP_S = 20.0

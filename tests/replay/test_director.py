@@ -13,8 +13,7 @@ from edl6dof.replay.history import History
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.views.cameras import CLEAR_M, LANDING_DISTANCE, ROOM, SEPARATION_S, shots
-from edl6dof.replay.views.pages import TOUR
-from edl6dof.replay.views.scene_views import FIELD_DEG
+from edl6dof.replay.views.pages import FIELD_DEG, TOUR
 
 
 class Shown:

@@ -12,7 +12,7 @@ from PIL import Image
 
 import edl6dof
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene.site_frame import Site
+from edl6dof.replay.scene.poses import Site
 from edl6dof.replay.viewer import NoViewer, screenshot
 from edl6dof.spatial import rotations as turns
 

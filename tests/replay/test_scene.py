@@ -21,7 +21,7 @@ from edl6dof.replay.scene import craft_shapes
 from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.outline import outline
-from edl6dof.replay.scene.site_frame import Site
+from edl6dof.replay.scene.poses import Site
 from edl6dof.replay.scene.tracks import Globe, planet
 from edl6dof.replay.views.charts import boundaries, squeeze
 from edl6dof.scenario.loading import load_scenario

@@ -17,7 +17,7 @@ from edl6dof.replay.scene.arrows import COVERED, Label, forces, laid_out, scales
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.views.charts import axis_range
 from edl6dof.replay.views.lanes import fitted
-from edl6dof.replay.views.scene_views import body_eye
+from edl6dof.replay.views.pages import body_eye
 from edl6dof.report.catalogue import BANK, RANGE, RATES
 
 RrdReader = pytest.importorskip("rerun.chunk").RrdReader

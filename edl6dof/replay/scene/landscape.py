@@ -25,7 +25,7 @@ from edl6dof.replay.scene.mesh import (
     pole_triangles,
     sphere,
 )
-from edl6dof.replay.scene.site_frame import Site
+from edl6dof.replay.scene.poses import Site
 
 RINGS, SPOKES = 190, 180
 #: Share of the way to the other side of the planet at which the last ring lies.

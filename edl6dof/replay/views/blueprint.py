@@ -24,13 +24,16 @@ from edl6dof.replay.views.pages import (
     PAGES,
     PHASE,
     POWERED,
+    SPACE,
     THRUSTERS,
+    TIMELINE,
     TOUR,
     VEHICLE,
+    Views,
     lane_of,
     spans_of,
+    window,
 )
-from edl6dof.replay.views.scene_views import SPACE, TIMELINE, Views, window
 from edl6dof.report.catalogue import Plot
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ import numpy as np
 
 from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.views.pages import ENGINE, PHASE, VEHICLE, lane_of
-from edl6dof.replay.views.scene_views import Labels
+from edl6dof.replay.views.pages import ENGINE, PHASE, VEHICLE, Labels, lane_of
 from edl6dof.report.catalogue import STATES
 from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 
