@@ -35,6 +35,11 @@ class Cell:
 Row = Sequence[str | Cell]
 
 
+def as_cell(item: str | Cell) -> Cell:
+    """Return an item of a row as a cell."""
+    return item if isinstance(item, Cell) else Cell(item)
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows under headings; a heading that ends in ``>`` marks a column of right-aligned numbers."""

@@ -137,7 +137,6 @@ class Heat:
     Attributes:
         colours: the scale; with a title of none, one colour for each whole number from ``low`` to ``high``.
         labels: words of each cell, shown where a reader points at it.
-        written: whether the labels stand in the cells on paper.
     """
 
     x: np.ndarray
@@ -148,7 +147,6 @@ class Heat:
     high: float
     colours: Sequence[str] = SEQUENTIAL
     labels: Sequence[Sequence[str]] = ()
-    written: bool = False
 
     @property
     def kinds(self) -> bool:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from edl6dof.report.figure import (
-    BLACK,
     GREY,
     INK,
     RULE,
@@ -50,16 +49,13 @@ _NAMES_IN_LINE = 60
 _DASHES: dict[str, Any] = {
     "solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2)),
 }  # fmt: skip
-_SYMBOLS = {
-    "circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^",
-    "triangle-down": "v",
-}  # fmt: skip
+_SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X"}
 
 
-def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
+def write_figure(figure: Figure, path: Path) -> None:
     """Write one figure in the format that the suffix of the path names."""
     with own_style():
-        matplotlib_figure(figure).savefig(path, dpi=dpi)
+        matplotlib_figure(figure).savefig(path, dpi=200)
 
 
 def styled(figure: Figure) -> Canvas:
@@ -188,7 +184,7 @@ def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
         return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
     if trace.kind == "points":
-        look: Any = {"s": (2.4 + 1.3 * trace.width) ** 2, "marker": _SYMBOLS.get(trace.symbol, "o")}
+        look: Any = {"s": (2.4 + 1.3 * trace.width) ** 2, "marker": _SYMBOLS[trace.symbol]}
         edge: Any = {"linewidths": 0.3, "edgecolors": "white", "zorder": 3}
         return axes.scatter(trace.x, trace.y, color=trace.colour, **look, **edge)
     if trace.kind == "region":
@@ -210,14 +206,6 @@ def _offset(side: Side) -> dict[str, Any]:
     }
 
 
-def _write_cells(axes: Axes, heat: Heat) -> None:
-    middle = 0.5 * sum(heat.limits)
-    for y, line, words in zip(heat.y, heat.values, heat.labels, strict=True):
-        for x, value, word in zip(heat.x, line, words, strict=True):
-            ink = "white" if value > middle else BLACK
-            axes.annotate(word, (x, y), ha="center", va="center", fontsize="x-small", color=ink)
-
-
 def _heat(axes: Axes, heat: Heat) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -232,7 +220,5 @@ def _heat(axes: Axes, heat: Heat) -> None:
         rasterized=True,
     )
     axes.grid(False)
-    if heat.written:
-        _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)

@@ -19,7 +19,7 @@ from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.report import figure
-from edl6dof.report.document import Cell, Listing, Report, Table
+from edl6dof.report.document import Listing, Report, Table, as_cell
 from edl6dof.report.figure import DARK, Figure
 from edl6dof.report.plotly_figure import TEMPLATE, plotly_figure, plotly_layout
 
@@ -67,7 +67,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, keep_trailing_newline=True
     )
-    environment.filters.update(as_cell=_as_cell, split_at_mark=_split_at_mark, first_of_words=_first_of_words)
+    environment.filters.update(as_cell=as_cell, split_at_mark=_split_at_mark, first_of_words=_first_of_words)
     for name, kind in (("figure", Figure), ("table", Table), ("listing", Listing)):
         environment.tests[name] = lambda block, kind=kind: isinstance(block, kind)
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
@@ -76,10 +76,6 @@ def _environment() -> Environment:
 
 def _verbatim(path: Path) -> Markup:
     return Markup(path.read_text(encoding="utf-8").rstrip("\n"))
-
-
-def _as_cell(item: str | Cell) -> Cell:
-    return item if isinstance(item, Cell) else Cell(item)
 
 
 def _first_of_words(columns: Sequence[str]) -> int:

@@ -13,7 +13,7 @@ from edl6dof.report.pdf import ROOM, ROWS_PER_PAGE, _pages, figure_pages
 
 
 def words(lines):
-    return [line[0][2] if line else "" for line in lines]
+    return [line[0].text if line else "" for line in lines]
 
 
 def test_tables_are_not_torn():

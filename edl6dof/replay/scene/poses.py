@@ -1,4 +1,4 @@
-"""Poses in the landing-site frame L (east, north, up; m), with the true ground around it and the sun over it."""
+"""Poses in the landing-site frame L (east, north, up; m), the true ground around it, and the sun over it."""
 
 from __future__ import annotations
 
