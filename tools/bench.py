@@ -16,6 +16,8 @@ loop        the nominal flight in this process, pinned to one core: the compiled
 peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are
             formed pair by pair.  The peers come with ``pip install "edl6dof[bench]"``; a missing one is
             reported and left out.
+precision   simulated seconds per CPU second against the error of free entries, of all three programs: what
+            counts for a user, as steps of different methods are not worth the same.
 
 How to read it. A step is one integration step of a cycle; steps that events, a canopy or the ground split are
 not counted. Seconds are CPU seconds where it says so: on a machine with other work they are what repeats,
@@ -47,11 +49,12 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bench_precision import draw_precision, measure_precision
 from bench_processes import ROOT, SCENARIO, Lap, measure_processes, snapshot
-from bench_tables import show_comparison, show_laps, show_phases
+from bench_tables import show_comparison, show_laps, show_phases, show_precision
 from rich.console import Console
 
-SECTIONS = ("processes", "loop", "peers")
+SECTIONS = ("processes", "loop", "peers", "precision")
 PEERS = ("peers_jsbsim", "peers_basilisk")
 #: Landing area, lidar, stereo cameras and landing camera: hazard detection.
 AMONG_ROCKS = "tianwen1_hazards"
@@ -260,6 +263,11 @@ def bench(console: Console, options: argparse.Namespace, tree: Path) -> dict[str
                 console.print(f"{peer.NAME}: no comparison; {error}")
             else:
                 show_comparison(console, peer.NAME, results["peers"][peer.NAME])
+    if "precision" in options.only:
+        results["precision"] = measure_precision(max(1, options.repeats // 2))
+        show_precision(console, results["precision"])
+        if options.picture:
+            draw_precision(results["precision"], options.picture)
     results["machine"]["load_average_after"] = os.getloadavg()[0]
     console.print(
         f"load average afterwards {os.getloadavg()[0]:.2f}; above 1 or so, trust CPU seconds and ratios only"
@@ -286,6 +294,7 @@ def main() -> None:
         action="store_true",
         help=("use the repository and its cache; no first-flight measurement"),
     )
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the work-precision diagram")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all samples")
     options = parser.parse_args()
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 150)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 from typing import Any
 
+from bench_precision import LEVELS_M, Point, speed_at
 from bench_processes import Lap
 from rich.console import Console
 from rich.table import Table
@@ -91,3 +92,32 @@ def show_phases(console: Console, phases: list[dict[str, Any]]) -> None:
 
 def _numbers(values: dict[str, float]) -> str:
     return ", ".join(f"{name} {value:.1f}" for name, value in values.items())
+
+
+def show_precision(console: Console, programs: dict[str, list[Point]]) -> None:
+    """Points of the work-precision diagram, and the programs at equal errors."""
+    table = Table(title="Free entry of 250 s: speed and error", title_justify="left")
+    for name in ("", "step ms", "simulated s per CPU s", "error of position m", "of attitude deg"):
+        table.add_column(name, justify="left" if not name else "right")
+    for name, points in programs.items():
+        for point in points:
+            table.add_row(
+                name,
+                f"{1e3 * point.step_s:g}",
+                f"{point.speed:,.0f}",
+                f"{point.position_m:.2g}",
+                f"{point.attitude_deg:.2g}",
+            )
+        table.add_section()
+    console.print(table)
+    table = Table(title="The same at equal error of position", title_justify="left")
+    for name in ("", *(f"{level:g} m" for level in LEVELS_M)):
+        table.add_column(name, justify="left" if not name else "right")
+    speeds = {name: [speed_at(points, level) for level in LEVELS_M] for name, points in programs.items()}
+    for name, row in speeds.items():
+        table.add_row(f"{name}, simulated s per CPU s", *(f"{x:,.0f}" if x else "not reached" for x in row))
+    for name, row in speeds.items():
+        if name != "edl6dof":
+            ratios = [a / b if a and b else None for a, b in zip(speeds["edl6dof"], row, strict=True)]
+            table.add_row(f"edl6dof / {name}", *(f"{x:.1f}" if x else "" for x in ratios))
+    console.print(table)

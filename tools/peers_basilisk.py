@@ -26,6 +26,7 @@ HAS = "point-mass Mars, exponential atmosphere, drag, thrusters with ramps, MRP 
 LACKS = "J2, aero tables, varying mass, guidance, phases, parachute, engine, staging, terrain, wind, log"
 STEP_S = 0.01
 CONTROL_S = 0.1
+SECONDS = 500.0
 STEPS = 50_000
 FORCE_EVALUATIONS_A_STEP = 4.0
 
@@ -56,44 +57,28 @@ def run() -> tuple[float, float, dict[str, float]]:
     Raises:
         FloatingPointError: the state is not finite.
     """
-    simulation, vehicle, keep = _prepare()
-    wall, cpu = time.perf_counter(), time.process_time()
-    simulation.ExecuteSimulation()
-    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    state = vehicle.scStateOutMsg.read()
-    r, v, w = (list(map(float, values)) for values in (state.r_BN_N, state.v_BN_N, state.omega_BN_B))
-    if not all(map(math.isfinite, r + v + w)):
-        raise FloatingPointError("Basilisk's state is not finite")
-    del keep
+    wall, cpu, r, v, _, w = run_with(STEP_S, SECONDS, controlled=True)
     end = {
         "altitude_m": math.hypot(*r) - RADIUS_M,
         "speed_m_s": math.hypot(*v),
         "rate_deg_s": math.degrees(math.hypot(*w)),
     }
-    return wall, cpu, {"time_s": simulation.TotalSim.CurrentNanos * 1e-9, **end}
+    return wall, cpu, {"time_s": SECONDS, **end}
 
 
-def _prepare() -> tuple[Any, Any, list[Any]]:
-    """Build the simulation; the third item keeps alive what Basilisk refers to without owning."""
-    from Basilisk.architecture import messaging
-    from Basilisk.fswAlgorithms import (
-        attTrackingError,
-        inertial3D,
-        mrpFeedback,
-        thrFiringSchmitt,
-        thrForceMapping,
-    )
-    from Basilisk.simulation import (
-        dragDynamicEffector,
-        exponentialAtmosphere,
-        simpleNav,
-        spacecraft,
-        thrusterDynamicEffector,
-    )
-    from Basilisk.utilities import SimulationBaseClass, macros, simIncludeGravBody, simIncludeThruster
+def run_with(
+    step_s: float, seconds: float, *, controlled: bool
+) -> tuple[float, float, list[float], list[float], list[float], list[float]]:
+    """As :func:`run`, with another step and length: wall seconds, CPU seconds; position (m), velocity (m/s),
+    modified Rodrigues parameters and rate (rad/s) at the end.
+
+    Without control the thrusters and their software are left out: a free entry.
+    """
+    from Basilisk.simulation import dragDynamicEffector, exponentialAtmosphere, spacecraft
+    from Basilisk.utilities import SimulationBaseClass, macros, simIncludeGravBody
 
     simulation = SimulationBaseClass.SimBaseClass()
-    for name, period in (("dynamics", STEP_S), ("software", CONTROL_S)):
+    for name, period in (("dynamics", step_s), ("software", CONTROL_S)):
         simulation.CreateNewProcess(name).addTask(simulation.CreateNewTask(name, macros.sec2nano(period)))
 
     vehicle = spacecraft.Spacecraft()
@@ -117,6 +102,35 @@ def _prepare() -> tuple[Any, Any, list[Any]]:
     drag.coreParams.comOffset = [0.0, 0.003, -0.005]
     drag.atmoDensInMsg.subscribeTo(air.envOutMsgs[0])
     vehicle.addDynamicEffector(drag)
+    for model in (air, drag, vehicle):
+        simulation.AddModelToTask("dynamics", model)
+    keep = _add_control(simulation, vehicle) if controlled else []
+
+    simulation.InitializeSimulation()
+    simulation.ConfigureStopTime(macros.sec2nano(seconds))
+    wall, cpu = time.perf_counter(), time.process_time()
+    simulation.ExecuteSimulation()
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    end = vehicle.scStateOutMsg.read()
+    r, v, s, w = (list(map(float, x)) for x in (end.r_BN_N, end.v_BN_N, end.sigma_BN, end.omega_BN_B))
+    if not all(map(math.isfinite, r + v + s + w)):
+        raise FloatingPointError("Basilisk's state is not finite")
+    del keep
+    return wall, cpu, r, v, s, w
+
+
+def _add_control(simulation: Any, vehicle: Any) -> list[Any]:
+    """Add thrusters, navigation and attitude control; returns what Basilisk refers to without owning."""
+    from Basilisk.architecture import messaging
+    from Basilisk.fswAlgorithms import (
+        attTrackingError,
+        inertial3D,
+        mrpFeedback,
+        thrFiringSchmitt,
+        thrForceMapping,
+    )
+    from Basilisk.simulation import simpleNav, thrusterDynamicEffector
+    from Basilisk.utilities import simIncludeThruster
 
     factory = simIncludeThruster.thrusterFactory()
     for position, direction in THRUSTERS:
@@ -125,7 +139,7 @@ def _prepare() -> tuple[Any, Any, list[Any]]:
     factory.addToSpacecraft("thrusters", thrusters, vehicle)
     navigation = simpleNav.SimpleNav()
     navigation.scStateInMsg.subscribeTo(vehicle.scStateOutMsg)
-    for model in (air, drag, thrusters, vehicle, navigation):
+    for model in (thrusters, navigation):
         simulation.AddModelToTask("dynamics", model)
 
     pointing = inertial3D.inertial3D()
@@ -151,7 +165,4 @@ def _prepare() -> tuple[Any, Any, list[Any]]:
     thrusters.cmdsInMsg.subscribeTo(trigger.onTimeOutMsg)
     for module in (pointing, error, control, mapping, trigger):
         simulation.AddModelToTask("software", module)
-
-    simulation.InitializeSimulation()
-    simulation.ConfigureStopTime(macros.sec2nano(STEPS * STEP_S))
-    return simulation, vehicle, [gravity, factory, inertia, layout]
+    return [factory, inertia, layout]

@@ -131,13 +131,10 @@ INITIAL = {
     "simulation/integrator/rate/rotational": 3,
     "simulation/integrator/position/rotational": 3,
 }
-WATCHED = (
-    "position/h-sl-ft",
-    "velocities/vt-fps",
-    "velocities/p-rad_sec",
-    "velocities/q-rad_sec",
-    "velocities/r-rad_sec",
-)
+#: State at the end: position, m (x east of the prime meridian), attitude in the local level axes, rad.
+POSITION = tuple(f"position/eci-{axis}-ft" for axis in "xyz")
+ATTITUDE = ("attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad")
+WATCHED = ("position/h-sl-ft", "velocities/vt-fps", *POSITION, *ATTITUDE)
 
 
 def run() -> tuple[float, float, dict[str, float]]:
@@ -147,17 +144,20 @@ def run() -> tuple[float, float, dict[str, float]]:
         FloatingPointError: the state is not finite (``run`` returns True all the same, and such a run looks
             faster).
     """
-    vehicle = prepare(AIRCRAFT, STEP_S, INITIAL)
+    wall, cpu, end = run_with(STEP_S)
+    altitude_m, speed_m_s = FOOT * end["position/h-sl-ft"], FOOT * end["velocities/vt-fps"]
+    return wall, cpu, {"time_s": STEPS * STEP_S, "altitude_m": altitude_m, "speed_m_s": speed_m_s}
+
+
+def run_with(step_s: float) -> tuple[float, float, dict[str, float]]:
+    """As :func:`run` with another step: wall seconds, CPU seconds, and the properties ``WATCHED``."""
+    vehicle = prepare(AIRCRAFT, step_s, INITIAL)
     step = vehicle.run
     wall, cpu = time.perf_counter(), time.process_time()
-    for _ in range(STEPS):
+    for _ in range(round(STEPS * STEP_S / step_s)):
         step()
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    end = [float(vehicle[name]) for name in WATCHED]
-    if not all(map(math.isfinite, end)):
+    end = {name: float(vehicle[name]) for name in WATCHED}
+    if not all(map(math.isfinite, end.values())):
         raise FloatingPointError(f"JSBSim's state is not finite after {vehicle.get_sim_time():.2f} s")
-    return (
-        wall,
-        cpu,
-        {"time_s": vehicle.get_sim_time(), "altitude_m": end[0] * FOOT, "speed_m_s": end[1] * FOOT},
-    )
+    return wall, cpu, end

@@ -7,10 +7,10 @@ import edl6dof
 THRUSTERS = {"A13": {"A1", "A3"}, "P34": {"P3", "P4"}, "F56": {"F5", "F6"}, "F34": {"F3", "F4"}}
 
 
-def fly(component, kind, branch, phase):
+def fly(component, kind, branch, phase, seed=1):
     """A flight in which a branch or its meter fails one second into a phase."""
     fault = f"{{kind: {kind}, {component}: {branch}, at: {{phase: {phase}, plus_s: 1}}}}"
-    return edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.log_every=50"])
+    return edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.log_every=50", f"seed={seed}"])
 
 
 def meters(flight):
@@ -18,7 +18,9 @@ def meters(flight):
     return {one.instrument for one in flight.exclusions if one.component == "flow_meter"}
 
 
-@pytest.mark.parametrize(("branch", "phase"), [("A13", "powered_deceleration"), ("P34", "parachute")])
+@pytest.mark.parametrize(
+    ("branch", "phase"), [("A13", "powered_deceleration"), ("P34", "parachute"), ("F34", "lift")]
+)
 def test_all_thrusters_of_a_dead_branch_are_named_and_its_meter_is_not(branch, phase):
     flight = fly("branch", "branch_dead", branch, phase)
     assert flight.success and meters(flight) == set()
@@ -26,14 +28,16 @@ def test_all_thrusters_of_a_dead_branch_are_named_and_its_meter_is_not(branch, p
 
 
 @pytest.mark.parametrize(
-    ("kind", "branch", "phase"),
+    ("kind", "branch", "phase", "seed"),
     [
-        ("reading_stuck", "F56", "trim_aoa"),  # stands at half the flow of a thruster
-        ("reading_stuck", "F34", "slow_descent"),
-        ("reading_outage", "A13", "powered_deceleration"),
-        ("reading_outage", "P34", "parachute"),
+        ("reading_stuck", "F56", "trim_aoa", 1),  # stands at half the flow of a thruster
+        ("reading_stuck", "F34", "slow_descent", 1),
+        ("reading_outage", "A13", "powered_deceleration", 1),
+        ("reading_outage", "P34", "parachute", 1),
+        ("reading_outage", "F34", "lift", 3),  # while a thruster of its branch fires
+        ("reading_outage", "F34", "powered_deceleration", 7),  # likewise
     ],
 )
-def test_a_failed_meter_is_named_and_costs_no_thruster(kind, branch, phase):
-    flight = fly("flow_meter", kind, branch, phase)
+def test_a_failed_meter_is_named_and_costs_no_thruster(kind, branch, phase, seed):
+    flight = fly("flow_meter", kind, branch, phase, seed)
     assert flight.success and meters(flight) == {branch} and flight.isolated_faults == []

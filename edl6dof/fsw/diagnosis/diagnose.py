@@ -48,7 +48,7 @@ from edl6dof.fsw.diagnosis.leak import (
     open_leak,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
@@ -114,6 +114,7 @@ ISOLATED = np.dtype(
 DIAGNOSIS = np.dtype(
     [
         ("residual", RESIDUAL),
+        ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
         ("hypotheses", HYPOTHESES),
         ("flow", FLOW),
         ("leak", LEAK),
@@ -130,6 +131,8 @@ DIAGNOSIS = np.dtype(
 def restart(memory):
     """Forget evidence and slow disturbance: the vehicle, or what acts on it, has changed."""
     restart_residual(memory.residual)
+    for b in range(MAX_BRANCHES):
+        restart_residual(memory.missing[b])
     forget_all(memory.hypotheses)
     memory.streak = 0
 
@@ -154,6 +157,18 @@ def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy):
         memory.flow.known_loss[i] = loss
     else:
         healthy[i] = 0
+
+
+@kernel
+def isolate_likeliest(params, vehicle, t, memory, healthy):
+    """Name the thruster of the best hypothesis, or all of a branch that lets nothing through."""
+    best = memory.hypotheses
+    thruster, branch, kind, loss, confidence = (
+        best.thruster, best.branch, best.kind, best.loss, best.confidence,
+    )  # fmt: skip
+    for i in range(vehicle.n_thrusters):
+        if i == thruster or vehicle.branches.of[i] == branch and healthy[i] != 0:
+            isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy)
 
 
 @kernel
@@ -192,7 +207,7 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
         give_back(vehicle.n_thrusters, leak, healthy, shut)
         leak.branch = NONE
         if best.kind == STUCK_OFF or best.kind == DEGRADED:
-            isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
+            isolate_likeliest(params, vehicle, t, memory, healthy)
         else:  # suspected of leaking, or an event has made all evidence void
             restart(memory)
 
@@ -215,6 +230,23 @@ def may_leak(params, b, load, residual, kind):
     weight = weights(params, residual.slow, 0.0)
     held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
     return kind == STUCK_ON or held or params.load_noise * load > params.force_noise
+
+
+@kernel
+def follow_missing(params, vehicle, effectiveness, share, dt, flow, memory):
+    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
+    the slow part holds them, steady use shows nothing.
+    """
+    for b in range(vehicle.branches.count):
+        missing = memory.missing[b]
+        for j in range(6):
+            missing.value[j] = 0.0
+        if flow.losing[b] != 0:
+            for i in range(vehicle.n_thrusters):
+                if vehicle.branches.of[i] == b:
+                    for j in range(6):
+                        missing.value[j] += share[i] * effectiveness[i, j]
+        without_slow_part(params.slow, missing.value, dt, missing)
 
 
 @kernel
@@ -258,6 +290,8 @@ def diagnose(
         return
     if metered and read_meters(params.flow, instruments, vehicle, used, activity.share, dt, flow):
         weigh_flow(params.flow, 1.0 - 1.0 / params.memory_cycles, vehicle, activity.share, shut, flow)
+    if metered:
+        follow_missing(params, vehicle, effectiveness, activity.share, dt, flow, memory)
     if memory.leak.branch != NONE:
         look_into_leak(
             params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
@@ -269,7 +303,10 @@ def diagnose(
     leaking, told = leaking_branch(params, vehicle, healthy, flow), True
     if leaking == NONE:
         if known > 0:
-            weigh(params, vehicle, metered, effectiveness, activity, load, memory.residual, flow, best)
+            weigh(
+                params, vehicle, metered, effectiveness, activity, load, memory.residual, memory.missing,
+                flow, best,
+            )  # fmt: skip
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, healthy, flow, best)
         follow_streak(params, before, memory)
@@ -286,6 +323,6 @@ def diagnose(
             healthy, shut,
         )  # fmt: skip
     elif memory.streak >= params.streak:
-        isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
+        isolate_likeliest(params, vehicle, t, memory, healthy)
     elif best.meter != NONE and known > 0:
         distrust_meter(best.meter, t, memory)

@@ -16,11 +16,13 @@ A loss that all branches show is the propellant's and no thruster's: only what g
 before a thruster is called degraded, other branches have to be seen in use since the first sign of it; one
 that lets nothing through is dead, whatever the others do.
 
-A meter that has failed shows a loss in every thruster of its branch, so the others are fired too: a meter
-that reads their flow works; if it reads nothing of them, the meter or the latch valve has failed.  The
-thrusters of the branch are then tried alone until force and torque tell the two apart, and stay in use until
-then.  No valve makes a meter read less than nothing, or at rest less than an open valve lets through: a meter
-that does has failed, and while it is suspected of it, it tells no loss.
+A meter that has failed shows a loss in every thruster of its branch, so the others are fired too.  Only what
+it reads of them counts, after the loss has shown in two cycles: the flow of the cycle in which a meter or a
+thruster fails is a fraction of what it was to be, and a reading that stands still is the flow of whichever
+fires.  A meter that reads their flow works; if they show the same loss, the meter or the latch valve has
+failed.  The thrusters of the branch are then tried alone until force and torque tell the two apart, and stay
+in use until then.  No valve makes a meter read less than nothing, or at rest less than an open valve lets
+through: a meter that does has failed, and while it is suspected of it, it tells no loss.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -53,10 +55,10 @@ LEAST_OPEN = 0.5  # of the flow of the smallest thruster of a branch, which an o
 MOST_ASTRAY = 3  # cycles of rest on end with less than that, after which the meter has failed
 NONE = -1
 #: What a meter reads of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
-#: none of it.
+#: the same loss.
 UNHEARD, VOUCHED, IMPEACHED = range(3)
 LEAST_HEARD = 0.15  # flow of the others, over the full flow of the branch, from which that is known
-HEARD = 0.4  # and what the meter has to read of it
+SHARED = 0.6  # of its loss, from which the others show the same loss
 
 
 class FlowParams(Params):
@@ -94,6 +96,7 @@ FLOW = np.dtype(
         ("suspecting", FLAG),  # whether there is one
         ("common", "f8"),  # loss of all branches
         ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+        ("losing", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
         # what each meter read of the others since a thruster of its branch shows a loss
         ("word", whole(UNHEARD, IMPEACHED), (MAX_BRANCHES,)),
         ("asked", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
@@ -242,28 +245,28 @@ def cross_check(params, vehicle, share, memory):
     for i in range(count):
         memory.asked[i] = 0
     for b in range(vehicle.branches.count):
-        expected, residual = memory.expected[b], memory.residual[b]
-        others, most = expected, 0
+        most, least = 0, LEAST_HEARD * vehicle.branches.full_flow[b]
         for i in range(count if memory.suspecting != 0 else 0):
-            if of[i] == b and memory.off[i].cycles > most:
-                given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
-                others, most = expected - given, memory.off[i].cycles
-        least = LEAST_HEARD * vehicle.branches.full_flow[b]
-        if expected > least:
-            missing = -residual > (params.loss_least + memory.common) * expected
-            by_others = most > 0 and others > least
-            if most == 0 and not missing:
-                memory.word[b] = UNHEARD
-            elif expected + residual > HEARD * (others if by_others else expected):
-                memory.word[b] = VOUCHED
-            elif by_others:
-                memory.word[b] = IMPEACHED
-        ask = most >= LEAST_CYCLES and memory.word[b] == UNHEARD
-        impeached = memory.word[b] == IMPEACHED
-        for i in range(count if ask or impeached else 0):
             if of[i] == b:
-                memory.asked[i] = 1 if ask and memory.off[i].cycles == 0 else 0
-                memory.doubtful[i] = 1 if impeached else memory.doubtful[i]
+                most = max(most, memory.off[i].cycles)
+        memory.losing[b] = 1 if most > 0 else 0
+        if most < LEAST_CYCLES:
+            memory.word[b] = UNHEARD
+            continue
+        for i in range(count):
+            if of[i] == b and memory.off[i].cycles >= LEAST_CYCLES:
+                loss = memory.off[i].cross / memory.off[i].own
+                given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
+                others = memory.expected[b] - given
+                theirs = -(memory.residual[b] + loss * given)
+                if others > least:
+                    alike = theirs - memory.common * others > SHARED * (loss - memory.common) * others
+                    memory.word[b] = IMPEACHED if alike else VOUCHED
+        for i in range(count):
+            if of[i] == b:
+                asked = memory.word[b] == UNHEARD and memory.off[i].cycles == 0
+                memory.asked[i] = 1 if asked else 0
+                memory.doubtful[i] = 1 if memory.word[b] == IMPEACHED else memory.doubtful[i]
 
 
 @kernel

@@ -15,13 +15,25 @@ noise level.  Only cycles in which a hypothesis predicts something count for it,
 the evidence speaks against it, so the time of the fault need not be known (Page's test).
 
 Where a meter is believed, its evidence (:mod:`edl6dof.fsw.diagnosis.flow`) adds to that of force and torque.
-That the meter has failed, and no thruster, is a hypothesis of its own: it explains the loss of several
-thrusters of its branch, where without it more than one would have to have failed; force and torque speak
-against it.
+The loss of flow then has several explanations, which compete by their posterior odds.  Each fault that one
+needs costs the log prior odds P (``prior``) of a sound vehicle; with F the evidence of the flow, they are,
+without the P that all share,
+
+    the thruster, or its meter     the flow of the others is not known     F + f_i        F
+    the thruster, or its meter     the meter reads the flow of the others  F + f_i        F - P
+    the branch, or its meter       the others show the same loss           F + f_b        F
+    the thruster, another as well  the others show the same loss           F + f_i - P
+
+f_i is the evidence of force and torque for a loss of thruster i, f_b for none of the branch giving thrust.
+One failed meter, or one latch valve that is shut, is thus more likely by P than two failed thrusters, and
+between thruster or branch and meter force and torque decide.  f_b is formed from the residual and the force
+and torque that the branch lacks since its meter reads a loss, both without their slow part.
+
 Force and torque that speak of a loss while the flow is sound tell of a catalyst: they need twice the prior.
 
 Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
-test from Basseville & Nikiforov 1993, sections 2.2 and 4.3.  Left out: two thrusters that fail in the same
+test from Basseville & Nikiforov 1993, sections 2.2 and 4.3; posterior odds: Bayes' theorem for faults that
+occur independently of each other, all with the same prior.  Left out: two thrusters that fail in the same
 cycles and whose force and torque are one another's.
 """
 
@@ -30,7 +42,6 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.diagnosis.flow import (
-    IMPEACHED,
     LARGEST,
     LEAST_USE,
     NONE,
@@ -50,6 +61,7 @@ from edl6dof.records import whole
 from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
+LEAST_SEEN = 1.0  # variances of the noise from which the square of what a branch lacks counts
 
 #: No kind of fault.
 NOTHING = 0
@@ -62,15 +74,16 @@ HYPOTHESES = np.dtype(
     [
         ("off", SUMS, (MAX_THRUSTERS,)),
         ("on", SUMS, (MAX_THRUSTERS,)),
+        ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
         # the best one of the last cycle
         ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # whose thrusters all fail so, NONE for one thruster
         ("kind", whole(NOTHING, DEGRADED)),
         ("loss", "f8"),
         ("evidence", "f8"),
         ("confidence", "f8"),
         ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
-        # most evidence for a thruster without flow in each branch whose meter reads none of the others
-        ("lost", "f8", (MAX_BRANCHES,)),
+        ("lost", "f8", (MAX_BRANCHES,)),  # evidence that nothing flows through each branch
         ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
     ],
     align=True,
@@ -100,7 +113,10 @@ def forget_all(memory):
     for i in range(MAX_THRUSTERS):
         forget(memory.off[i])
         forget(memory.on[i])
-    memory.kind, memory.evidence, memory.confidence, memory.meter = NOTHING, 0.0, 0.0, NONE
+    for b in range(MAX_BRANCHES):
+        forget(memory.dead[b])
+    memory.kind, memory.evidence, memory.confidence = NOTHING, 0.0, 0.0
+    memory.branch = memory.meter = NONE
 
 
 @kernel
@@ -146,9 +162,21 @@ def weights(params, wrench, load):
 
 
 @kernel
-def weigh(params, vehicle, metered, effectiveness, activity, load, residual, flow, memory):
+def weigh(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
     """Let one cycle count for every hypothesis in which it predicts something; where there are meters, for a
     loss only if the thruster fires alone in its branch, so that both speak of the same cycles.
+
+    Args:
+        params: diagnosis record.
+        vehicle: believed vehicle (thrusters, branches).
+        metered: whether there are flow meters.
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        activity: what they should have done in the measured cycle.
+        load: axial force of air and riser, N.
+        residual: ``RESIDUAL`` record: unexplained force and torque.
+        missing: one for each branch: what its thrusters should have given since its meter shows a loss.
+        flow: ``FLOW`` record.
+        memory: ``HYPOTHESES`` record, updated.
     """
     weight = weights(params, activity.wrench, load)
     keep = 1.0 - 1.0 / params.memory_cycles
@@ -163,6 +191,13 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, flo
             collect(memory.off[i], keep, -share, along, square, every)
         if share < 1.0 - LEAST_USE:
             collect(memory.on[i], keep, 1.0 - share, along, square, every)
+    for b in range(vehicle.branches.count):
+        square = product(missing[b].value, missing[b].value, weight)
+        if flow.losing[b] == 0:
+            forget(memory.dead[b])
+        elif square > LEAST_SEEN:
+            along = product(residual.value, missing[b].value, weight)
+            collect(memory.dead[b], keep, -1.0, along, square, every)
 
 
 @kernel
@@ -227,26 +262,39 @@ def by_both(params, vehicle, waiting, i, flow, memory, least):
 
 
 @kernel
-def accuse_meter(params, vehicle, healthy, i, told, flow, memory):
-    """Count the loss ``told`` of thruster ``i`` against the meter of its branch, which takes a second fault
-    to explain if the meter read the flow of the others.  If it read none of it, the meter and the latch valve
-    are as likely as each other: force and torque decide.
+def explain_loss(params, vehicle, i, loss, most, told, flow, memory):
+    """Let every fault that explains a loss of thruster ``i`` that the flow shows compete: its meter, all of
+    its branch, and the thruster; returns the evidence for the last.
+
+    Args:
+        params: diagnosis record.
+        vehicle: believed vehicle (thrusters, branches).
+        i: the thruster.
+        loss: fraction of the flow lost.
+        most: evidence of flow, force and torque for its loss.
+        told: that of the flow alone.
+        flow: ``FLOW`` record.
+        memory: ``HYPOTHESES`` record: ``against`` and ``lost`` of its branch are raised.
     """
-    b, others = vehicle.branches.of[i], 0
-    for j in range(vehicle.n_thrusters):
-        others += 1 if j != i and healthy[j] != 0 and vehicle.branches.of[j] == b else 0
-    if flow.word[b] == VOUCHED or others == 0:
-        told -= params.prior
+    b = vehicle.branches.of[i]
+    if flow.word[b] == VOUCHED:
+        memory.against[b] = max(memory.against[b], told - params.prior)
+        return most
     memory.against[b] = max(memory.against[b], told)
+    if flow.word[b] == UNHEARD:
+        return most
+    if loss >= params.loss_dead:
+        felt = evidence(memory.dead[b], 1.0) if memory.dead[b].cycles > 0.0 else 0.0
+        memory.lost[b] = max(memory.lost[b], told + felt)
+    return most - params.prior
 
 
 @kernel
 def compare(params, vehicle, metered, healthy, flow, memory):
-    """Find the best hypothesis and its posterior probability, which all other thrusters, failed meters and
-    "no fault" share in.
+    """Find the best hypothesis and its posterior probability, which all other thrusters, dead branches,
+    failed meters and "no fault" share in.
 
     The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
-    Nor do dead thrusters of a branch that lets nothing through: all may be dead.
     Evidence below half the prior is noise: beside "no fault" all thrusters together would hold less than a
     per cent with it.
     """
@@ -254,7 +302,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
     for b in range(vehicle.branches.count):
         memory.against[b] = memory.lost[b] = 0.0
     waiting = metered and is_waiting(vehicle.branches, flow)
-    memory.kind = NOTHING
+    memory.kind, memory.branch, memory.meter = NOTHING, NONE, NONE
     for i in range(vehicle.n_thrusters):
         if healthy[i] == 0:
             continue
@@ -262,20 +310,17 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         if is_read(metered, b, flow):
             kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory, least)
             if told > 0.0:
-                accuse_meter(params, vehicle, healthy, i, told, flow, memory)
+                most = explain_loss(params, vehicle, i, loss, most, told, flow, memory)
         else:
             kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
-            told = 0.0
-        if most < least:
-            continue
-        if told > 0.0 and flow.word[b] == IMPEACHED:
-            memory.lost[b] = max(memory.lost[b], most)
-        else:
+        if most >= least:
             total += exp(most)
-        if most > best:
-            best = most
-            memory.thruster, memory.kind, memory.loss = i, kind, loss
-    memory.meter = NONE
+            if most > best:
+                best = most
+                memory.thruster, memory.branch, memory.kind, memory.loss = i, NONE, kind, loss
+        if memory.lost[b] > best:
+            best = memory.lost[b]
+            memory.thruster, memory.branch, memory.kind, memory.loss = i, b, STUCK_OFF, 1.0
     for b in range(vehicle.branches.count):
         total += exp(memory.against[b]) if memory.against[b] > 0.0 else 0.0
         total += exp(memory.lost[b]) if memory.lost[b] > 0.0 else 0.0

@@ -246,6 +246,51 @@ def test_a_meter_that_stands_still_at_part_of_a_flow_costs_no_thruster(watch_of,
     assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
 
 
+@pytest.mark.parametrize("held", [0.0, 0.69])
+@pytest.mark.parametrize("branch", [long_unless(branch in (0, 10), branch) for branch in range(11)])
+def test_a_meter_that_fails_within_a_cycle_of_use_costs_no_thruster(watch_of, branch, held):
+    """Of that cycle it reads part of the flow, then none, or the same part, ``held``, whatever happens.  The
+    air shakes the vehicle harder than its thrusters do.
+    """
+    watch, used = watch_of(branch), int(np.flatnonzero(watch_of().branch == branch)[0])
+    elsewhere = [int(np.flatnonzero(watch.branch == (branch + more) % 11)[0]) for more in (1, 2, 3)]
+    for k in range(120):
+        asked = np.flatnonzero(watch.memory["flow"]["asked"][0])
+        watch.dead_meters = [branch] if k > 50 else []
+        part = held if k > 51 or held > 0.0 else 0.5
+        watch.used[branch] += part * watch.flow[used] * DT * (k > 50)
+        fire = {*asked, used, *elsewhere} if 45 < k < 60 else ()
+        air = 0.05 * 35e3 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
+        watch.cycle(use=0.0, against=fire, disturbance=air, load=35e3)
+    assert watch.found == [] and np.all(watch.healthy == 1)
+
+
+@pytest.mark.parametrize("branch", [long_unless(branch == 2, branch) for branch in range(8)])
+def test_of_a_dead_meter_force_and_torque_of_all_its_thrusters_decide(watch_of, branch):
+    """The riser hides one of them while it is first tried, and the other is felt."""
+    watch, (hidden, felt) = watch_of(branch), np.flatnonzero(watch_of().branch == branch)
+    for k in range(200):
+        watch.dead_meters = [branch] if k > 50 else []
+        fire = () if k < 60 or k % 2 else (felt, hidden)[k // 2 % 2]
+        fire = (fire,) if isinstance(fire, np.integer) else fire
+        riser = -watch.effectiveness[hidden] if fire == (hidden,) and k < 68 else 0.0
+        watch.cycle(use=0.0, against=fire, disturbance=riser, load=3e3)
+    assert watch.found == [] and np.all(watch.healthy == 1)
+    assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
+
+
+@pytest.mark.parametrize("branch", [long_unless(branch == 9, branch) for branch in (8, 9, 10)])
+def test_a_dead_branch_that_is_used_steadily_is_not_taken_for_a_failed_meter(watch_of, branch):
+    """The slow part soon holds what one of its thrusters lacks: then steady use does not speak for it."""
+    watch, (steady, other) = watch_of(branch), np.flatnonzero(watch_of().branch == branch)
+    dead = [(steady, "stuck off", 1.0), (other, "stuck off", 1.0)]
+    for k in range(400):
+        air = 25.0 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
+        fire = (steady, other) if k in (60, 61) else (steady,) if k > 50 else ()
+        watch.cycle(dead if k > 50 else None, use=0.0, against=fire, disturbance=air)
+    assert not watch.memory["flow"]["meter_failed"].any()
+
+
 @pytest.mark.parametrize("branch", [long_unless(branch == 4, branch) for branch in range(11)])
 def test_a_meter_that_reads_less_than_no_flow_has_failed(watch_of, branch):
     watch = watch_of(branch)

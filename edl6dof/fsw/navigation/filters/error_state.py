@@ -117,9 +117,11 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     stars = sensed.stars.valid != 0 and health.star_tracker != 0
     stars = stars and sensed.t - memory.stars_t > params.star_interval - early
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
-    radar = radar and count_usable(health, sensed.radar, onboard.instruments.n_beams) > 0
+    echoes = count_usable(health, sensed.radar, onboard.instruments.n_beams)
+    radar = radar and echoes > 0
     if stars or radar or memory.interval.dt > params.covariance_interval - early:
-        _carry_forward(params, onboard, health, radar, solution, memory)
+        # one echo alone may be of something else
+        _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory)
         if stars:
             look_at_stars(params, onboard, sensed, motion, solution, memory)
         if radar:
@@ -129,9 +131,9 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 
 @kernel
-def _carry_forward(params, onboard, health, radar, solution, memory):
-    """Bring the covariance up to the time of the solution, with the height of the ground where the ``radar``
-    sees it.
+def _carry_forward(params, onboard, health, ground_seen, solution, memory):
+    """Bring the covariance up to the time of the solution, with the height of the ground where the radar sees
+    it (``ground_seen``): the slope is that between the beams, and holds for no way that none of them saw.
     """
     planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
     mind_exclusions(instruments, health, memory)
@@ -141,7 +143,7 @@ def _carry_forward(params, onboard, health, radar, solution, memory):
     spin, v_I = planet.rotation_rate, take3(solution.v_I, 0)
     v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
-    if radar:
+    if ground_seen:
         way = scale(memory.interval.dt, v_rel_I)
         follow_slope(dot(north, way), dot(east, way), solution, memory.covariance)
     height = altitude - onboard.site.altitude - solution.terrain

@@ -86,8 +86,8 @@ def look_at_ranges(params, onboard, health, radar, speeds, q, lever, up, height,
     """Take in the ranges of the beams whose speed was used (bits ``speeds``); bits of the beams that were
     used, and of the one whose range no ground explains.
 
-    Of several that are refused none is wrong, nor is one of three before three have agreed, since a plane
-    fits any three ranges: the slope is opened again, and the height, too, unless most of them agreed.
+    Of several that are refused none is wrong, nor is one of three, since a plane fits any three ranges: the
+    slope is opened again, and the height, too, unless three have agreed before and most do now.
     """
     normal = ground_normal(up, solution.slope)
     above = height - dot(lever, sub(up, normal))
@@ -98,7 +98,7 @@ def look_at_ranges(params, onboard, health, radar, speeds, q, lever, up, height,
     )
     if tried >= PLANE and against == 0:
         memory.plane_seen = 1
-    other_ground = against > 1 or against == 1 and tried <= PLANE and memory.plane_seen == 0
+    other_ground = against > 1 or against == 1 and tried <= PLANE
     memory.ranges_refused = memory.ranges_refused + 1 if other_ground else 0
     if memory.ranges_refused >= params.patience:
         reopen_slope(params, memory.covariance)
