@@ -76,8 +76,9 @@ def _write_message(run: Run, form: str, path: Path) -> int:
     try:
         epoch = ccsds.parse_epoch(str(run.scenario["initial"].get("epoch_utc") or ""))
         with path.open("w", encoding="ascii", errors="replace", newline="\n") as stream:
-            comments = [flown_by, "true state of the centre of mass"]
-            return write(stream, run.name, run.scenario["planet"], epoch, run, comments)
+            comments = (flown_by, "true state of the centre of mass")
+            about = ccsds.About(run.name, run.scenario["planet"], epoch, comments)
+            return write(stream, about, run)
     except ValueError as error:
         raise refusal(run.folder, str(error)) from None
 
