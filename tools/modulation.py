@@ -64,13 +64,13 @@ def steady(start: Setting, thruster: int, duty: float, cycle: float) -> Steady:
     """Hold a duty of one thruster through modulator and valve."""
     onboard, rcs = start.arrays["onboard"][0], start.arrays["case"][0]["vehicle"]["rcs"]
     memory, jet = np.zeros(1, MODULATION)[0], rcs["thrusters"][thruster]
-    duties, opens, closes = np.zeros((3, len(memory["residual"])))
+    duties = np.zeros(len(memory["residual"]))
     duties[thruster] = duty
     intervals, level, on = np.zeros((2, STEADY_CYCLES)), 0.0, 0.0
     for k in range(STEADY_CYCLES):
         t = k * cycle
-        modulate(onboard["modulation"], onboard["vehicle"], duties, t, cycle, memory, opens, closes)
-        intervals[:, k] = opens[thruster], closes[thruster]
+        modulate(onboard["modulation"], onboard["vehicle"], duties, t, cycle, memory)
+        intervals[:, k] = memory["opens"][thruster], memory["closes"][thruster]
         mean, _, level = linear_level(level, jet["rise"], jet["decay"], t, cycle, *intervals[:, k])
         on += mean * cycle
     pulses, time = widths(*intervals), STEADY_CYCLES * cycle

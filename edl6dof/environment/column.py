@@ -94,7 +94,7 @@ def gravity_along(planet: PlanetParams, ground: Ground, heights: np.ndarray) -> 
     base, found = areoid_at(areoid_map(ground.areoid), lat, lon)[0], np.empty(len(heights))
     for i, height in enumerate(heights):
         r = from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, height + base)
-        pull = gravity_F(record["gravity"], *r)
+        pull = gravity_F(record["gravity"], tuple(r))
         found[i] = -dot(pull, up) - spin * spin * (r[0] * up[0] + r[1] * up[1])
     return found
 

@@ -26,7 +26,7 @@ from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
 from edl6dof.records import require_finite
-from edl6dof.spatial.vector import add, scale
+from edl6dof.spatial.vector import add, norm, scale
 
 MAX_DEGREE = 12
 HARMONICS, J2, CENTRAL, NONE = range(4)
@@ -80,12 +80,12 @@ GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 7)))
 
 
 @kernel
-def gravity_F(g, x, y, z):
-    """Gravitational (not centrifugal) acceleration, m/s2, in ``F`` at the position ``x, y, z``, m, in ``F``.
+def gravity_F(g, r_F):
+    """Gravitational (not centrifugal) acceleration, m/s2, in ``F`` at the position ``r_F``, m.
 
     Source: see the module.
     """
-    return add(central(g, (x, y, z)), noncentral_F(g, x, y, z))
+    return add(central(g, r_F), noncentral_F(g, r_F))
 
 
 @kernel
@@ -98,15 +98,16 @@ def central(g, r):
 
 
 @kernel
-def noncentral_F(g, x, y, z):
-    """What the field adds to its central term, m/s2.
+def noncentral_F(g, r_F):
+    """What the field adds to its central term at ``r_F`` (m), m/s2.
 
     J2 in closed form, Montenbruck and Gill, Satellite Orbits, section 3.2.
     """
     if g.model == HARMONICS:
-        return _harmonics_F(g, x, y, z)
+        return _harmonics_F(g, r_F)
     if g.model != J2:
         return 0.0, 0.0, 0.0
+    x, y, z = r_F
     r2 = x * x + y * y + z * z
     q = 1.5 * g.j2 * g.reference_radius * g.reference_radius / r2
     s = 5.0 * z * z / r2
@@ -115,7 +116,7 @@ def noncentral_F(g, x, y, z):
 
 
 @kernel
-def _harmonics_F(g, x, y, z):
+def _harmonics_F(g, r_F):
     """The weighted solid harmonics V, W, order by order, each order from its sector upwards in degree.
 
     A harmonic is scaled to one as the coefficient of its leading power, which saves two factors in each step.
@@ -124,6 +125,7 @@ def _harmonics_F(g, x, y, z):
     """
     term = g.term
     radius = g.reference_radius
+    x, y, z = r_F
     r2 = x * x + y * y + z * z
     ratio = radius / r2
     x_r = x * ratio
@@ -170,16 +172,17 @@ _WEIGHTS = (
 
 
 @kernel
-def potential_F(g, x, y, z):
-    """Potential (J/kg, zero at infinity) of the field at ``x, y, z`` (m, F): its gradient is the gravitation.
+def potential_F(g, r_F):
+    """Potential (J/kg, zero at infinity) of the field at ``r_F`` (m): its gradient is the gravitation.
 
     The central term in closed form; of the rest the integral of the radial component inwards from infinity,
     which in the inverse of the radius is a polynomial of the field's degree, at most 12.
     """
-    found = 0.0 if g.model == NONE else g.mu / sqrt(x * x + y * y + z * z)
+    x, y, z = r_F
+    found = 0.0 if g.model == NONE else g.mu / norm(r_F)
     for k in range(len(_NODES)):
         u = _NODES[k]
-        a = noncentral_F(g, x / u, y / u, z / u)
+        a = noncentral_F(g, (x / u, y / u, z / u))
         found -= _WEIGHTS[k] * (a[0] * x + a[1] * y + a[2] * z) / (u * u)
     return found
 

@@ -98,7 +98,7 @@ def _derived(rows: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void)
     for i, t in enumerate(rows["t_s"]):
         c, s = cos(spin * t), sin(spin * t)
         x, y, z = rotate_z(c, s, tuple(position[i]))
-        gx, gy, gz = gravity_F(case["planet"]["gravity"], x, y, z)
+        gx, gy, gz = gravity_F(case["planet"]["gravity"], (x, y, z))
         latitude, longitude = radians(rows["truth.latitude_deg"][i]), radians(rows["truth.longitude_deg"][i])
         inertial = longitude + spin * t
         q_I2N = ned_attitude(sin(latitude), cos(latitude), sin(inertial), cos(inertial))

@@ -14,8 +14,8 @@ from edl6dof.fsw.allocation.update import allocate
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
-from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
-from edl6dof.fsw.diagnosis.exercise import pair_to_test
+from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
+from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
 from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
@@ -35,7 +35,7 @@ from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
-from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
+from edl6dof.fsw.modulation import command_valves, excess_torque, modulate, open_alone, open_for_test
 from edl6dof.fsw.navigation.derived import derive
 from edl6dof.fsw.navigation.drag_filter import filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
@@ -71,7 +71,7 @@ def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state
     commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
     full, weight = state.engine.full_thrust, state.mass * nav.gravity
     state.held_thrust = held_thrust(
-        params.held_thrust, commanded, measured, full, weight, dt, memory.held_thrust
+        params.held_thrust, commanded, measured, full, weight, dt=dt, memory=memory.held_thrust
     )
     lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
     state.thrust_lost = lost if state.held_thrust == 0.0 else 0.0
@@ -99,18 +99,25 @@ def run(onboard, sensed, k, fsw):
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
-    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
+    derive(
+        onboard.planet,
+        onboard.atmosphere,
+        vehicle,
+        site_frame=onboard.site.frame,
+        estimate=fsw.navigation.estimate,
+        nav=nav,
+    )
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
         return
 
     # mission phases
     guided_by = onboard.mission.phases[fsw.mission.phase].guidance
-    sequence(onboard.mission, nav, state, goal, fsw.mission, command.request)
+    sequence(onboard.mission, nav, vehicle=state, guide=goal, memory=fsw.mission, request=command.request)
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
     follow_events(vehicle, onboard.mission, nav.t, command.request, state)
     switch_engine(onboard.mission, command.request, state, goal)
-    count_propellant(vehicle, goal.thrust, command, dt, control_dt, state)
+    count_propellant(vehicle, goal.thrust, fsw.modulation, dt, control_dt, state=state)
     for i in range(command.request.shape[0]):
         if command.request[i] != 0:
             restart(fsw.diagnosis)
@@ -118,39 +125,39 @@ def run(onboard, sensed, k, fsw):
     # hazard detection
     detect_hazards(
         onboard,
-        phase.guidance,
-        nav.t - fsw.mission.phase_start,
-        sensed,
-        nav,
-        state,
-        fsw.hazard,
-        fsw.landing_point,
-        command,
+        kind=phase.guidance,
+        elapsed=nav.t - fsw.mission.phase_start,
+        sensed=sensed,
+        nav=nav,
+        state=state,
+        memory=fsw.hazard,
+        point=fsw.landing_point,
+        command=command,
     )
     replace_landing_point(external, fsw.landing_point)
 
     # guidance
+    last_bank = goal.bank
     guide(
         onboard,
-        phase.guidance,
-        k,
-        phase.guidance != guided_by,
-        nav,
-        state,
-        fsw.disturbance,
-        fsw.landing_point,
-        fsw.guidance,
-        goal,
-        own,
+        kind=phase.guidance,
+        k=k,
+        begins=phase.guidance != guided_by,
+        nav=nav,
+        state=state,
+        disturbance=fsw.disturbance,
+        point=fsw.landing_point,
+        memory=fsw.guidance,
+        goal=goal,
+        own=own,
     )
-    replace_bank(external, onboard.guidance.entry.bank_rate, command.bank, dt, goal)
+    replace_bank(external, onboard.guidance.entry.bank_rate, last_bank, dt, goal)
     replace_thrust(external, onboard.guidance.powered, state, nav.t, goal)
     command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
 
-    opens, closes, count = command.opens, command.closes, vehicle.n_thrusters
-    healthy, disturbance = fsw.health.thruster, fsw.disturbance
+    count, healthy, disturbance = vehicle.n_thrusters, fsw.health.thruster, fsw.disturbance
     update_effectiveness(vehicle, state.configuration, fsw.effectiveness)
     effectiveness = fsw.effectiveness.matrix
     inertia = vehicle.configuration[state.configuration].inertia
@@ -162,33 +169,42 @@ def run(onboard, sensed, k, fsw):
         state,
         nav,
         onboard.imu_delay,
-        effectiveness,
-        control_dt,
-        fsw.estimation,
-        disturbance,
+        effectiveness=effectiveness,
+        dt=control_dt,
+        memory=fsw.estimation,
+        out=disturbance,
     )
-    believe_thrust(onboard.estimation, vehicle, nav, disturbance, command, control_dt, fsw.estimation, state)
+    believe_thrust(
+        onboard.estimation,
+        vehicle,
+        nav,
+        disturbance,
+        command,
+        dt=control_dt,
+        memory=fsw.estimation,
+        state=state,
+    )
     state.force_angle = force_angle(
         onboard.estimation.force_angle_lag, take3(disturbance.force, 0), control_dt, state.force_angle
     )
 
     # fault isolation
-    diagnose(
-        onboard.diagnosis,
-        onboard.flow_meters != 0,
-        onboard.instruments,
-        vehicle,
-        sensed.branch_used,
-        effectiveness,
-        fsw.estimation.activity,
-        axial_load(disturbance.unexplained, goal, state),
-        disturbance.unexplained,
-        nav.t,
-        control_dt,
-        fsw.diagnosis,
-        healthy,
-        command.shut,
+    signals = DiagnosisSignals(
+        vehicle=vehicle,
+        instruments=onboard.instruments,
+        metered=onboard.flow_meters != 0,
+        used=sensed.branch_used,
+        effectiveness=effectiveness,
+        activity=fsw.estimation.activity,
+        load=axial_load(disturbance.unexplained, goal, state),
+        unexplained=disturbance.unexplained,
+        t=nav.t,
+        dt=control_dt,
+        healthy=healthy,
     )
+    diagnose(onboard.diagnosis, signals, fsw.diagnosis)
+    for b in range(vehicle.branches.count):
+        command.shut[b] = fsw.diagnosis.leak.shut[b]
     replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)
@@ -200,55 +216,75 @@ def run(onboard, sensed, k, fsw):
         no_demand(fsw.demand)
         rate = take3(nav.imu_rate_B, 0)
         thruster, on, loss = check_out(
-            onboard.check_out, effectiveness, inertia, nav.t, rate, control_dt, fsw.check_out
+            onboard.check_out, effectiveness, inertia, nav.t, rate, dt=control_dt, memory=fsw.check_out
         )
         if loss > 0.0 and healthy[thruster] != 0:
-            isolate_dead(onboard.diagnosis, vehicle, thruster, loss, nav.t, fsw.diagnosis, healthy)
-        open_alone(thruster, on, count, nav.t, opens, closes)
+            isolate_dead(onboard.diagnosis, signals, thruster, loss, fsw.diagnosis)
+        open_alone(thruster, on, count, nav.t, fsw.modulation)
     else:
         # attitude control
         gather_inputs(
             vehicle,
             state,
             phase,
-            nav.t - fsw.mission.phase_start,
-            disturbance,
-            fsw.allocation.saturated,
-            excess_torque(effectiveness, count, opens, closes, fsw.allocation.duty, control_dt),
-            fsw.control.inputs,
+            phase_time=nav.t - fsw.mission.phase_start,
+            disturbance=disturbance,
+            saturated=fsw.allocation.saturated,
+            excess=excess_torque(effectiveness, count, control_dt, fsw.modulation),
+            inputs=fsw.control.inputs,
         )
         torque, error = attitude_control(
-            phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
+            phase.control,
+            onboard.control,
+            nav,
+            goal,
+            fsw.control.inputs,
+            dt=control_dt,
+            memory=fsw.control.law,
         )
         torque = replace_torque(external, torque, own)
-        compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
+        compose_demand(
+            phase,
+            vehicle,
+            effectiveness,
+            state,
+            healthy,
+            nav=nav,
+            goal=goal,
+            torque=torque,
+            error=error,
+            demand=fsw.demand,
+        )
 
         # allocation
-        allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation)
+        allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, out=fsw.allocation)
         replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation
         modulate(
-            onboard.modulation, vehicle, fsw.allocation.duty, nav.t, control_dt, fsw.modulation, opens, closes
-        )
-        i, j = pair_to_test(
-            onboard.diagnosis.exercise,
+            onboard.modulation,
             vehicle,
-            effectiveness,
-            healthy,
-            fsw.diagnosis,
-            fsw.modulation.busy_until,
-            opens,
-            closes,
-            phase.guidance == G_AVOID,
-            abs(nav.specific_force_B[0]) * state.mass,
-            fsw.mission.phase_start,
+            fsw.allocation.duty,
             nav.t,
-            control_dt,
-            fsw.diagnosis.exercise,
+            cycle=control_dt,
+            memory=fsw.modulation,
         )
+        resting = ExerciseSignals(
+            vehicle=vehicle,
+            effectiveness=effectiveness,
+            healthy=healthy,
+            diagnosis=fsw.diagnosis,
+            valves=fsw.modulation,
+            sideways=phase.guidance == G_AVOID,
+            axial=abs(nav.specific_force_B[0]) * state.mass,
+            start=fsw.mission.phase_start,
+            t=nav.t,
+            dt=control_dt,
+        )
+        i, j = pair_to_test(onboard.diagnosis.exercise, resting, fsw.diagnosis.exercise)
         if i != NONE:
-            open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation, opens, closes)
+            open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation)
         if j != NONE:
-            open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation, opens, closes)
-    remember(opens, closes, count, fsw.estimation.activity)
+            open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation)
+    command_valves(count, fsw.modulation, command)
+    remember(fsw.modulation, count, fsw.estimation.activity)

@@ -95,7 +95,7 @@ def replace_thrust(external, powered, state, t, goal):
     if given.throttle != 0:
         goal.thrust = external.throttle * state.engine.full_thrust
     weak, elapsed = state.thrust_lost > 0.0, t - state.ignition_time
-    start_or_throttle(state.engine, weak, powered.full_time, powered.full_again, elapsed, goal)
+    start_or_throttle(state.engine, weak, powered.full_time, powered.full_again, elapsed, out=goal)
 
 
 @kernel

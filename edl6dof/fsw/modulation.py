@@ -56,14 +56,17 @@ MODULATION = np.dtype(
     [
         ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
         ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
+        ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
+        ("opens", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
+        ("closes", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
     ],
     align=True,
 )
 
 
 @kernel
-def modulate(params, vehicle, duty, t, cycle, memory, opens, closes):
-    """Turn duties into valve intervals for the cycle that starts at ``t``.
+def modulate(params, vehicle, duty, t, cycle, memory):
+    """Turn duties into the valve intervals of the cycle that starts at ``t``.
 
     Args:
         params: modulation record.
@@ -71,11 +74,9 @@ def modulate(params, vehicle, duty, t, cycle, memory, opens, closes):
         duty: demanded duty of each, 0..1.
         t: start of the cycle, s.
         cycle: its length, s.
-        memory: ``MODULATION`` record.
-        opens: opening time of each valve, s; written.
-        closes: closing time of each valve, s; that of the last cycle tells whether it is open now; written,
-            equal to the opening time for no pulse.
+        memory: ``MODULATION`` record, updated.
     """
+    opens, closes = memory.opens, memory.closes
     for i in range(vehicle.n_thrusters):
         shortest = vehicle.thrusters[i].minimum_pulse
         wanted = duty[i] if duty[i] > params.deadband else 0.0
@@ -88,36 +89,45 @@ def modulate(params, vehicle, duty, t, cycle, memory, opens, closes):
         on = min(max(residual, memory.busy_until[i] - t, 0.0), cycle) if is_open else 0.0
         if on > 0.0 and cycle - on < params.shortest_gap - 1e-9:
             on = cycle
-        opens[i], closes[i] = t, t + on
+        memory.opens[i], memory.closes[i] = t, t + on
+        memory.duty[i] = duty[i]
         memory.residual[i] = max(residual - on, -shortest)
 
 
 @kernel
-def open_alone(thruster, on, count, t, opens, closes):
+def open_alone(thruster, on, count, t, memory):
     """Open the valve of one thruster for ``on`` seconds from ``t``, and shut all others."""
     for i in range(count):
-        opens[i] = closes[i] = t
-    closes[thruster] = t + on
+        memory.opens[i] = memory.closes[i] = t
+    memory.closes[thruster] = t + on
 
 
 @kernel
-def open_for_test(i, vehicle, t, cycle, memory, opens, closes):
+def open_for_test(i, vehicle, t, cycle, memory):
     """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for
     it.
     """
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
-    opens[i], closes[i] = t, t + cycle
+    memory.opens[i], memory.closes[i] = t, t + cycle
     memory.busy_until[i] = end
-    memory.residual[i] = end - closes[i]
+    memory.residual[i] = end - memory.closes[i]
 
 
 @kernel
-def excess_torque(effectiveness, count, opens, closes, duty, cycle):
+def command_valves(count, memory, command):
+    """Command the valve intervals of the control cycle."""
+    for i in range(count):
+        command.opens[i], command.closes[i] = memory.opens[i], memory.closes[i]
+
+
+@kernel
+def excess_torque(effectiveness, count, cycle, memory):
     """Torque (N m, B) that the valve intervals of the last cycle gave beyond the duties they stand for.
 
     Pulses are never shorter than the minimum and small duties fall into the deadband, so on average a
     thruster set gives a little less, or more, than it was asked for.
     """
+    opens, closes, duty = memory.opens, memory.closes, memory.duty
     x, y, z = 0.0, 0.0, 0.0
     for i in range(count):
         if closes[i] > opens[i] or duty[i] > 0.0:

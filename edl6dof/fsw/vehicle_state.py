@@ -130,13 +130,13 @@ def share_thrust(vehicle, thrust, state, command):
 
 
 @kernel
-def count_propellant(vehicle, thrust, command, dt, control_dt, state):
+def count_propellant(vehicle, thrust, valves, dt, control_dt, state):
     """Take the propellant of the commanded engine and thruster impulse off the mass.
 
     Args:
         vehicle: believed vehicle.
         thrust: of the engine while it runs, N.
-        command: ``COMMAND`` record: the valve intervals of the present control cycle.
+        valves: ``MODULATION`` record: the valve intervals of the present control cycle.
         dt: base cycle, s.
         control_dt: control cycle, s.
         state: ``VEHICLE_STATE`` record, updated.
@@ -145,7 +145,7 @@ def count_propellant(vehicle, thrust, command, dt, control_dt, state):
     if state.ignited != 0:
         used = thrust * (1.0 - state.engine.by_thrusters) / state.engine.specific_impulse
     for i in range(vehicle.n_thrusters):
-        on = command.closes[i] - command.opens[i]
+        on = valves.closes[i] - valves.opens[i]
         if on > 0.0:
             jet = vehicle.thrusters[i]
             used += jet.thrust * on / control_dt / jet.specific_impulse

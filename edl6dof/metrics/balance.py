@@ -28,8 +28,7 @@ def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
 def potential(planet, t, r_I):
     """Potential of gravitation (J/kg) at ``r_I`` (m) and time ``t`` (s)."""
     c, s = planet_rotation(planet, t)
-    x, y, z = rotate_z(c, s, r_I)
-    return potential_F(planet.gravity, x, y, z)
+    return potential_F(planet.gravity, rotate_z(c, s, r_I))
 
 
 @kernel

@@ -165,4 +165,4 @@ def _place(rows: Telemetry, t: float) -> tuple[float, float]:
 
 
 def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
-    return great_circle(sin(a[0]), cos(a[0]), a[1], sin(b[0]), cos(b[0]), b[1])
+    return great_circle(a, b)

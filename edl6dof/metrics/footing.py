@@ -61,7 +61,7 @@ def _footing(cases, tables, plants, outputs):
     rocks, _ = within(terrain.landing_area.rocks, north, east, FOOTPRINT, COUNTED)
     _, largest = within(terrain.landing_area.rocks, north, east, FOOTPRINT, 0.0)
     plane = plane_of_footpads(case, tables[0], out, q, rotation)
-    reach, clearance = under_belly(case, tables[0], out, q, rotation, plane)
+    reach, clearance = under_belly(case, tables=tables[0], outputs=out, q=q, rotation=rotation, plane=plane)
     return atan(hypot(plane[1], plane[2])), (float(rocks), largest, HEIGHT * largest, reach, clearance)
 
 
@@ -110,13 +110,13 @@ def under_belly(case, tables, outputs, q, rotation, plane):
         for j in range(left, left + count):
             y, x = i * step - north, j * step - east
             if (y - middle[0]) ** 2 + (x - middle[1]) ** 2 <= radius * radius:
-                rise, left_over = _below(case, tables, out, plane, middle, along, y, x)
+                rise, left_over = _below(case, tables, out, plane, middle, along=along, y=y, x=x)
                 reach, clearance = max(reach, rise), min(clearance, left_over)
     around = endless_cell(2.0 * pi * radius / step) + 1
     for k in range(around):
         angle = 2.0 * pi * k / around
         y, x = middle[0] + radius * cos(angle), middle[1] + radius * sin(angle)
-        rise, left_over = _below(case, tables, out, plane, middle, along, y, x)
+        rise, left_over = _below(case, tables, out, plane, middle, along=along, y=y, x=x)
         reach, clearance = max(reach, rise), min(clearance, left_over)
     return reach, clearance
 

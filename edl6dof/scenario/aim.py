@@ -67,13 +67,13 @@ def drift(
     y = np.array((0.0, 0.0, *arrival))
     expected_drift(
         onboard[0],
-        vehicle[0]["parachutes"],
-        tables[0]["atmosphere"],
-        wind,
-        scenario.site_areoid_m,
-        phase,
-        y,
-        np.zeros(1, SCRATCH)[0],
+        parachutes=vehicle[0]["parachutes"],
+        winds=tables[0]["atmosphere"],
+        wind=wind,
+        areoid=scenario.site_areoid_m,
+        phase=phase,
+        y=y,
+        scratch=np.zeros(1, SCRATCH)[0],
     )
     return float(y[0]), float(y[1])
 
@@ -91,8 +91,7 @@ def _deploying_phase(scenario: Scenario) -> int | None:
 def _azimuth_at_site(scenario: Scenario, site: np.void) -> float:
     """Azimuth (rad) in which the great circle from the initial state arrives at the site."""
     lat, lon = radians(scenario.initial.latitude_deg), radians(scenario.initial.longitude_deg)
-    here = float(site["latitude"])
-    _, back = great_circle(sin(here), cos(here), float(site["longitude"]), sin(lat), cos(lat), lon)
+    _, back = great_circle((float(site["latitude"]), float(site["longitude"])), (lat, lon))
     return back + pi
 
 

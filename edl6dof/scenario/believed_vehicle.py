@@ -100,7 +100,12 @@ def _believe_airframe(record: np.void, scenario: Scenario, tables: np.ndarray) -
     fill(vehicle[0], scenario.vehicle)
     fill_gas(gas[0], scenario.planet.gas)
     axial, normal, _, _ = capsule_coefficients(
-        vehicle[0]["aero"]["capsule"], tables[0]["aero"], gas[0], BELIEF_MACH, CONTINUUM, abs(goal)
+        vehicle[0]["aero"]["capsule"],
+        table=tables[0]["aero"],
+        gas=gas[0],
+        mach=BELIEF_MACH,
+        rho=CONTINUUM,
+        angle=abs(goal),
     )
     drag = axial * cos(abs(goal)) + normal * sin(abs(goal))
     lift = axial * sin(abs(goal)) - normal * cos(abs(goal))
@@ -111,7 +116,7 @@ def _believe_airframe(record: np.void, scenario: Scenario, tables: np.ndarray) -
     # a point mass flies at the commanded angle
     search = SEARCH if scenario.dynamics == "six_dof" else 0.0
     alpha, drag_areas, lift_areas, braked = _along_mach(
-        vehicle, tables["aero"], gas, mach_nodes(), goal, search
+        vehicle, tables=tables["aero"], gases=gas, nodes=mach_nodes(), goal=goal, search=search
     )
     airframe["alpha"] = alpha
     airframe["drag"] = drag_areas / record["drag_area"]
@@ -142,16 +147,16 @@ def _along_mach(vehicles, tables, gases, nodes, goal, search):
     lift, braked = np.empty(len(nodes)), np.empty(len(nodes))
     for i in range(len(nodes)):
         mach = nodes[i]
-        alpha[i] = _trim(vehicle, table, gas, mach, goal, search)
-        drag[i], lift[i] = _drag_and_lift(vehicle, table, gas, mach, alpha[i], 0.0)
-        braked[i], _ = _drag_and_lift(vehicle, table, gas, mach, 0.0, 1.0)
+        alpha[i] = _trim(vehicle, table, gas, mach, goal, search=search)
+        drag[i], lift[i] = _drag_and_lift(vehicle, table, gas, mach, alpha=alpha[i], wing=0.0)
+        braked[i], _ = _drag_and_lift(vehicle, table, gas, mach, alpha=0.0, wing=1.0)
     return alpha, drag, lift, braked
 
 
 @kernel
 def _drag_and_lift(vehicle, table, gas, mach, alpha, wing):
     """Drag and upward lift area (m2) at bank 0."""
-    fx, fz, _ = _force_and_moment(vehicle, table, gas, mach, alpha, wing)
+    fx, fz, _ = _force_and_moment(vehicle, table, gas, mach, alpha, wing=wing)
     return -(fx * cos(alpha) + fz * sin(alpha)), fx * sin(alpha) - fz * cos(alpha)
 
 
@@ -162,8 +167,8 @@ def _trim(vehicle, table, gas, mach, goal, search):
     """
     low, high = goal - search, goal + search
     at_low, at_high = (
-        _force_and_moment(vehicle, table, gas, mach, low, 0.0)[2],
-        _force_and_moment(vehicle, table, gas, mach, high, 0.0)[2],
+        _force_and_moment(vehicle, table, gas, mach, alpha=low, wing=0.0)[2],
+        _force_and_moment(vehicle, table, gas, mach, alpha=high, wing=0.0)[2],
     )
     if not at_low * at_high < 0.0:
         return goal
@@ -172,7 +177,7 @@ def _trim(vehicle, table, gas, mach, goal, search):
         middle = 0.5 * (low + high)
         if not (low < middle < high and high - low > 1e-12):
             return middle
-        if (_force_and_moment(vehicle, table, gas, mach, middle, 0.0)[2] > 0.0) == rising:
+        if (_force_and_moment(vehicle, table, gas, mach, alpha=middle, wing=0.0)[2] > 0.0) == rising:
             high = middle
         else:
             low = middle
@@ -181,14 +186,13 @@ def _trim(vehicle, table, gas, mach, goal, search):
 @kernel
 def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
     """Fx and Fz (m2, force over dynamic pressure) and pitching moment about the centre of mass (m3)."""
-    u, w = cos(alpha), sin(alpha)
-    fx, _, fz, _, my, _ = capsule_aero(
-        vehicle.aero, table, gas, 1.0, mach, CONTINUUM, u, 0.0, w, 0.0, 0.0, 0.0
-    )
+    v_air = cos(alpha), 0.0, sin(alpha)
+    air = gas, 1.0, mach, CONTINUUM
+    fx, _, fz, _, my, _ = capsule_aero(vehicle.aero, table, air, v_air, (0.0, 0.0, 0.0))
     cg_x, cg_z = vehicle.mass.entry_centre[0], vehicle.mass.entry_centre[2]
     my += (0.0 - cg_z) * fx - (table.moment_reference_x - cg_x) * fz
     for i in range(vehicle.n_surfaces):
-        gx, _, gz, _, ny, _ = wing_force(vehicle.surfaces[i], wing, 1.0, u, 0.0, w)
+        gx, _, gz, _, ny, _ = wing_force(vehicle.surfaces[i], wing, 1.0, v_air)
         ny += -cg_z * gx + cg_x * gz
         fx, fz, my = fx + gx, fz + gz, my + ny
     return fx, fz, my

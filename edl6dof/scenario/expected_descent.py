@@ -99,7 +99,14 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
             return
         _look(onboard, y, k * STEP, scratch.nav)
         scratch.request[:] = 0
-        sequence(mission, scratch.nav, scratch.vehicle, scratch.guide, scratch.sequence, scratch.request)
+        sequence(
+            mission,
+            scratch.nav,
+            scratch.vehicle,
+            scratch.guide,
+            memory=scratch.sequence,
+            request=scratch.request,
+        )
         for number in range(mission.n_events):
             event = mission.events[number]
             if scratch.request[number] == 0:
@@ -111,7 +118,7 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
                 pack = parachutes[event.thing]
                 taut = k * STEP + event.delay + pack.line_length / pack.mortar_speed
                 hanging = Hanging(event.thing, taut, hanging.mass)
-        _advance(onboard, parachutes, winds, wind, areoid, hanging, k * STEP, y)
+        _advance(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=k * STEP, y=y)
 
 
 @kernel
@@ -129,10 +136,28 @@ def _look(onboard, y, t, nav):
 
 @kernel
 def _advance(onboard, parachutes, winds, wind, areoid, hanging, t, y):
-    a = _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y)
-    b = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, a))
-    c = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, b))
-    d = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + STEP, _moved(y, STEP, c))
+    a = _rates(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=t, y=y)
+    b = _rates(
+        onboard,
+        parachutes,
+        winds,
+        wind,
+        areoid,
+        hanging=hanging,
+        t=t + 0.5 * STEP,
+        y=_moved(y, 0.5 * STEP, a),
+    )
+    c = _rates(
+        onboard,
+        parachutes,
+        winds,
+        wind,
+        areoid,
+        hanging=hanging,
+        t=t + 0.5 * STEP,
+        y=_moved(y, 0.5 * STEP, b),
+    )
+    d = _rates(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=t + STEP, y=_moved(y, STEP, c))
     for i in range(len(y)):
         y[i] += STEP / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i])
 

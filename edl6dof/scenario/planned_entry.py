@@ -44,6 +44,8 @@ MAX_ROWS, TOO_LOW = 8000, 4000.0
 #: how many flights are made to find it.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
+#: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
+AS_BELIEVED = (1.0, 1.0)
 #: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
 SCRATCH = np.dtype(
     [
@@ -91,7 +93,7 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
     cycle = 1.0 / float(record["rates"]["base"])
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)
-    count = fly_plan(record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
+    count = fly_plan(record, start, shift, cycle, stride, history=history, scratch=np.zeros(2, SCRATCH))
     return history[:count]
 
 
@@ -156,7 +158,7 @@ def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
             k, stride = k - stride + 1, 1
             advance(onboard, s, cycle)
             continue
-        note(onboard, s, here, ahead, target, history[count])
+        note(onboard, s, here, ahead, target, row=history[count])
         count += 1
         if not going:
             break
@@ -174,7 +176,7 @@ def decide(onboard, t, shift, s):
     mission, entry = onboard.mission, onboard.guidance.entry
     look(onboard, t, s)
     s.request[:] = 0
-    sequence(mission, s.nav, s.vehicle, s.guide, s.sequence, s.request)
+    sequence(mission, s.nav, s.vehicle, s.guide, memory=s.sequence, request=s.request)
     follow_events(onboard.vehicle, mission, t, s.request, s.vehicle)
     s.nav.wing_open = s.vehicle.wing_commanded
     guidance = mission.phases[s.sequence.phase].guidance
@@ -192,7 +194,7 @@ def look(onboard, t, s):
     """Write what mission, steering and reversal logics watch."""
     planet, nav = onboard.planet, s.nav
     r, v = take3(s.r, 0), take3(s.v, 0)
-    _, nav.drag, _ = acceleration(onboard, 1.0, 1.0, r, v, 1.0, 0.0)
+    _, nav.drag, _ = acceleration(onboard, AS_BELIEVED, r, v, (1.0, 0.0))
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
     v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v)
     put3(nav.v_N, 0, v_N)
@@ -215,8 +217,9 @@ def advance(onboard, s, dt):
     """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
     r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
     s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
-    a, _, _ = acceleration(onboard, 1.0, 1.0, r, v, up, right)
-    r, v = step(onboard, 1.0, 1.0, r, v, a, up, right, dt)
+    shares = up, right
+    a, _, _ = acceleration(onboard, AS_BELIEVED, r, v, shares)
+    r, v = step(onboard, AS_BELIEVED, r, v, a, lift_shares=shares, dt=dt)
     put3(s.r, 0, r)
     put3(s.v, 0, v)
 

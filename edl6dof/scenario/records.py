@@ -158,7 +158,9 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     axes, start = vertical_axes(scenario), np.array(start_of(scenario))
     r, v_relative = start[:3], start[3:]
     place = (sin(lat), cos(lat), sin(lon), cos(lon))
-    lay_areoid(areoid_map(areoid_file(planet)), place, lat, lon, tuple(r), record["inputs"]["areoid"])
+    lay_areoid(
+        areoid_map(areoid_file(planet)), place, lat, lon, r_F=tuple(r), plane=record["inputs"]["areoid"]
+    )
     spin = planet.rotation_rate_rad_s
     y = record["y"]
     y[POSITION : POSITION + 3] = r

@@ -37,12 +37,12 @@ class Relief:
         elevation, altitude = np.empty((2, latitude.size))
         ground_heights(
             self._terrain[0],
-            self._grid,
-            self._areoid,
-            latitude.ravel(),
-            longitude.ravel(),
-            elevation,
-            altitude,
+            grid=self._grid,
+            areoid=self._areoid,
+            lat=latitude.ravel(),
+            lon=longitude.ravel(),
+            elevation=elevation,
+            altitude=altitude,
         )
         return elevation.reshape(latitude.shape), altitude.reshape(latitude.shape)
 

@@ -144,20 +144,30 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     turned, gained, w, dt = motion_since(params, plant, outputs, memory)
     cycle = memory.taken
     shaken_rate, shaken_turn, shaken_gain = shake(
-        params.vibration, unit.mount, case, plant, outputs, dt, cycle, memory.vibration
+        params.vibration, unit.mount, case, plant, outputs, dt=dt, cycle=cycle, memory=memory.vibration
     )
     turned, gained = add(turned, shaken_turn), add(gained, shaken_gain)
     w = lag(params.gyros, add(w, shaken_rate), dt, memory)
     now, faults = memory.under_way[cycle % DEPTH], plant.instruments
     count(
-        params.gyros, unit.gyro, faults.gyro, turned, plant.t, dt, cycle,
-        memory.gyro, now.angle, now.gyro_saturated,
+        params.gyros, copy=unit.gyro, faults=faults.gyro, moved=turned, t=plant.t, dt=dt, cycle=cycle,
+        memory=memory.gyro, readings=now.angle, flags=now.gyro_saturated,
     )  # fmt: skip
-    rates(params.gyros, unit.gyro, faults.gyro, w, dt, memory.gyro, now.rate)
+    rates(
+        params.gyros, copy=unit.gyro, faults=faults.gyro, rate=w, dt=dt, memory=memory.gyro, readings=now.rate
+    )
     count(
-        params.accelerometers, unit.accelerometer, faults.accelerometer, gained, plant.t, dt, cycle,
-        memory.accelerometer, now.gain, now.accelerometer_saturated,
-    )  # fmt: skip
+        params.accelerometers,
+        copy=unit.accelerometer,
+        faults=faults.accelerometer,
+        moved=gained,
+        t=plant.t,
+        dt=dt,
+        cycle=cycle,
+        memory=memory.accelerometer,
+        readings=now.gain,
+        flags=now.accelerometer_saturated,
+    )
     hand_out(memory.under_way[max(cycle - params.delay_cycles, 0) % DEPTH], sensed.inertial)
     memory.taken += 1
 

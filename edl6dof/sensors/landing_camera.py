@@ -85,10 +85,12 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     if camera.fresh == 0:
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)
-    origin, axes, height = sight(case, tables, plant, outputs, position, turn)
+    origin, axes, height = sight(case, tables, plant, outputs, position, turn=turn)
     view = (origin, across(axes), tangent)
-    lay_cells(case, tables, origin, axes, height, tangent, reach_of(params, plant), memory.cells)
-    find_discs(case, plant, outputs, position, turn, memory.discs)
+    lay_cells(
+        case, tables, origin, axes, height, tangent=tangent, reach=reach_of(params, plant), cells=memory.cells
+    )
+    find_discs(case, plant, outputs, position, turn, discs=memory.discs)
     motion = _motion(case, plant, outputs, position)
     pixel, steepest = 2.0 * tangent / params.pixels, tan(params.steepest)
     for i in range(CAMERA_CELLS):
@@ -105,7 +107,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
                 memory.smear[i, j, 0], memory.smear[i, j, 1] = row, column
                 smallest = (params.smallest_px + blur) * pixel * depth
                 memory.sharp[i, j] = share_of_obstacles(
-                    case.terrain.landing_area, view, memory.cells, i, j, smallest, steepest
+                    case.terrain.landing_area, view, memory.cells, i, j, smallest=smallest, steepest=steepest
                 )
     for i in range(CAMERA_CELLS):
         for j in range(CAMERA_CELLS):

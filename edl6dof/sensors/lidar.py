@@ -74,10 +74,10 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     if plant.eyes.scan == 0 and memory.left == 0:
         return
     turn = take3(unit.turn, 0)
-    origin, axes, height = sight(case, tables, plant, outputs, take3(params.position, 0), turn)
+    origin, axes, height = sight(case, tables, plant, outputs, position=take3(params.position, 0), turn=turn)
     reach = reach_of(params, plant)
     if plant.eyes.scan != 0:
-        lay_in_view(case, tables, origin, axes, height, reach, memory.patch)
+        lay_in_view(case, tables, origin, axes, height, reach=reach, patch=memory.patch)
         memory.left = SCAN_ROWS
         memory.scans += 1
     lidar.row, lidar.fresh = SCAN_ROWS - memory.left, 1

@@ -38,8 +38,12 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
         return 1.0
     if area.model != GENERATED:
         return 0.0
-    rocks = covered(area.rocks, view, cells, i, j, smallest, area.largest_rock, -1.0)
-    craters = covered(area.craters, view, cells, i, j, smallest, sqrt(size), steepest)
+    rocks = covered(
+        area.rocks, view, cells, i, j, smallest=smallest, largest=area.largest_rock, steepest=-1.0
+    )
+    craters = covered(
+        area.craters, view, cells, i, j, smallest=smallest, largest=sqrt(size), steepest=steepest
+    )
     return min((rocks + craters) / size, 1.0)
 
 
@@ -58,7 +62,7 @@ def covered(population, view, cells, i, j, smallest, largest, steepest):
             for b in range(first_cell(population, k, west), last_cell(population, k, east) + 1):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
-                    y, x, diameter, character = member(population, k, bits, a, b, n)
+                    y, x, diameter, character = member(population, k, bits, i=a, j=b, n=n)
                     if (
                         max(smallest, 1e-3) <= diameter <= largest
                         and wall(diameter, character) >= steepest

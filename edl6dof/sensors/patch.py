@@ -45,7 +45,12 @@ def lay_patch(case, tables, north, east, patch):
     patch.cell = case.terrain.landing_area.cell
     half = 0.5 * (PATCH_NODES - 1) * patch.cell
     patch.north, patch.east = lay_raster(
-        case.terrain, tables.terrain, north - half, east - half, patch.heights, patch.work
+        case.terrain,
+        grid=tables.terrain,
+        north=north - half,
+        east=east - half,
+        heights=patch.heights,
+        work=patch.work,
     )
     top = patch.heights[0, 0]
     for i in range(PATCH_NODES):
@@ -91,7 +96,7 @@ def trace(patch, origin, ray, reach):
         a, b = float(patch.heights[i, j]), float(patch.heights[i, j + 1])
         c, d = float(patch.heights[i + 1, j]), float(patch.heights[i + 1, j + 1])
         if z + left * dz <= max(max(a, b), max(c, d)):
-            way = _meet(a, b, c, d, u - i, v - j, z, x, y, dz, entered, left)
+            way = _meet(a, b, c, d, p=u - i, q=v - j, z=z, x=x, y=y, dz=dz, entered=entered, left=left)
             if way >= 0.0:
                 p, q = u - i + way * x, v - j + way * y
                 north = ((c - a) * (1.0 - q) + (d - b) * q) * inverse

@@ -180,10 +180,14 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         distance = speed = 0.0
         if sees:
             beam = rotate_z(c, s, from_frame(q, (unit.axis[i, 0], unit.axis[i, 1], unit.axis[i, 2])))
-            distance, incidence = ground_echo(case, tables, areoid, r, beam, height, up)
+            distance, incidence = ground_echo(
+                case, tables, areoid, r_F=r, beam_F=beam, height=height, up_F=up
+            )
             speed = dot(v, beam)
             spin = case.planet.rotation_rate
-            near, closing = part_echo(params.lobes, plant, rotation, r, v, beam, distance, spin)
+            near, closing = part_echo(
+                params.lobes, plant, rotation, r_F=r, v_F=v, beam_F=beam, ground_range=distance, spin=spin
+            )
             if near > 0.0:
                 distance, speed = near, closing
             elif incidence < cos(params.incidence):
@@ -191,7 +195,17 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         first = _DRAWS * (MAX_BEAMS * cycle + i)
         if uniform(unit.key, first) < params.dropout + dust * params.dust.dropout:
             distance = 0.0
-        read(params, unit, plant.instruments, i, distance, speed, dust, first, radar)
+        read(
+            params,
+            unit,
+            faults=plant.instruments,
+            i=i,
+            distance=distance,
+            speed=speed,
+            dust=dust,
+            first=first,
+            radar=radar,
+        )
 
 
 @kernel

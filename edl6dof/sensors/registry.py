@@ -136,7 +136,17 @@ def sense(case, tables, plant, outputs, sensors):
     params, unit = case.sensors.params, case.sensors.unit
     sensors.sensed.t = plant.t
     for k in range(params.n_carried):
-        _measure(params.carried[k], params, unit, case, tables, plant, outputs, sensors, sensors.sensed)
+        _measure(
+            params.carried[k],
+            params,
+            unit,
+            case,
+            tables,
+            plant=plant,
+            outputs=outputs,
+            memory=sensors,
+            sensed=sensors.sensed,
+        )
 
 
 def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, str]:

@@ -65,9 +65,9 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     if stereo.fresh == 0:
         return
     turn = take3(unit.turn, 0)
-    origin, axes, height = sight(case, tables, plant, outputs, take3(params.position, 0), turn)
+    origin, axes, height = sight(case, tables, plant, outputs, position=take3(params.position, 0), turn=turn)
     reach = reach_of(params, plant)
-    lay_in_view(case, tables, origin, axes, height, reach, memory.patch)
+    lay_in_view(case, tables, origin, axes, height, reach=reach, patch=memory.patch)
     tangent, flattest = tan(0.5 * params.field_of_view), cos(params.incidence)
     per_pixel = 2.0 * tangent / (params.pixels * params.baseline)
     pair = memory.pairs

@@ -56,7 +56,7 @@ def look(cases, tables_, plants, outputs_, works):
 def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
     """Log the present state as row ``row`` of the one of the two logs that is not empty, if one is not."""
     if len(log) > 0:
-        record(case, plant, outputs, sensed, fsw, log[row])
+        record(case, plant, outputs, sensed, fsw, tick=log[row])
     elif len(brief) > 0:
         record_brief(case, plant, outputs, fsw, brief[row])
 
@@ -95,17 +95,19 @@ def fly(
             outcome = outcome_of(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:
-            write_row(case, plant, outputs, sensors.sensed, fsw, log, brief, log_first + rows)
+            write_row(case, plant, outputs, sensors.sensed, fsw, log=log, brief=brief, row=log_first + rows)
             rows += 1
         if outcome != FLYING:
             return outcome, k - first, rows
         for j in range(steps):
-            if not advance(case, tables, plant, outputs, work, t + cycle * (j + 1) / steps):
+            if not advance(case, tables, plant, outputs, work, t_end=t + cycle * (j + 1) / steps):
                 undo(plant, work)
                 if plant.t > t or not logged:
                     evaluate(case, tables, plant, outputs, work)
                     survey(case, tables, plant, outputs)
-                    write_row(case, plant, outputs, sensors.sensed, fsw, log, brief, log_first + rows)
+                    write_row(
+                        case, plant, outputs, sensors.sensed, fsw, log=log, brief=brief, row=log_first + rows
+                    )
                     rows += 1
                 retrace(case, tables, plant, outputs, work)
                 return NOT_FINITE, k - first, rows
@@ -127,9 +129,11 @@ def fly_each(
     for i in range(len(plants)):
         if outcomes[i] == FLYING:
             outcomes[i], flown, _ = fly(
-                cases[i : i + 1], onboards[i : i + 1], tables_, plants[i : i + 1], outputs_[i : i + 1],
-                peaks_[i : i + 1], works[i : i + 1], sensors_[i : i + 1], memories[i : i + 1],
-                cycles[i], cycles[i] + count, current[i], steps, log, brief, 0,
+                cases=cases[i : i + 1], onboards=onboards[i : i + 1], tables_=tables_,
+                plants=plants[i : i + 1], outputs_=outputs_[i : i + 1], peaks_=peaks_[i : i + 1],
+                works=works[i : i + 1], sensors_=sensors_[i : i + 1], memories=memories[i : i + 1],
+                first=cycles[i], last=cycles[i] + count, current=current[i], steps=steps, log=log,
+                brief=brief, log_first=0,
             )  # fmt: skip
             cycles[i] += flown
             current[i] = 1

@@ -47,10 +47,10 @@ def geodetic(radius, flattening, r_F):
     # more
     per_radius = 1.0 / radius
     height, width = z * per_radius, axis * per_radius
-    s, c = _bowring(height, width, shape, e2, height, shape * shape * width)
+    s, c = _bowring(height, width, shape, e2, s=height, c=shape * shape * width)
     length2 = s * s + c * c
     altitude = radius * ((width * c + height * s - sqrt(length2 - e2 * s * s)) / sqrt(length2))
-    s, c = _bowring(height, width, shape, e2, s, c)
+    s, c = _bowring(height, width, shape, e2, s, c=c)
     inverse = 1.0 / sqrt(s * s + c * c)
     return s * inverse, c * inverse, sin_lon, cos_lon, altitude
 
@@ -135,7 +135,7 @@ def fixed_to_enu(site_F, sin_lat, cos_lat, sin_lon, cos_lon, r_F):
 def to_local(frame, r_F):
     """East, north, up in a ``LOCAL_FRAME`` of a position in F."""
     return fixed_to_enu(
-        take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F
+        take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F=r_F
     )
 
 
@@ -217,10 +217,12 @@ def attitude_from_wind_angles(v, up, bank, alpha, beta):
 
 
 @kernel
-def great_circle(sin_lat1, cos_lat1, lon1, sin_lat2, cos_lat2, lon2):
-    """Central angle and initial azimuth (from north, clockwise) from point 1 to point 2, rad."""
-    dlon = lon2 - lon1
-    sin_dlon, cos_dlon = sincos(dlon)
+def great_circle(start, end):
+    """Central angle and initial azimuth (from north, clockwise) from one point (latitude, longitude) to
+    another, rad.
+    """
+    (sin_lat1, cos_lat1), (sin_lat2, cos_lat2) = sincos(start[0]), sincos(end[0])
+    sin_dlon, cos_dlon = sincos(end[1] - start[1])
     a = cos_lat2 * sin_dlon
     b = cos_lat1 * sin_lat2 - sin_lat1 * cos_lat2 * cos_dlon
     c = sin_lat1 * sin_lat2 + cos_lat1 * cos_lat2 * cos_dlon

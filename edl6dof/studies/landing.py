@@ -236,7 +236,16 @@ def _repeat(law, onboards, states, navs, targets, memories, work, outs, repeats)
     powered = onboards[0].guidance.powered
     for _ in range(repeats):
         work[0] = memories[0]
-        powered_guidance(law, powered, onboards[0].vehicle, states[0], navs[0], targets[0], work[0], outs[0])
+        powered_guidance(
+            law,
+            powered,
+            onboards[0].vehicle,
+            state=states[0],
+            nav=navs[0],
+            target=targets[0],
+            memory=work[0],
+            out=outs[0],
+        )
 
 
 def call_time(loaded: LoadedScenario) -> float:

@@ -149,7 +149,7 @@ class Design:
 
     def dynamics(self, drag: float, rate: float, speed: float) -> Any:
         """D'' at this state: what is known, the regressor of theta, and what u adds."""
-        return uncertain_drag(drag, rate, speed, self.gravity, self.radius, self.scale_height)
+        return uncertain_drag(drag, rate, speed, self.gravity, self.radius, scale_height=self.scale_height)
 
     def state_energy(self, error: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """z' P z of drag errors (m/s2) and their rates (m/s3)."""
@@ -281,7 +281,17 @@ class Motion:
         goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
         error, error_rate = drag - goal, rate - goal_rate
         dynamics = self.design.dynamics(drag, rate, speed)
-        u = track(self.law, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u)
+        u = track(
+            self.law,
+            memory,
+            dt,
+            flown,
+            error,
+            error_rate=error_rate,
+            dynamics=dynamics,
+            goal_free=goal_free,
+            goal_per_u=goal_per_u,
+        )
         return error, error_rate, u
 
     def step(self, state: State, u: float) -> State:

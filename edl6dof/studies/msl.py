@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import cos, nan, sin
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
@@ -104,7 +104,7 @@ def figures(flight: Flight) -> dict[str, float]:
     crossings = time[1:][(bank[1:] * bank[:-1] < 0.0) & steered[1:]]
     times = np.append(crossings[:3], [nan] * 3)
     lat, lon = (np.radians(t[f"truth.{name}_deg"][[0, -1]]) for name in ("latitude", "longitude"))
-    angle, _ = great_circle(sin(lat[0]), cos(lat[0]), lon[0], sin(lat[1]), cos(lat[1]), lon[1])
+    angle, _ = great_circle((lat[0], lon[0]), (lat[1], lon[1]))
     return {
         "peak_load_s": float(time[np.argmax(t["truth.load_g0"])]),
         "reversals": float(crossings.size),

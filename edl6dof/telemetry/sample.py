@@ -65,7 +65,7 @@ def record_brief(case, plant, outputs, fsw, tick):
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
         fsw.demand.attitude_error, 0
     )
-    record_errors(plant, outputs, fsw.navigation.estimate, spin, c, s, tick.nav)
+    record_errors(plant, outputs, fsw.navigation.estimate, spin, c, s=s, nav=tick.nav)
     torque = take3(fsw.disturbance.torque, 0)
     tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = torque
     return c, s, v_rel_I, v_N, airspeed

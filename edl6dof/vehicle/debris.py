@@ -36,7 +36,7 @@ def step_part(case, tables, inputs, part, t, h):
         s, c = sincos(spin * h)
         put3(part.r_I, 0, rotate_z(c, -s, r))
         return
-    a, altitude = fall(case, tables, inputs.areoid, part, t, r, v)
+    a, altitude = fall(case, tables, inputs.areoid, part, t, r_I=r, v_I=v)
     if altitude <= inputs.ground_altitude:
         part.active = RESTING
         put3(part.v_I, 0, (-spin * r[1], spin * r[0], 0.0))
@@ -53,4 +53,4 @@ def step_debris(case, tables, plant, t, h):
     """Advance every part that has left the vehicle."""
     for i in range(plant.debris.shape[0]):
         if plant.debris[i].active != 0:
-            step_part(case, tables, plant.inputs, plant.debris[i], t, h)
+            step_part(case, tables, plant.inputs, part=plant.debris[i], t=t, h=h)

@@ -49,8 +49,7 @@ def surroundings(case, tables, areoid, rotation, r_I):
 def noncentral_I(planet, rotation, r_I):
     """Noncentral part of gravitation (I, m/s2) at ``r_I`` (m) on a planet turned by ``rotation``."""
     c, s = rotation
-    x, y, z = rotate_z(c, s, r_I)
-    return rotate_z(c, -s, noncentral_F(planet.gravity, x, y, z))
+    return rotate_z(c, -s, noncentral_F(planet.gravity, rotate_z(c, s, r_I)))
 
 
 @kernel

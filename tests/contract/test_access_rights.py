@@ -1,5 +1,5 @@
 """A signature is a right of access: the cycle alone holds the memories of all modules of the flight software,
-and one module alone opens valves.
+one module alone opens valves, and a module writes of the signals that it exchanges those that it declares.
 """
 
 import ast
@@ -66,3 +66,79 @@ def test_modulation_alone_writes_valve_intervals():
 def test_planted_second_writer_is_found():
     assert valve_writers("def f(i, t, command):\n    command.opens[i] = t\n") == [2]
     assert valve_writers("def f(i, t, opens, closes):\n    opens[i] = closes[i] = t\n") == [2, 2]
+
+
+def signal_of(node, known):
+    """Signal that an expression is part of, by the names ``known`` for signals; none for another one."""
+    while isinstance(node, ast.Subscript | ast.Attribute):
+        if isinstance(node.value, ast.Name) and node.value.id == "signals":
+            return getattr(node, "attr", None)
+        node = node.value
+    return known.get(node.id) if isinstance(node, ast.Name) else None
+
+
+def written_signals(source):
+    """Signals that functions of ``signals`` write, by themselves or by names that they give them."""
+    found = set()
+    for function in ast.walk(ast.parse(source)):
+        if not isinstance(function, ast.FunctionDef) or "signals" not in [a.arg for a in function.args.args]:
+            continue
+        known = {}
+        for node in ast.walk(function):
+            if isinstance(node, ast.Assign):
+                for target in node.targets:
+                    values = getattr(node.value, "elts", [node.value])
+                    for name, value in zip(getattr(target, "elts", [target]), values, strict=False):
+                        if isinstance(name, ast.Name):
+                            known[name.id] = signal_of(value, known)
+        found |= {
+            signal_of(node, known)
+            for node in ast.walk(function)
+            if isinstance(node, ast.Subscript | ast.Attribute) and isinstance(node.ctx, ast.Store)
+        }
+    return found - {None}
+
+
+def declared_signals(source):
+    """Signals that a module declares, none without; and those of them that it declares to write."""
+    fields, writes = set(), set()
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.ClassDef) and node.name.endswith("Signals"):
+            fields = {field.target.id for field in node.body if isinstance(field, ast.AnnAssign)}
+        elif isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "WRITES":
+            writes = set(ast.literal_eval(node.value))
+    return fields, writes
+
+
+def read_signals(source):
+    """Signals that a module names."""
+    return {
+        node.attr
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "signals"
+    }
+
+
+#: Modules that take signals, each with those that it shares its own with.
+EXCHANGE = {"diagnosis/diagnose.py": ("diagnosis/leak.py",), "diagnosis/exercise.py": ()}
+
+
+@pytest.mark.parametrize("module, helpers", EXCHANGE.items(), ids=EXCHANGE)
+def test_a_module_takes_the_signals_that_it_reads_and_writes_those_that_it_declares(module, helpers):
+    sources = [(FSW / file).read_text() for file in (module, *helpers)]
+    fields, writes = declared_signals(sources[0])
+    assert fields and writes <= fields
+    assert set.union(*map(read_signals, sources)) == fields
+    assert set.union(*map(written_signals, sources)) <= writes
+
+
+def test_every_module_with_signals_is_looked_at():
+    found = {file.relative_to(FSW).as_posix() for file in FSW.rglob("*.py") if "signals." in file.read_text()}
+    assert found == {*EXCHANGE, *(helper for helpers in EXCHANGE.values() for helper in helpers)}
+
+
+@pytest.mark.parametrize(
+    "planted", ["signals.nav.t = 0.0", "signals.nav[0] = 1", "t, n = 0, signals.nav\n    n.r_I[0] = t"]
+)
+def test_planted_write_of_a_signal_is_found(planted):
+    assert written_signals(f"def f(params, signals, memory):\n    {planted}\n") == {"nav"}

@@ -25,6 +25,7 @@ def demand_of(index, onboard, nav, goal, configuration, cycles=3):
     compose_demand(
         phase,
         onboard[0]["vehicle"],
+        np.zeros((32, 6)),
         np.zeros(1, VEHICLE_STATE)[0],
         np.ones(32, "i8"),
         nav,

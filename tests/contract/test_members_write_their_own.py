@@ -1,4 +1,6 @@
-"""A member of a family writes its memory and its outputs, and nothing that it is given."""
+"""A member of a family, and allocation as a whole, writes its memory and its outputs, and nothing that it is
+given.
+"""
 
 import numpy as np
 import pytest
@@ -6,7 +8,7 @@ import pytest
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
 from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
-from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.allocation.update import ALLOCATION, allocate
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
@@ -63,6 +65,14 @@ CALLS = {
         )
         for i, name in enumerate(ALLOCATORS.names)
     },
+    "allocation": (
+        {"params": ONBOARD["allocation"], "vehicle": ONBOARD["vehicle"], "health": HEALTH}
+        | {"effectiveness": EFFECTIVENESS, "demand": DEMAND, "out": ALLOCATION},
+        lambda p, vehicle, health, effectiveness, demand, out: allocate(
+            p, vehicle, health["thruster"], effectiveness, demand, out
+        ),
+        {"out"},
+    ),
     **{
         f"{ESTIMATORS.title}: {name}": (
             {"params": ONBOARD["estimation"], "measured": MEASURED, "memory": ESTIMATORS.memory}

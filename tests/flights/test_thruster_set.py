@@ -48,7 +48,7 @@ def test_thrust_and_torque_are_shared_out_together(torque):
     update_effectiveness(onboard["vehicle"], bare, effectiveness)
     demand["wrench"][0], demand["wrench"][3:] = -1700.0, torque
     demand["groups"] = 1 << AXIAL | 1 << ATTITUDE | 1 << FINE
-    demand["boosting"] = demand["descending"] = 1
+    demand["boosting"] = 1
     count = onboard["vehicle"]["n_thrusters"]
     allocate(onboard["allocation"], onboard["vehicle"], np.ones(32, "i8"), effectiveness, demand, out)
     duty = out["duty"][:count]

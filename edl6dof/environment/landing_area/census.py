@@ -23,7 +23,7 @@ def within(population, north, east, radius, smallest):
             ):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
-                    y, x, diameter, _ = member(population, k, bits, a, b, n)
+                    y, x, diameter, _ = member(population, k, bits, i=a, j=b, n=n)
                     if diameter >= smallest and (y - north) ** 2 + (x - east) ** 2 <= radius * radius:
                         count += 1
                         largest = max(largest, diameter)
@@ -42,7 +42,7 @@ def list_within(population, south, west, side, found):
             for b in range(first_cell(population, k, west), last_cell(population, k, west + side) + 1):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
-                    y, x, diameter, character = member(population, k, bits, a, b, n)
+                    y, x, diameter, character = member(population, k, bits, i=a, j=b, n=n)
                     inside = south <= y < south + side and west <= x < west + side
                     if diameter > 0.0 and inside:
                         if count < found.shape[0]:

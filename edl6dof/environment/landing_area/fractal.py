@@ -53,7 +53,7 @@ def fractal_row(area, tiles, i, j, heights):
         along = a + area.offset[2] if step_a != 0 else b + area.offset[3]
         left = COARSE_CELLS - (along & _INNER) if step_a + step_b > 0 else (along & _INNER) + 1
         run = heights[k : min(k + left, count)]
-        _fractal_run(area, tiles, a, b, step_a, step_b, run)
+        _fractal_run(area, tiles, a, b, step_a, step_b=step_b, heights=run)
         k, a, b = k + left, a + left * step_a, b + left * step_b
 
 

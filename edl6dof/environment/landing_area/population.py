@@ -88,7 +88,7 @@ def member(population, k, bits, i, j, n):
     """Member ``n`` of those drawn in the cell (``i``, ``j``) of class ``k``: its place north and east (m),
     its diameter (m; 0: it did not stay) and its character, 0 .. 1.
     """
-    north, east = place_of_member(population, k, bits, i, j, n)
+    north, east = place_of_member(population, k, bits, i, j, n=n)
     diameter, character = size_of_member(population, k, bits, n)
     return north, east, diameter, character
 

@@ -45,13 +45,15 @@ def lay_raster(terrain, grid, north, east, heights, work):
     heights[:] = 0.0
     _paint(area, area.rocks, i, j, heights)
     _paint(area, area.craters, i, j, heights)
-    _lay_regional(terrain, grid, i, j, columns, work.north)
+    _lay_regional(terrain, grid, i, j, count=columns, heights=work.north)
     for first in range(0, rows, _APART):
         for k in range(work.north.shape[0]):
             work.south[k] = work.north[k]
-        _lay_regional(terrain, grid, i + first + _APART, j, columns, work.north)
+        _lay_regional(terrain, grid, i=i + first + _APART, j=j, count=columns, heights=work.north)
         for row in range(first, min(first + _APART, rows)):
-            _finish_row(area, grid.tiles, i + row, j, (row - first) / _APART, heights[row], work)
+            _finish_row(
+                area, grid.tiles, i=i + row, j=j, up=(row - first) / _APART, heights=heights[row], work=work
+            )
     return i * area.cell, j * area.cell
 
 
@@ -108,7 +110,7 @@ def _paint(area, population, i, j, heights):
             for b in range(low, high + 1):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
-                    north, east, diameter, character = member(population, k, bits, a, b, n)
+                    north, east, diameter, character = member(population, k, bits, i=a, j=b, n=n)
                     first, last = nodes_within(north, population.reach * diameter, step, i, rows)
                     left, right = nodes_within(east, population.reach * diameter, step, j, columns)
                     for row in range(first, last):

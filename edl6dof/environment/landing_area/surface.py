@@ -46,10 +46,10 @@ def corners(area, tiles, i, j):
     sw, se, nw, ne = heights_at_corners(area, area.craters, i, j)
     rocks = heights_at_corners(area, area.rocks, i, j)
     return (
-        node_height(area, tiles, i, j, sw, rocks[0]),
-        node_height(area, tiles, i, j + 1, se, rocks[1]),
-        node_height(area, tiles, i + 1, j, nw, rocks[2]),
-        node_height(area, tiles, i + 1, j + 1, ne, rocks[3]),
+        node_height(area, tiles, i, j, craters=sw, rocks=rocks[0]),
+        node_height(area, tiles, i, j=j + 1, craters=se, rocks=rocks[1]),
+        node_height(area, tiles, i=i + 1, j=j, craters=nw, rocks=rocks[2]),
+        node_height(area, tiles, i=i + 1, j=j + 1, craters=ne, rocks=rocks[3]),
     )
 
 
@@ -79,7 +79,7 @@ def heights_at_corners(area, population, i, j):
             for b in range(column, column + 2):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
-                    y, x = place_of_member(population, k, bits, a, b, n)
+                    y, x = place_of_member(population, k, bits, i=a, j=b, n=n)
                     y2, x2, yy2, xx2 = (south - y) ** 2, (west - x) ** 2, (north - y) ** 2, (east - x) ** 2
                     if min(y2, yy2) + min(x2, xx2) >= farthest:
                         continue

@@ -22,7 +22,6 @@ DEMAND = np.dtype(
             "boosting",
             FLAG,
         ),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
-        ("descending", FLAG),  # they are the engine: the axial force demanded is its thrust
     ],
     align=True,
 )
@@ -50,13 +49,24 @@ def groups_of(phase, boosting, thrusters, count, healthy):
 
 
 @kernel
-def compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, demand):
+def largest_axial_force(vehicle, effectiveness):
+    """Axial force (N) of all axial thrusters: they help the engine as far as the torque allows."""
+    force = 0.0
+    for i in range(vehicle.n_thrusters):
+        if vehicle.thrusters[i].group == AXIAL:
+            force += effectiveness[i, 0]
+    return force
+
+
+@kernel
+def compose_demand(phase, vehicle, effectiveness, state, healthy, nav, goal, torque, error, demand):
     """Torque of the attitude controller, lateral force and thrust of guidance, and the groups that may give
     them.
 
     Args:
         phase: mission phase (its thruster groups).
         vehicle: believed vehicle.
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         state: ``VEHICLE_STATE`` record (engine).
         healthy: whether each thruster may be used.
         nav: ``NAV`` record.
@@ -73,6 +83,8 @@ def compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, dem
     put3(demand.wrench, 3, torque)
     if descending:
         demand.wrench[0] = -state.engine.by_thrusters * goal.thrust
+    elif boosting:
+        demand.wrench[0] = largest_axial_force(vehicle, effectiveness)
     if goal.translating != 0:
         q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
         north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
@@ -80,4 +92,3 @@ def compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, dem
         demand.wrench[1], demand.wrench[2] = force[1], force[2]
     demand.groups = groups_of(phase, boosting, vehicle.thrusters, vehicle.n_thrusters, healthy)
     demand.translating, demand.boosting = goal.translating, 1 if boosting else 0
-    demand.descending = 1 if descending else 0

@@ -21,7 +21,7 @@ from edl6dof.fsw.allocation.effectiveness import ROWS, fine_enough, usable
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import AXIAL, FINE
 from edl6dof.jit import kernel
-from edl6dof.records import whole
+from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
 
 
@@ -56,6 +56,7 @@ MEMORY = np.dtype(
         ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
         ("gain", "f8", (MAX_THRUSTERS,)),
         ("gram_of", whole(0, 4)),
+        ("gram_version", COUNT),  # of the effectiveness that it belongs to
     ],
     align=True,
 )
@@ -80,7 +81,7 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
     translating, boosting = demand.translating != 0, demand.boosting != 0
     matrix, slope, price = effectiveness.matrix, memory.slope, memory.price
     small = not (translating or boosting) and fine_enough(
-        shared.fine_share, matrix, thrusters, count, healthy, demand.wrench
+        shared.fine_share, matrix, thrusters, count, healthy, demand=demand.wrench
     )
     only_fine = small and (demand.groups >> FINE) & 1 == 1
     mask = 1 << FINE if only_fine else demand.groups
@@ -105,7 +106,14 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
             if boosting and thrusters[i].group == AXIAL
             else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
         )
-    descend(p.steps, p.translating_tolerance if translating else p.tolerance, n, count, memory, duty)
+    descend(
+        p.steps,
+        tolerance=p.translating_tolerance if translating else p.tolerance,
+        n=n,
+        count=count,
+        memory=memory,
+        duty=duty,
+    )
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]
     for k in range(n):
@@ -130,9 +138,9 @@ def update_products(weight, count, weights_key, effectiveness, memory):
     """Work out ``memory.gram`` when it belongs to another effectiveness, or to other weights than those that
     ``weights_key`` stands for.
     """
-    if memory.gram_of == weights_key and effectiveness.changed == 0:
+    if memory.gram_of == weights_key and memory.gram_version == effectiveness.version:
         return
-    memory.gram_of = weights_key
+    memory.gram_of, memory.gram_version = weights_key, effectiveness.version
     for i in range(count):
         for j in range(count):
             memory.gram[i, j] = product(weight, effectiveness.matrix[i], effectiveness.matrix[j])

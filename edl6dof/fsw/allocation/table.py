@@ -58,7 +58,7 @@ def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
     pulse time they have left.
     """
     sign = 1.0 if left[row] > 0.0 else -1.0
-    total = row_authority(alignment, matrix, vehicle, healthy, mask, row, sign)
+    total = row_authority(alignment, matrix, vehicle, healthy, mask, row=row, sign=sign)
     if total <= 0.0:
         return
     wanted = min(abs(left[row]) / total, 1.0)
@@ -79,14 +79,14 @@ def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty,
     if need <= 1e-9:
         return
     fine, coarse = groups & (1 << FINE), groups & ~(1 << FINE)
-    if need > fine_share * row_authority(alignment, matrix, vehicle, healthy, fine, row, sign):
+    if need > fine_share * row_authority(alignment, matrix, vehicle, healthy, mask=fine, row=row, sign=sign):
         # axial thrusters stand in only where nobody else is left
         mask = coarse & ~(1 << AXIAL)
-        if row_authority(alignment, matrix, vehicle, healthy, mask, row, sign) == 0.0:
+        if row_authority(alignment, matrix, vehicle, healthy, mask, row=row, sign=sign) == 0.0:
             mask = coarse
-        add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left)
+        add_row(alignment, matrix, vehicle, healthy, mask, row=row, duty=duty, left=left)
     if sign * left[row] > 1e-9:
-        add_row(alignment, matrix, vehicle, healthy, fine, row, duty, left)
+        add_row(alignment, matrix, vehicle, healthy, mask=fine, row=row, duty=duty, left=left)
 
 
 @kernel
@@ -106,10 +106,18 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
     if demand.translating != 0:
         for row in (1, 2):
             mask = demand.groups & (1 << HORIZONTAL)
-            add_row(alignment, matrix, vehicle, healthy, mask, row, duty, unallocated)
+            add_row(alignment, matrix, vehicle, healthy, mask, row=row, duty=duty, left=unallocated)
     for row in range(3, ROWS):
         add_axis(
-            alignment, shared.fine_share, matrix, vehicle, healthy, demand.groups, row, duty, unallocated
+            alignment,
+            shared.fine_share,
+            matrix,
+            vehicle,
+            healthy,
+            groups=demand.groups,
+            row=row,
+            duty=duty,
+            left=unallocated,
         )
 
 

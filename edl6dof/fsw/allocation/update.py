@@ -7,7 +7,6 @@ import numpy as np
 from edl6dof.fsw.allocation.effectiveness import ROWS
 from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import AXIAL
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 
@@ -35,14 +34,6 @@ def is_anything(wrench):
 
 
 @kernel
-def boost(vehicle, effectiveness, demand):
-    """Ask for the axial force of all axial thrusters: they help the engine as far as the torque allows."""
-    for i in range(vehicle.n_thrusters):
-        if vehicle.thrusters[i].group == AXIAL:
-            demand.wrench[0] += effectiveness.matrix[i, 0]
-
-
-@kernel
 def allocate(params, vehicle, healthy, effectiveness, demand, out):
     """Share the demand out over the thrusters.
 
@@ -51,26 +42,22 @@ def allocate(params, vehicle, healthy, effectiveness, demand, out):
         vehicle: believed vehicle (thrusters).
         healthy: whether each thruster may be used.
         effectiveness: ``EFFECTIVENESS`` record.
-        demand: ``DEMAND`` record; what helps the engine is added to it.
+        demand: ``DEMAND`` record.
         out: ``ALLOCATION`` record, written.
     """
-    anything = is_anything(demand.wrench)
-    if demand.boosting != 0 and demand.descending == 0:
-        boost(vehicle, effectiveness, demand)
-    if anything or demand.boosting != 0:
+    if is_anything(demand.wrench) or demand.boosting != 0:
         share_out(
             params.method,
             params,
-            params,
-            vehicle,
-            healthy,
-            effectiveness,
-            demand,
-            out.method,
-            out.duty,
-            out.unallocated,
+            shared=params,
+            vehicle=vehicle,
+            healthy=healthy,
+            effectiveness=effectiveness,
+            demand=demand,
+            memory=out.method,
+            duty=out.duty,
+            unallocated=out.unallocated,
         )
-        effectiveness.changed = 0
     else:
         for i in range(vehicle.n_thrusters):
             out.duty[i] = 0.0

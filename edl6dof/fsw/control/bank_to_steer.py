@@ -77,12 +77,16 @@ def control(params, nav, goal, inputs, dt, memory):
     rate = sub(body_rate(nav), path_rate(nav))
     bank_error = wrap(goal.bank - nav.bank)
     alpha_goal = 0.0 if wing_out else goal.alpha
-    roll = follow(p.bank, memory.bank, bank_error, dot(rate, along), dt, frozen)
+    roll = follow(p.bank, memory=memory.bank, error=bank_error, rate=dot(rate, along), dt=dt, frozen=frozen)
     # sideslip grows when the nose yaws left: yaw to the right, about z, removes it
     if inputs.hold_alpha != 0:
         alpha_error, beta = wrap(alpha_goal - nav.alpha_in_air), nav.beta_in_air
-        pitch = follow(p.held_alpha, memory.alpha, alpha_error, dot(rate, across), dt, frozen)
-        yaw = follow(p.held_alpha, memory.beta, beta, dot(rate, aside), dt, frozen)
+        pitch = follow(
+            p.held_alpha, memory=memory.alpha, error=alpha_error, rate=dot(rate, across), dt=dt, frozen=frozen
+        )
+        yaw = follow(
+            p.held_alpha, memory=memory.beta, error=beta, rate=dot(rate, aside), dt=dt, frozen=frozen
+        )
     else:
         alpha_error, beta = wrap(alpha_goal - nav.alpha), nav.beta
         damping = p.damping_after_wing if wing_out else p.damping

@@ -41,7 +41,9 @@ def control(params, nav, goal, inputs, dt, memory):
     if inputs.phase_time < p.rest:
         return (0.0, 0.0, 0.0), error
     w = body_rate(nav)
-    roll = follow(p.roll, memory.roll, nav.roll_to_south, w[0], dt, inputs.saturated != 0)
+    roll = follow(
+        p.roll, memory=memory.roll, error=nav.roll_to_south, rate=w[0], dt=dt, frozen=inputs.saturated != 0
+    )
     acceleration = (
         roll,
         -p.damping * beyond(w[1], p.rate_deadband),

@@ -87,4 +87,13 @@ def follow(zone, memory, error, rate, dt, frozen):
     """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its
     gains.
     """
-    return axis_acceleration(zone, memory, error, target_rate(zone, error, 1.0), rate, dt, frozen, 1.0)
+    return axis_acceleration(
+        zone,
+        memory,
+        error,
+        wanted=target_rate(zone, error, 1.0),
+        rate=rate,
+        dt=dt,
+        frozen=frozen,
+        bandwidth=1.0,
+    )

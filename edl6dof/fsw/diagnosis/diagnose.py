@@ -14,6 +14,8 @@ harm.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
@@ -127,6 +129,40 @@ DIAGNOSIS = np.dtype(
 )
 
 
+class DiagnosisSignals(NamedTuple):
+    """Signals that diagnosis exchanges with other modules in a control cycle.
+
+    Attributes:
+        vehicle: believed vehicle (thrusters, branches).
+        instruments: ``INSTRUMENTS`` record (errors of the meters).
+        metered: whether there are flow meters.
+        used: counts of the flow meters, kg, of the end of the measured cycle.
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        activity: ``ACTIVITY`` record: what the thrusters should have done in the measured cycle.
+        load: axial force of air and riser, N.
+        unexplained: force and torque of that cycle that this does not explain (6).
+        t: present time, s.
+        dt: control cycle, s.
+        healthy: updated, 0 for a thruster that is not to be used.
+    """
+
+    vehicle: Any
+    instruments: Any
+    metered: Any
+    used: Any
+    effectiveness: Any
+    activity: Any
+    load: Any
+    unexplained: Any
+    t: Any
+    dt: Any
+    healthy: Any
+
+
+#: The signals that diagnosis writes.
+WRITES = ("healthy",)
+
+
 @kernel
 def restart(memory):
     """Forget evidence and slow disturbance: the vehicle, or what acts on it, has changed."""
@@ -150,34 +186,35 @@ def note(vehicle, i, kind, loss, confidence, t, memory):
 
 
 @kernel
-def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy):
+def isolate(params, signals, i, kind, loss, confidence, memory):
     """Name a thruster that gives too little, and do without it for good, unless it has lost little."""
-    note(vehicle, i, kind, loss, confidence, t, memory)
+    note(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
     if kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
     else:
-        healthy[i] = 0
+        signals.healthy[i] = 0
 
 
 @kernel
-def isolate_likeliest(params, vehicle, t, memory, healthy):
+def isolate_likeliest(params, signals, memory):
     """Name the thruster of the best hypothesis, or all of a branch that lets nothing through."""
-    best = memory.hypotheses
+    best, vehicle = memory.hypotheses, signals.vehicle
     thruster, branch, kind, loss, confidence = (
         best.thruster, best.branch, best.kind, best.loss, best.confidence,
     )  # fmt: skip
     for i in range(vehicle.n_thrusters):
-        if i == thruster or vehicle.branches.of[i] == branch and healthy[i] != 0:
-            isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy)
+        if i == thruster or vehicle.branches.of[i] == branch and signals.healthy[i] != 0:
+            isolate(params, signals, i, kind, loss, confidence=confidence, memory=memory)
 
 
 @kernel
-def isolate_dead(params, vehicle, i, loss, t, memory, healthy):
+def isolate_dead(params, signals, i, loss, memory):
     """Do without a thruster that did not respond when it was tried alone; its confidence is the least that is
     asked for.
     """
-    note(vehicle, i, kind_of(params, loss), loss, params.confidence, t, memory)
-    healthy[i] = 0
+    kind = kind_of(params, loss)
+    note(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
+    signals.healthy[i] = 0
 
 
 @kernel
@@ -188,26 +225,24 @@ def distrust_meter(b, t, memory):
 
 
 @kernel
-def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t, memory, healthy, shut):
+def look_into_leak(params, signals, memory):
     """Go on with the looks at a leak, and end them when they have decided: what was suspected of not
     responding and does not leak is dead or weak.
     """
-    leak, best = memory.leak, memory.hypotheses
-    found, confidence = follow_leak(
-        params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, memory.residual, leak, shut
-    )
+    leak, best, vehicle = memory.leak, memory.hypotheses, signals.vehicle
+    found, confidence = follow_leak(params, signals, memory.flow, memory.residual, leak)
     if found == NAMED:
-        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t, memory)
+        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
         leak.branch = NONE
     elif found == METER_FAILED:
-        give_back(vehicle.n_thrusters, leak, healthy, shut)
-        distrust_meter(leak.branch, t, memory)
+        give_back(vehicle.n_thrusters, leak, signals.healthy)
+        distrust_meter(leak.branch, signals.t, memory)
         leak.branch = NONE
     elif found == SOUND:
-        give_back(vehicle.n_thrusters, leak, healthy, shut)
+        give_back(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
         if best.kind == STUCK_OFF or best.kind == DEGRADED:
-            isolate_likeliest(params, vehicle, t, memory, healthy)
+            isolate_likeliest(params, signals, memory)
         else:  # suspected of leaking, or an event has made all evidence void
             restart(memory)
 
@@ -233,82 +268,73 @@ def may_leak(params, b, load, residual, kind):
 
 
 @kernel
-def follow_missing(params, vehicle, effectiveness, share, dt, flow, memory):
+def follow_missing(params, signals, memory):
     """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
     the slow part holds them, steady use shows nothing.
     """
+    vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     for b in range(vehicle.branches.count):
         missing = memory.missing[b]
         for j in range(6):
             missing.value[j] = 0.0
-        if flow.losing[b] != 0:
+        if memory.flow.losing[b] != 0:
             for i in range(vehicle.n_thrusters):
                 if vehicle.branches.of[i] == b:
                     for j in range(6):
                         missing.value[j] += share[i] * effectiveness[i, j]
-        without_slow_part(params.slow, missing.value, dt, missing)
+        without_slow_part(params.slow, missing.value, signals.dt, missing)
 
 
 @kernel
-def diagnose(
-    params,
-    metered,
-    instruments,
-    vehicle,
-    used,
-    effectiveness,
-    activity,
-    load,
-    unexplained,
-    t,
-    dt,
-    memory,
-    healthy,
-    shut,
-):
+def diagnose(params, signals, memory):
     """One control cycle of diagnosis.
 
     Args:
         params: diagnosis record.
-        metered: whether there are flow meters.
-        instruments: ``INSTRUMENTS`` record (errors of the meters).
-        vehicle: believed vehicle (thrusters, branches).
-        used: counts of the flow meters, kg, of the end of the measured cycle.
-        effectiveness: force and torque of each at full thrust, rows of 6 (N, N m).
-        activity: what they should have done in the measured cycle.
-        load: axial force of air and riser, N.
-        unexplained: force and torque of that cycle that this does not explain (6).
-        t: present time, s.
-        dt: control cycle, s.
+        signals: ``DiagnosisSignals``.
         memory: ``DIAGNOSIS`` record.
-        healthy: written, 0 for a thruster that is not to be used.
-        shut: written, 1 for a branch whose latch valve is to be shut.
     """
     best, flow = memory.hypotheses, memory.flow
-    known = without_slow_part(params.slow, unexplained, dt, memory.residual)
+    vehicle, metered, activity, effectiveness, load = (
+        signals.vehicle,
+        signals.metered,
+        signals.activity,
+        signals.effectiveness,
+        signals.load,
+    )
+    known = without_slow_part(params.slow, signals.unexplained, signals.dt, memory.residual)
     if params.enabled == 0:
         return
-    if metered and read_meters(params.flow, instruments, vehicle, used, activity.share, dt, flow):
-        weigh_flow(params.flow, 1.0 - 1.0 / params.memory_cycles, vehicle, activity.share, shut, flow)
+    if metered and read_meters(
+        params.flow, signals.instruments, vehicle, signals.used, activity.share, dt=signals.dt, memory=flow
+    ):
+        keep = 1.0 - 1.0 / params.memory_cycles
+        weigh_flow(params.flow, keep, vehicle, activity.share, memory.leak.shut, memory=flow)
     if metered:
-        follow_missing(params, vehicle, effectiveness, activity.share, dt, flow, memory)
+        follow_missing(params, signals, memory)
     if memory.leak.branch != NONE:
-        look_into_leak(
-            params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
-        )
+        look_into_leak(params, signals, memory)
         return
     amiss = reads_amiss(metered, vehicle.branches, flow)
     if amiss != NONE:
-        distrust_meter(amiss, t, memory)
-    leaking, told = leaking_branch(params, vehicle, healthy, flow), True
+        distrust_meter(amiss, signals.t, memory)
+    leaking, told = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         if known > 0:
             weigh(
-                params, vehicle, metered, effectiveness, activity, load, memory.residual, memory.missing,
-                flow, best,
-            )  # fmt: skip
+                params,
+                vehicle,
+                metered,
+                effectiveness,
+                activity,
+                load=load,
+                residual=memory.residual,
+                missing=memory.missing,
+                flow=flow,
+                memory=best,
+            )
         before = (best.thruster, best.kind)
-        compare(params, vehicle, metered, healthy, flow, best)
+        compare(params, vehicle, metered, signals.healthy, flow, memory=best)
         follow_streak(params, before, memory)
         suspected = vehicle.branches.of[best.thruster]
         if (
@@ -318,11 +344,8 @@ def diagnose(
         ):
             leaking, told = suspected, False
     if leaking != NONE:
-        open_leak(
-            params, vehicle, effectiveness, activity, load, leaking, told, memory.residual, memory.leak,
-            healthy, shut,
-        )  # fmt: skip
+        open_leak(params, signals, leaking, told, memory.residual, memory=memory.leak)
     elif memory.streak >= params.streak:
-        isolate_likeliest(params, vehicle, t, memory, healthy)
+        isolate_likeliest(params, signals, memory)
     elif best.meter != NONE and known > 0:
-        distrust_meter(best.meter, t, memory)
+        distrust_meter(best.meter, signals.t, memory)

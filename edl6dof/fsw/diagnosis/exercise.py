@@ -13,6 +13,8 @@ Source: none; Hu et al. 2022 wait for the thruster to be used.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from edl6dof.config.base import Params, param
@@ -51,6 +53,38 @@ class ExerciseParams(Params):
 EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=True)
 
 
+class ExerciseSignals(NamedTuple):
+    """Signals that the exercise takes in a control cycle.
+
+    Attributes:
+        vehicle: believed vehicle (thrusters: group, minimum pulse).
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        healthy: whether each may be used.
+        diagnosis: ``DIAGNOSIS`` record: what is thought at present.
+        valves: ``MODULATION`` record: the valve intervals of this control cycle.
+        sideways: whether the vehicle flies sideways.
+        axial: measured axial force, N: it is taken for drag or thrust, so what adds to it must be small.
+        start: when the phase began, s.
+        t: present time, s.
+        dt: control cycle, s.
+    """
+
+    vehicle: Any
+    effectiveness: Any
+    healthy: Any
+    diagnosis: Any
+    valves: Any
+    sideways: Any
+    axial: Any
+    start: Any
+    t: Any
+    dt: Any
+
+
+#: The signals that the exercise writes.
+WRITES = ()
+
+
 @kernel
 def opposite(effectiveness, count, i):
     """The thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
@@ -67,46 +101,51 @@ def opposite(effectiveness, count, i):
 
 
 @kernel
-def is_free(i, t, healthy, busy_until, opens, closes):
+def is_free(i, signals):
     """Whether a thruster is in use, and shut during this cycle."""
-    return i != NONE and healthy[i] != 0 and closes[i] <= opens[i] and busy_until[i] <= t
+    if i == NONE or signals.healthy[i] == 0:
+        return False
+    valves = signals.valves
+    return valves.closes[i] <= valves.opens[i] and valves.busy_until[i] <= signals.t
 
 
 @kernel
-def has_answered(i, busy_until, t, dt, memory):
+def has_answered(i, signals, memory):
     """Whether what thruster ``i`` was last used for has been measured."""
-    return t >= max(busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
+    t, dt = signals.t, signals.dt
+    return t >= max(signals.valves.busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
 
 
 @kernel
-def is_quiet(branches, b, count, busy_until, t, dt, memory):
+def is_quiet(b, signals, memory):
     """Whether what branch ``b`` was last used for has been measured."""
-    for i in range(count):
-        if branches.of[i] == b and not has_answered(i, busy_until, t, dt, memory):
+    of = signals.vehicle.branches.of
+    for i in range(signals.vehicle.n_thrusters):
+        if of[i] == b and not has_answered(i, signals, memory):
             return False
     return True
 
 
 @kernel
-def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory):
+def retest(params, signals, memory):
     """The thruster to try alone, of several the one that has rested longest; or the suspect of force and
     torque with its opposite number; or twice ``NONE``.
     """
-    branches, count = vehicle.branches, vehicle.n_thrusters
+    vehicle, diagnosis, t = signals.vehicle, signals.diagnosis, signals.t
     rested, oldest = NONE, t
-    for i in range(count):
+    for i in range(vehicle.n_thrusters):
         doubted = needs_trial(i, diagnosis.flow)
         if not (doubted or diagnosis.flow.asked[i] != 0) or memory.used[i] >= oldest:
             continue
-        if not is_free(i, t, healthy, busy_until, opens, closes):
+        if not is_free(i, signals):
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
             doubted
-            and is_quiet(branches, branches.of[i], count, busy_until, t, dt, memory)
+            and is_quiet(vehicle.branches.of[i], signals, memory)
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )
-        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, busy_until, t, dt, memory):
+        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, signals, memory):
             rested, oldest = i, memory.used[i]
     if rested != NONE:
         return rested, NONE
@@ -118,102 +157,55 @@ def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens
         or needs_trial(i, diagnosis.flow)
     ):
         return NONE, NONE
-    j = opposite(effectiveness, count, i)
-    if is_free(i, t, healthy, busy_until, opens, closes) and is_free(
-        j, t, healthy, busy_until, opens, closes
-    ):
+    j = opposite(signals.effectiveness, vehicle.n_thrusters, i)
+    if is_free(i, signals) and is_free(j, signals):
         return i, j
     return NONE, NONE
 
 
 @kernel
-def longest_rested(
-    params,
-    thrusters,
-    count,
-    effectiveness,
-    healthy,
-    busy_until,
-    opens,
-    closes,
-    sideways,
-    waiting,
-    flow,
-    axial,
-    start,
-    t,
-    memory,
-):
+def longest_rested(params, signals, waiting, memory):
     """The pair that is due and has rested longest, or twice ``NONE``."""
+    vehicle, effectiveness, t = signals.vehicle, signals.effectiveness, signals.t
     first, second, oldest = NONE, NONE, t
-    for i in range(count):
-        often = waiting or sideways and thrusters[i].group == HORIZONTAL
-        due = t - params.rest if often else max(start, t - params.every)
-        if memory.used[i] < min(due, oldest) and not needs_trial(i, flow):
-            j = opposite(effectiveness, count, i)
+    for i in range(vehicle.n_thrusters):
+        often = waiting or signals.sideways and vehicle.thrusters[i].group == HORIZONTAL
+        due = t - params.rest if often else max(signals.start, t - params.every)
+        if memory.used[i] < min(due, oldest) and not needs_trial(i, signals.diagnosis.flow):
+            j = opposite(effectiveness, vehicle.n_thrusters, i)
             if (
-                is_free(i, t, healthy, busy_until, opens, closes)
-                and is_free(j, t, healthy, busy_until, opens, closes)
-                and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * axial
+                is_free(i, signals)
+                and is_free(j, signals)
+                and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * signals.axial
             ):
                 first, second, oldest = i, j, memory.used[i]
     return first, second
 
 
 @kernel
-def pair_to_test(
-    params,
-    vehicle,
-    effectiveness,
-    healthy,
-    diagnosis,
-    busy_until,
-    opens,
-    closes,
-    sideways,
-    axial,
-    start,
-    t,
-    dt,
-    memory,
-):
+def pair_to_test(params, signals, memory):
     """The two thrusters to fire against each other from this control cycle on, the second ``NONE`` for a
     single one; (``NONE``, ``NONE``) for no test.
 
     Args:
         params: exercise record.
-        vehicle: believed vehicle (thrusters: group, minimum pulse).
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        healthy: whether each may be used.
-        diagnosis: ``DIAGNOSIS`` record: what is thought at present.
-        busy_until: end of the shortest pulse under way of each, s.
-        opens: valve openings of this control cycle, s.
-        closes: valve closings, s.
-        sideways: whether the vehicle flies sideways.
-        axial: measured axial force, N: it is taken for drag or thrust, so what adds to it must be small.
-        start: when the phase began, s.
-        t: present time, s.
-        dt: control cycle, s.
+        signals: ``ExerciseSignals``.
         memory: ``EXERCISE`` record.
     """
     if params.enabled == 0:
         return NONE, NONE
-    count = vehicle.n_thrusters
-    for i in range(count):
-        if closes[i] > opens[i] + 0.5 * dt:
+    vehicle, valves, t = signals.vehicle, signals.valves, signals.t
+    for i in range(vehicle.n_thrusters):
+        if valves.closes[i] > valves.opens[i] + 0.5 * signals.dt:
             memory.used[i] = t
-    i, j = retest(
-        params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory
-    )
+    i, j = retest(params, signals, memory)
     if i == NONE:
-        waiting = is_waiting(vehicle.branches, diagnosis.flow)
-        pause = params.spacing if sideways or waiting else params.pause
-        if t < memory.tested + pause - 1e-9 or t < start + params.settled and not (sideways or waiting):
+        waiting = is_waiting(vehicle.branches, signals.diagnosis.flow)
+        soon = signals.sideways or waiting
+        pause = params.spacing if soon else params.pause
+        if t < memory.tested + pause - 1e-9 or t < signals.start + params.settled and not soon:
             return NONE, NONE
-        i, j = longest_rested(
-            params, vehicle.thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways,
-            waiting, diagnosis.flow, axial, start, t, memory,
-        )  # fmt: skip
+        i, j = longest_rested(params, signals, waiting, memory)
     if i != NONE:
         memory.tested = memory.used[i] = t
     if j != NONE:

@@ -322,7 +322,15 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
         if share[i] > LEAST_USE:
             given = share[i] * (1.0 - memory.known_loss[i]) * flow
             if fires_alone(memory.expected[b], given):
-                weigh_loss(params, residual, -given, weight, keep, memory.common, memory.off[i])
+                weigh_loss(
+                    params,
+                    residual,
+                    prediction=-given,
+                    weight=weight,
+                    keep=keep,
+                    common=memory.common,
+                    loss=memory.off[i],
+                )
                 memory.doubtful[i] = 0
             elif (
                 -residual > (params.loss_least + memory.common) * given

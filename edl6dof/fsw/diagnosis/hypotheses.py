@@ -188,16 +188,16 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, mis
         expected = flow.expected[vehicle.branches.of[i]]
         alone = not metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
         if share > LEAST_USE and alone:
-            collect(memory.off[i], keep, -share, along, square, every)
+            collect(memory.off[i], keep, signature=-share, along=along, square=square, every=every)
         if share < 1.0 - LEAST_USE:
-            collect(memory.on[i], keep, 1.0 - share, along, square, every)
+            collect(memory.on[i], keep, signature=1.0 - share, along=along, square=square, every=every)
     for b in range(vehicle.branches.count):
         square = product(missing[b].value, missing[b].value, weight)
         if flow.losing[b] == 0:
             forget(memory.dead[b])
         elif square > LEAST_SEEN:
             along = product(residual.value, missing[b].value, weight)
-            collect(memory.dead[b], keep, -1.0, along, square, every)
+            collect(memory.dead[b], keep, -1.0, along, square, every=every)
 
 
 @kernel
@@ -308,9 +308,9 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             continue
         b = vehicle.branches.of[i]
         if is_read(metered, b, flow):
-            kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory, least)
+            kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory=memory, least=least)
             if told > 0.0:
-                most = explain_loss(params, vehicle, i, loss, most, told, flow, memory)
+                most = explain_loss(params, vehicle, i, loss, most, told=told, flow=flow, memory=memory)
         else:
             kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
         if most >= least:

@@ -37,6 +37,7 @@ MOST_LOOKS = 20  # after which the likeliest is named, however likely
 LEAK = np.dtype(
     [
         ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is looked into
+        ("shut", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be shut
         ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
         ("told", FLAG),  # by a meter: one of them leaks
         ("open", FLAG),  # the latch valve
@@ -75,9 +76,9 @@ def mean_of(residual, first, last, mean):
 
 
 @kernel
-def take_look(params, count, effectiveness, wrench, load, sign, memory):
+def take_look(params, signals, sign, memory):
     """Compare the change from before to after with ``sign`` times what each candidate does."""
-    weight = weights(params, wrench, load)
+    weight = weights(params, signals.activity.wrench, signals.load)
     before, after = memory.before, memory.after
     change = (
         0.0,
@@ -88,28 +89,30 @@ def take_look(params, count, effectiveness, wrench, load, sign, memory):
         after[5] - before[5],
     )
     every = product(change, change, weight)
-    for i in range(count):
+    for i in range(signals.vehicle.n_thrusters):
         if memory.candidate[i] != 0:
-            b = effectiveness[i]
+            b = signals.effectiveness[i]
             along, square = product(change, b, weight), product(b, b, weight)
-            collect(memory.sums[i], 1.0, sign * memory.idle[i], along, square, every)
+            signature = sign * memory.idle[i]
+            collect(memory.sums[i], 1.0, signature, along, square, every=every)
     memory.looks += 1
 
 
 @kernel
-def open_leak(params, vehicle, effectiveness, activity, load, b, told, residual, memory, healthy, shut):
+def open_leak(params, signals, b, told, residual, memory):
     """Shut branch ``b`` to look into a leak, ``told`` by a meter or not; how it began is the first look."""
+    vehicle, healthy = signals.vehicle, signals.healthy
     memory.told = 1 if told else 0
     memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
-        memory.idle[i] = 1.0 - activity.share[i]
+        memory.idle[i] = 1.0 - signals.activity.share[i]
         memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
-    shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, shut)
+    shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, memory)
     mean_of(residual, 1, 1, memory.after)
     if told and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
-        take_look(params, vehicle.n_thrusters, effectiveness, activity.wrench, load, 1.0, memory)
+        take_look(params, signals, 1.0, memory)
     look_again(residual, memory)
 
 
@@ -142,53 +145,53 @@ def likeliest(count, memory):
 
 
 @kernel
-def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow, residual, memory, shut):
+def follow_leak(params, signals, flow, residual, memory):
     """One control cycle with the branch shut, or open for a look: what is known, and the confidence.
 
     The time between looks varies: a canopy that breathes at the rate of the looks would look like a thruster.
     """
-    b = memory.branch
+    b, count = memory.branch, signals.vehicle.n_thrusters
     memory.cycles += 1
     if MIXED < memory.cycles <= MIXED + LOOK:
         for j in range(6):
-            memory.after[j] += unexplained[j] / LOOK
+            memory.after[j] += signals.unexplained[j] / LOOK
         memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
     if memory.cycles == MIXED + LOOK:
         if memory.open == 0 and cannot_be(b, memory.flow, flow):
             return METER_FAILED, 1.0
         sign = 1.0 if memory.open != 0 else -1.0
-        take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
-        for i in range(vehicle.n_thrusters):
+        take_look(params, signals, sign, memory)
+        for i in range(count):
             memory.idle[i] = 1.0
-        confidence = likeliest(vehicle.n_thrusters, memory)
+        confidence = likeliest(count, memory)
         if memory.told == 0 and confidence < 1.0 - params.confidence:
             return SOUND, confidence
         if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
             if memory.told == 0 and confidence < params.confidence:
                 return SOUND, confidence
             memory.open = 0
-            shut[b] = 1
+            memory.shut[b] = 1
             return NAMED, confidence
     if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
         memory.open = 1 - memory.open
-        shut[b] = 1 - memory.open
+        memory.shut[b] = 1 - memory.open
         look_again(residual, memory)
     return UNDER_WAY, 0.0
 
 
 @kernel
-def shut_branch(branches, count, b, healthy, shut):
+def shut_branch(branches, count, b, healthy, memory):
     """Shut the latch valve of branch ``b``: none of its thrusters can be used."""
-    shut[b] = 1
+    memory.shut[b] = 1
     for i in range(count):
         if branches.of[i] == b:
             healthy[i] = 0
 
 
 @kernel
-def give_back(count, memory, healthy, shut):
+def give_back(count, memory, healthy):
     """Open the branch again: its candidates are sound."""
-    shut[memory.branch] = 0
+    memory.shut[memory.branch] = 0
     for i in range(count):
         if memory.candidate[i] != 0:
             healthy[i] = 1

@@ -29,15 +29,15 @@ ACTIVITY = np.dtype(
 
 
 @kernel
-def remember(opens, closes, count, memory):
-    """Keep the valve intervals (s) commanded for a new control cycle."""
+def remember(valves, count, memory):
+    """Keep the intervals of the ``valves`` (``MODULATION`` record) in a new control cycle."""
     for k in range(KEPT - 1, 0, -1):
         for i in range(count):
             memory.opens[k, i] = memory.opens[k - 1, i]
             memory.closes[k, i] = memory.closes[k - 1, i]
     for i in range(count):
-        memory.opens[0, i] = opens[i]
-        memory.closes[0, i] = closes[i]
+        memory.opens[0, i] = valves.opens[i]
+        memory.closes[0, i] = valves.closes[i]
 
 
 @kernel

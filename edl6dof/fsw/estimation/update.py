@@ -93,14 +93,21 @@ def estimate_disturbance(params, vehicle, state, nav, imu_delay, effectiveness, 
         out: ``DISTURBANCE`` record, written.
     """
     end = nav.t - imu_delay
-    expect(effectiveness, vehicle.n_thrusters, end - dt, end, params.valve_lag, memory.activity)
+    expect(
+        effectiveness,
+        count=vehicle.n_thrusters,
+        begin=end - dt,
+        end=end,
+        lag=params.valve_lag,
+        memory=memory.activity,
+    )
     rate, gain = take3(nav.imu_rate_B, 0), take3(nav.imu_gain_B, 0)
     if memory.started != 0:
         inertia = take3(vehicle.configuration[state.configuration].inertia, 0)
-        measure(inertia, state.mass, rate, gain, dt, memory)
+        measure(inertia, state.mass, rate, gain, dt, memory=memory)
         for i in range(6):
             out.unexplained[i] = memory.measured.unexplained[i]
-        estimate(params.estimator, params, memory.measured, dt, memory.law, out)
+        estimate(params.estimator, params, memory.measured, dt, memory=memory.law, out=out)
     memory.started = 1
     put3(memory.rate, 0, rate)
     put3(memory.gain, 0, gain)

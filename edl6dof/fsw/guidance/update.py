@@ -95,26 +95,28 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
     elif kind == G_POWERED:
         choose_target(p.target, nav, point, memory.target)
         goal.full_wanted = goal.relaxed = 0
-        wanted = powered_guidance(p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal)
+        wanted = powered_guidance(
+            p.law, p, onboard.vehicle, state, nav, target=memory.target, memory=memory.powered, out=goal
+        )
         acceleration, braking = brake_in_time(
-            wanted, engine, nav, mass, memory.target, memory.at_full_thrust != 0, goal
+            wanted, engine, nav, mass, memory.target, braking=memory.at_full_thrust != 0, out=goal
         )
         memory.at_full_thrust = 1 if braking else 0
         note_relaxed(nav.t, goal, memory.relaxed)
         command_thrust(mass, acceleration, wanted[3], goal)
         elapsed, weak = nav.t - state.ignition_time, state.thrust_lost > 0.0
-        start_or_throttle(engine, weak, p.full_time, p.full_again, elapsed, goal)
+        start_or_throttle(engine, weak, p.full_time, p.full_again, elapsed, out=goal)
     if kind not in (G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST):
         return
     standing = standing_force(p.terminal.standing_force, nav, disturbance, dt, memory.terminal.standing)
     if kind == G_HOVER:
-        hover(p.terminal, engine, nav, mass, standing, goal)
+        hover(p.terminal, engine, nav, mass, standing, out=goal)
     elif kind == G_AVOID:
-        avoid(p.terminal, engine, nav, mass, standing, point, memory.terminal, goal)
+        avoid(p.terminal, engine, nav, mass, standing, point=point, memory=memory.terminal, out=goal)
     elif kind == G_HELD_THRUST:
-        come_down(p.held_thrust, p.terminal, onboard.vehicle, state, nav, standing, goal)
+        come_down(p.held_thrust, p.terminal, onboard.vehicle, state, nav, standing=standing, out=goal)
     else:
-        descend(p.terminal, engine, nav, mass, standing, point, goal)
+        descend(p.terminal, engine, nav, mass, standing, point=point, out=goal)
 
 
 @kernel
@@ -150,5 +152,7 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal
             own.bank = goal.bank
     elif begins or k % rates.powered_guidance_every == 0:
         dt = rates.powered_guidance_every / rates.base
-        descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal)
+        descend_by_engine(
+            onboard, kind, nav, state, disturbance, point=point, dt=dt, memory=memory, goal=goal
+        )
         put3(own.thrust_N, 0, scale(goal.thrust, take3(goal.thrust_direction_N, 0)))

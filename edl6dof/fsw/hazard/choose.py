@@ -118,7 +118,7 @@ def choose_spot(params, chart, safety_map, here_L, apart, speed, time, flow, out
                     continue
                 east, north = spot_L[0] - here_L[0], spot_L[1] - here_L[1]
                 distance, clearance = sqrt(east * east + north * north), float(safety_map.clearance[i, j])
-                cost = cost_of(params, distance, clearance, speed, time, flow)
+                cost = cost_of(params, distance, clearance, speed, time, flow=flow)
                 if cost < out.cost:
                     out.found, out.cost, out.clearance = 1, cost, clearance
                     out.spot_L[0], out.spot_L[1] = spot_L

@@ -68,7 +68,7 @@ def predict_drifts(atmosphere, drifter, carried, nav, out):
     :func:`predict_drift`.
     """
     for k in range(len(LASTING)):
-        predict_drift(atmosphere, drifter, carried, LASTING[k], nav, out[k])
+        predict_drift(atmosphere, drifter, carried, lasting=LASTING[k], nav=nav, out=out[k])
 
 
 @kernel
@@ -98,9 +98,23 @@ def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
             return
         for _ in range(STEPS):
             # midpoint rule
-            a = fall(atmosphere, drifter, nav.gravity, below + height, shift, (v_n, v_e, v_d))
+            a = fall(
+                atmosphere,
+                drifter,
+                nav.gravity,
+                altitude=below + height,
+                shift=shift,
+                velocity=(v_n, v_e, v_d),
+            )
             half = (v_n + 0.5 * step * a[0], v_e + 0.5 * step * a[1], v_d + 0.5 * step * a[2])
-            a = fall(atmosphere, drifter, nav.gravity, below + height - 0.5 * step * v_d, shift, half)
+            a = fall(
+                atmosphere,
+                drifter,
+                nav.gravity,
+                altitude=below + height - 0.5 * step * v_d,
+                shift=shift,
+                velocity=half,
+            )
             north, east, height = north + step * half[0], east + step * half[1], height - step * half[2]
             v_n, v_e, v_d = v_n + step * a[0], v_e + step * a[1], v_d + step * a[2]
 

@@ -90,8 +90,8 @@ def fit_row(chart, radius, i, planes):
         half = chord(radius, row)
         cells += 2 * half + 1
         second += row * row * (2 * half + 1)
-        add_cells(chart, i + row, row, -1.0, reach + half + 1, planes)
-        add_cells(chart, i + row, row, 1.0, reach - half, planes)
+        add_cells(chart, i=i + row, row=row, sign=-1.0, shift=reach + half + 1, planes=planes)
+        add_cells(chart, i=i + row, row=row, sign=1.0, shift=reach - half, planes=planes)
     known = total = east = north = 0.0
     for c in range(MAP_CELLS + reach):
         known += planes.known[c]

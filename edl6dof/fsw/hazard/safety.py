@@ -170,7 +170,7 @@ def classify_by_probability(chart, footprint, radius_m, steepest, roughest, devi
                 first, last = min(first, j), j + 1
         if first < last:
             fit_row(chart, radius, i, planes)
-            keep_row(chart, sharp, radius, i, first, last, planes)
+            keep_row(chart, sharp, radius, i, first, last=last, planes=planes)
         for j in range(first, last):
             if out.cell_class[i, j] == SAFE:
                 out.probability[i, j] *= planes.kept[j]

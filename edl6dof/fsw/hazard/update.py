@@ -99,7 +99,9 @@ def take_rows(eye, lidar, eye_L, axes_L, chart):
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
             direction = look(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
-            add_range(lidar.range[i, j], direction, eye_L, axes_L, 1.0, chart)
+            add_range(
+                lidar.range[i, j], direction_B=direction, eye_L=eye_L, axes_L=axes_L, weight=1.0, chart=chart
+            )
 
 
 @kernel
@@ -112,7 +114,14 @@ def take_pair(eye, stereo, sharp, eye_L, axes_L, chart):
             distance = stereo.range[i, j]
             blunt = max(deviation_at(eye, distance) / sharp, 1.001)
             direction = look(eye.tangent, STEREO_CELLS, i, j)
-            add_range(distance, direction, eye_L, axes_L, 1.0 / (blunt * blunt), chart)
+            add_range(
+                distance,
+                direction_B=direction,
+                eye_L=eye_L,
+                axes_L=axes_L,
+                weight=1.0 / (blunt * blunt),
+                chart=chart,
+            )
 
 
 @kernel
@@ -137,7 +146,15 @@ def work_out(params, terminal, deviation, nav, state, memory):
     chart, footprint, safety_map = memory.chart, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, chart)
     assess(chart, params.footprint_radius, footprint)
-    classify(params.detection, params, chart, footprint, params.footprint_radius, deviation, safety_map)
+    classify(
+        params.detection,
+        params,
+        chart,
+        footprint,
+        radius=params.footprint_radius,
+        deviation=deviation,
+        out=safety_map,
+    )
     clearances(safety_map.cell_class, chart.cell, memory.envelope, safety_map.clearance)
     here_L = (nav.site_L[0], nav.site_L[1])
     choose_spot(
@@ -145,11 +162,11 @@ def work_out(params, terminal, deviation, nav, state, memory):
         chart,
         safety_map,
         here_L,
-        2.0 * params.footprint_radius,
-        terminal.lateral_speed,
-        max(nav.height - terminal.avoidance_height, 0.0) / terminal.avoidance_rate,
-        state.mass * nav.gravity / (max(state.engine.specific_impulse, 1.0) * G0),
-        memory.choice,
+        apart=2.0 * params.footprint_radius,
+        speed=terminal.lateral_speed,
+        time=max(nav.height - terminal.avoidance_height, 0.0) / terminal.avoidance_rate,
+        flow=state.mass * nav.gravity / (max(state.engine.specific_impulse, 1.0) * G0),
+        out=memory.choice,
     )
     if memory.choice.found == 0:
         least_bad(chart, footprint, safety_map, here_L, memory.choice)
@@ -189,12 +206,19 @@ def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
     sharp = max(deviation_at(eyes.lidar, nav.height), 1e-3)
     if sensed.stereo.fresh != 0:
         eye_L = place_of_eye(eyes.stereo, centre, memory, axes_L)
-        take_pair(eyes.stereo, sensed.stereo, sharp, eye_L, axes_L, memory.chart)
+        take_pair(eyes.stereo, sensed.stereo, sharp, eye_L, axes_L, chart=memory.chart)
     if sensed.lidar.fresh != 0:
         eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
         take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.chart)
         if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
-            work_out(params, onboard.guidance.powered.terminal, sharp, nav, state, memory)
+            work_out(
+                params,
+                onboard.guidance.powered.terminal,
+                deviation=sharp,
+                nav=nav,
+                state=state,
+                memory=memory,
+            )
             point.fine_L[0], point.fine_L[1] = memory.choice.spot_L[0], memory.choice.spot_L[1]
             point.fine_known, memory.spot_t = 1, nav.t
 
@@ -221,9 +245,9 @@ def detect_hazards(onboard, kind, elapsed, sensed, nav, state, memory, point, co
     if memory.exposed == 0:
         follow_wind(onboard.hazard.coarse.wind_time, nav, 1.0 / onboard.rates.base, memory.carried_N)
     if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
-        look_ahead(onboard, sensed, nav, memory, point, command)
+        look_ahead(onboard, sensed, nav, memory, point, command=command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
-        look_down(onboard, elapsed, sensed, nav, state, memory, point, command)
+        look_down(onboard, elapsed, sensed, nav, state, memory=memory, point=point, command=command)
     elif kind == G_AVOID and point.fine_known == 0:
         # nothing was seen: the point below is as good as any
         point.fine_L[0], point.fine_L[1] = nav.site_L[0], nav.site_L[1]

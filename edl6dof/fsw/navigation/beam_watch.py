@@ -65,8 +65,24 @@ def watch_beams(params, instruments, radar, solution, health, memory):
         n_beams = instruments.n_beams
         locked = locked_beams(radar, n_beams)
         due = steep_beams(params, instruments, solution)
-        watch_readings(params, n_beams, locked, due, solution.ranges_refused, health.beam_range, memory.range)
-        watch_readings(params, n_beams, locked, due, solution.speeds_refused, health.beam_speed, memory.speed)
+        watch_readings(
+            params,
+            n_beams,
+            locked,
+            due,
+            refused=solution.ranges_refused,
+            healthy=health.beam_range,
+            memory=memory.range,
+        )
+        watch_readings(
+            params,
+            n_beams,
+            locked,
+            due,
+            refused=solution.speeds_refused,
+            healthy=health.beam_speed,
+            memory=memory.speed,
+        )
 
 
 @kernel

@@ -79,7 +79,7 @@ def arrive(body, lever, gain, most, dt, rate_before, memory, motion):
     """
     angle, rate = take3(motion.angle, 0), take3(motion.rate, 0)
     put3(motion.rate, 0, rate_before)
-    bridge(body, lever, gain, most, dt, memory, motion)
+    bridge(body, lever, gain, most, dt, memory=memory, motion=motion)
     off = scale(1.0 / dt, sub(angle, take3(motion.angle, 0)))
     put3(memory.added, 0, scale(memory.reach / memory.push, off))
     put3(motion.angle, 0, add(angle, take3(memory.added, 0)))

@@ -138,7 +138,7 @@ def check_solution(params, instruments, health, sensed, speed, sigma, q, up, mem
         memory: ``GUARD`` record, updated.
         recovery: ``RECOVERY`` record, updated.
     """
-    if speed_is_wrong(params, instruments, health, sensed.radar, speed, sigma, memory):
+    if speed_is_wrong(params, instruments, health, sensed.radar, speed, sigma=sigma, memory=memory):
         memory.failed |= SPEED
     if vertical_is_wrong(params, instruments, sensed.radar, q, up):
         memory.failed |= ABOVE_HORIZON

@@ -74,17 +74,19 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     put3(motion.last_gain, 0, scale(dt / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0)))
     motion.dt = dt
     rate_before = take3(motion.rate, 0)
-    gain = _force(params, instruments, dt, inertial, solution, health, memory, motion)
+    gain = _force(params, instruments, dt, inertial, solution, health=health, memory=memory, motion=motion)
     put3(memory.gain, 0, gain)
     known_before = motion.rate_known
-    _rotation(params, instruments, dt, inertial, solution, health, memory, motion)
+    _rotation(params, instruments, dt, inertial, solution, health=health, memory=memory, motion=motion)
     lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))
     arrived = known_before == 0 and motion.rate_known != 0
     if motion.rate_known == 0:
-        bridge(body, lever, gain, MOST * instruments.gyro_range, dt, memory.bridge, motion)
+        bridge(
+            body, lever, gain, most=MOST * instruments.gyro_range, dt=dt, memory=memory.bridge, motion=motion
+        )
     elif memory.bridge.push > 0.0:
         most = MOST * instruments.gyro_range
-        arrive(body, lever, gain, most, dt, rate_before, memory.bridge, motion)
+        arrive(body, lever, gain, most, dt, rate_before=rate_before, memory=memory.bridge, motion=motion)
     # from the unit to the centre of mass
     angle = scale(dt, take3(motion.rate, 0)) if arrived else take3(motion.angle, 0)
     turned = scale(1.0 / dt, cross(angle, cross(angle, lever)))
@@ -102,7 +104,7 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
         memory.accelerometers,
     )
     in_use = usable(number, health.accelerometer, inertial.accelerometer_saturated)
-    _choose(params.parity, axis, number, in_use, redundant, memory.accelerometer_parity)
+    _choose(params.parity, axis, number, in_use, redundant, parity=memory.accelerometer_parity)
     motion.force_known = redundant.solvable
     if redundant.solvable == 0:
         return take3(motion.last_gain, 0)
@@ -110,15 +112,29 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
     age = memory.t - memory.first
     lasting = (instruments.accelerometer_bias**2 + instruments.accelerometer_bias_walk**2 * age) * dt * dt
     gain, _, failed = _combine(
-        params.parity, axis, number, new, lasting, instruments.accelerometer_scale, dt, redundant,
-        memory.accelerometer_parity,
-    )  # fmt: skip
+        params.parity,
+        axis,
+        number,
+        new,
+        lasting,
+        relative=instruments.accelerometer_scale,
+        dt=dt,
+        redundant=redundant,
+        parity=memory.accelerometer_parity,
+    )
     if failed != NONE:
         health.accelerometer[failed] = 0
     exclude_stale_flags(
-        params.parity.flag_patience, axis, number, instruments.accelerometer_range,
-        inertial.accelerometer_saturated, gain, dt, health.accelerometer, redundant.flagged,
-    )  # fmt: skip
+        params.parity.flag_patience,
+        axis,
+        number,
+        end=instruments.accelerometer_range,
+        flags=inertial.accelerometer_saturated,
+        vector=gain,
+        dt=dt,
+        healthy=health.accelerometer,
+        flagged=redundant.flagged,
+    )
     return sub(gain, scale(dt, take3(solution.accelerometer_bias, 0)))
 
 
@@ -126,8 +142,10 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
     """Angle turned through and rate at the end into ``motion``; both stay while too few gyros read."""
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
-    in_use = usable_gyros(params.saturation, instruments, dt, health.gyro, inertial, redundant)
-    _choose(params.parity, axis, number, in_use, redundant, memory.gyro_parity)
+    in_use = usable_gyros(
+        params.saturation, instruments, dt, healthy=health.gyro, inertial=inertial, redundant=redundant
+    )
+    _choose(params.parity, axis, number, in_use, redundant, parity=memory.gyro_parity)
     motion.rate_known = redundant.solvable
     if redundant.solvable == 0:
         return
@@ -135,13 +153,21 @@ def _rotation(params, instruments, dt, inertial, solution, health, memory, motio
     age = memory.t - memory.first
     lasting = (instruments.gyro_bias**2 + instruments.gyro_bias_walk**2 * age) * dt * dt
     angle, left_out, failed = _combine(
-        params.parity, axis, number, new, lasting, instruments.gyro_scale, dt, redundant, memory.gyro_parity
+        params.parity,
+        axis,
+        number,
+        new,
+        lasting,
+        relative=instruments.gyro_scale,
+        dt=dt,
+        redundant=redundant,
+        parity=memory.gyro_parity,
     )
     if failed != NONE:
         health.gyro[failed] = 0
     exclude_stale_flags(
-        params.parity.flag_patience, axis, number, instruments.gyro_range,
-        inertial.gyro_saturated, angle, dt, health.gyro, redundant.flagged,
+        params.parity.flag_patience, axis, number, end=instruments.gyro_range,
+        flags=inertial.gyro_saturated, vector=angle, dt=dt, healthy=health.gyro, flagged=redundant.flagged,
     )  # fmt: skip
     rate = least_squares(redundant, number, inertial.rate)
     if left_out != NONE:
@@ -170,7 +196,7 @@ def _combine(params, axis, number, new, lasting, relative, dt, redundant, parity
     if params.enabled == 0:
         return vector, NONE, NONE
     lasting += (relative * norm(vector)) ** 2
-    left_out, failed = look_at_parity(params, new, lasting, dt, redundant, number, parity)
+    left_out, failed = look_at_parity(params, new, lasting, dt, redundant, number=number, memory=parity)
     if left_out != NONE:
         vector = without_one(axis, redundant, left_out, redundant.increment, vector)
     return vector, left_out, failed

@@ -83,7 +83,7 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     memory.gap = 0.0
     if memory.lost == 0:
         return
-    _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
+    _look_for_gravity(params, onboard, health, sensed, motion, memory=memory, solution=solution)
 
 
 @on_its_own(NOTHING)

@@ -102,23 +102,32 @@ def navigate(onboard, state, sensed, memory):
     if dt > LEAST_TIME:
         follow_centre(centre, motion, solution, memory.centre)
         read_motion(
-            params, onboard.instruments, body, dt, sensed.inertial, solution,
-            memory.health, memory.inertial, motion,
+            params, onboard.instruments, body, dt, sensed.inertial, solution=solution,
+            health=memory.health, memory=memory.inertial, motion=motion,
         )  # fmt: skip
         put3(memory.estimate.imu_gain_B, 0, add(take3(memory.estimate.imu_gain_B, 0), take3(motion.gain, 0)))
     if solution.started == 0:
         if sensed.tracking.fresh != 0 and sensed.stars.valid != 0:
             align(onboard.planet, memory.inertial.t, sensed, motion, solution)
             put3(memory.centre, 0, centre)
-            start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
+            start_filter(params.filter, params, onboard, sensed, solution, memory=memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
         lever = sub(take3(onboard.instruments.unit_position, 0), centre)
-        look_back(body, lever, memory.inertial, motion, memory.hindsight, solution)
-        recover(params.recovery, onboard, memory.health, sensed, motion, memory.recovery, solution)
+        look_back(body, lever, memory.inertial, motion, memory=memory.hindsight, solution=solution)
+        recover(
+            params.recovery, onboard, memory.health, sensed, motion, memory=memory.recovery, solution=solution
+        )
         solution.looked = 0
         correct_solution(
-            params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
+            params.filter,
+            params,
+            onboard,
+            memory.health,
+            sensed,
+            motion=motion,
+            solution=solution,
+            memory=memory.filter,
         )
         watch(onboard, state, sensed, memory)
 
@@ -128,11 +137,17 @@ def watch(onboard, state, sensed, memory):
     """Exclude beams and star tracker where they have failed, and note what is out of use."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     health, instruments = memory.health, onboard.instruments
-    watch_beams(params.beam_watch, instruments, sensed.radar, solution, health, memory.beam_watch)
+    watch_beams(params.beam_watch, instruments, sensed.radar, solution, health, memory=memory.beam_watch)
     watch_stars(
         params.star_watch,
-        *(onboard.planet, instruments, state.requested),
-        *(sensed.stars, motion, solution, health, memory.star_watch),
+        onboard.planet,
+        instruments,
+        state.requested,
+        sensed.stars,
+        motion=motion,
+        solution=solution,
+        health=health,
+        memory=memory.star_watch,
     )
     note_changes(instruments, sensed.t, health, motion, memory.exclusions)
 
@@ -158,14 +173,20 @@ def guard(onboard, sensed, memory, estimate):
     r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
     height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
     height = guarded_height(
-        params, height, climb, solution.sigma_height, sensed.footpad_contact, memory.motion.dt, memory.guard
+        params,
+        height,
+        climb,
+        sigma=solution.sigma_height,
+        contact=sensed.footpad_contact,
+        dt=memory.motion.dt,
+        memory=memory.guard,
     )
     spin = onboard.planet.rotation_rate
     speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
     q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
     check_solution(
-        params, instruments, memory.health, sensed, speed, norm(take3(solution.sigma_v, 0)), q, up,
-        memory.guard, memory.recovery,
+        params, instruments, memory.health, sensed, speed, sigma=norm(take3(solution.sigma_v, 0)), q=q, up=up,
+        memory=memory.guard, recovery=memory.recovery,
     )  # fmt: skip
     if memory.recovery.lost != 0:
         height = height_while_lost(instruments, memory.health, sensed.radar, memory.guard)

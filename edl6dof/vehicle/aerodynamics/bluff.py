@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 from edl6dof.config.base import Hardware, param
 from edl6dof.jit import kernel
+from edl6dof.spatial.vector import norm
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 
@@ -38,18 +37,19 @@ class BluffParams(Hardware):
 
 
 @kernel
-def bluff_aero(bluff, qbar, u, v, w, p, q, r):
+def bluff_aero(bluff, qbar, v_air, rate):
     """Force and moment in `B` of a bluff body, moment (pitch and yaw damping only) about
     (bluff.centre_of_pressure_x, 0, 0).
 
     CA = CD cos aT, CN = slope sin aT.  Source: engineering estimate, see :class:`BluffParams`.
     """
-    speed = sqrt(u * u + v * v + w * w)
+    u, v, w = v_air
+    speed = norm(v_air)
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     force = qbar * bluff.reference_area / speed
     damping = force * bluff.pitch_damping * 0.5 * bluff.reference_length * bluff.reference_length
     return (
         -force * bluff.drag_coefficient * u, -force * bluff.normal_slope * v, -force * bluff.normal_slope * w,
-        0.0, damping * q, damping * r,
+        0.0, damping * rate[1], damping * rate[2],
     )  # fmt: skip

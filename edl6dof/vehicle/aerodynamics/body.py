@@ -5,7 +5,7 @@ The table comes from a mesh, a csv or DAVE-ML files (:mod:`edl6dof.vehicle.aerod
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.jit import kernel
 from edl6dof.spatial.elementary import asin, atan2, log10, sin
 from edl6dof.spatial.lookups import cell_among
-from edl6dof.spatial.vector import clamp
+from edl6dof.spatial.vector import clamp, norm
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 MACH_NODES, ALPHA_NODES, BETA_NODES = 64, 96, 96
@@ -85,8 +85,10 @@ def node(table, i, j, k):
 
 
 @kernel
-def _bilinear(rows, table, i, j, k, a, b, column):
-    """A column at Mach node ``i``, between nodes ``j`` and ``k`` of the angles and the next ones."""
+def _bilinear(rows, table, cells, shares, column):
+    """A column at a Mach node, between nodes of the angles and the next ones."""
+    i, j, k = cells
+    a, b = shares
     low, high = node(table, i, j, k), node(table, i, j + 1, k)
     near = rows[low, column] + b * (rows[low + 1, column] - rows[low, column])
     far = rows[high, column] + b * (rows[high + 1, column] - rows[high, column])
@@ -108,38 +110,51 @@ def rarefaction(body, gas, rho):
 
 
 @kernel
+def cell_of(table, mach, alpha, beta):
+    """Nodes of Mach number, angle of attack and sideslip (rad) below the given ones, and the shares of the
+    ways to the next nodes.
+    """
+    i, m = cell_among(table.mach, table.n_mach, mach)
+    j, a = cell_among(table.alpha, table.n_alpha, alpha)
+    k, b = cell_among(table.beta, table.n_beta, beta)
+    return (i, j, k), (m, a, b)
+
+
+@kernel
 def body_coefficients(body, table, gas, mach, rho, alpha, beta):
     """(CX, CY, CZ, Cl, Cm, Cn) at angles of attack and sideslip (rad), bridged and multiplied by the
     factors; moments about the reference point.
 
     Linear in Mach and both angles, held beyond the ends.
     """
-    i, m = cell_among(table.mach, table.n_mach, mach)
-    j, a = cell_among(table.alpha, table.n_alpha, alpha)
-    k, b = cell_among(table.beta, table.n_beta, beta)
+    cells, shares = cell_of(table, mach, alpha, beta)
     weight = rarefaction(body, gas, rho) if table.rarefied != 0 else 0.0
     return (
-        _coefficient(table, i, m, j, a, k, b, weight, 0) * body.axial_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 1) * body.lateral_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 2) * body.lateral_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 3) * body.moment_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 4) * body.moment_factor,
-        _coefficient(table, i, m, j, a, k, b, weight, 5) * body.moment_factor,
+        _coefficient(table, cells, shares, weight, 0) * body.axial_factor,
+        _coefficient(table, cells, shares, weight, 1) * body.lateral_factor,
+        _coefficient(table, cells, shares, weight, 2) * body.lateral_factor,
+        _coefficient(table, cells, shares, weight, 3) * body.moment_factor,
+        _coefficient(table, cells, shares, weight, 4) * body.moment_factor,
+        _coefficient(table, cells, shares, weight, 5) * body.moment_factor,
     )
 
 
 @kernel
-def _coefficient(table, i, m, j, a, k, b, weight, column):
-    low = _bilinear(table.static, table, i, j, k, a, b, column)
-    value = low + m * (_bilinear(table.static, table, i + 1, j, k, a, b, column) - low)
+def _coefficient(table, cells, shares, weight, column):
+    i, j, k = cells
+    m, a, b = shares
+    low = _bilinear(table.static, table, cells, (a, b), column)
+    value = low + m * (_bilinear(table.static, table, (i + 1, j, k), (a, b), column) - low)
     if weight > 0.0:
-        value += weight * (_bilinear(table.rare, table, 0, j, k, a, b, column) - value)
+        value += weight * (_bilinear(table.rare, table, (0, j, k), (a, b), column) - value)
     return value
 
 
 @kernel
-def _damping(table, i, m, j, a, column):
+def _damping(table, cells, shares, column):
     """A damping coefficient between nodes of Mach and angle of attack and the next ones."""
+    i, j, _ = cells
+    m, a, _ = shares
     low, high = i * table.n_alpha + j, (i + 1) * table.n_alpha + j
     slow = table.damping[low, column] + a * (table.damping[low + 1, column] - table.damping[low, column])
     fast = table.damping[high, column] + a * (table.damping[high + 1, column] - table.damping[high, column])
@@ -147,28 +162,34 @@ def _damping(table, i, m, j, a, column):
 
 
 @kernel
-def body_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
+def body_aero(aero, table, air, v_air, rate):
     """Force and moment in `B`, moment about (body.moment_reference_x, 0, 0), of a body of any shape.
 
     alpha = atan2(w, u), beta = asin(v/V); F = qbar S C, M = qbar S (b Cl, c Cm, b Cn), rates relative to the
     air.  Source: definition of the coefficients, ANSI/AIAA R-004.
     """
     body = aero.body
-    speed = sqrt(u * u + v * v + w * w)
+    gas, qbar, mach, rho = air
+    u, v, w = v_air
+    p, q, r = rate
+    speed = norm(v_air)
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     alpha, beta = atan2(w, u), asin(clamp(v / speed, -1.0, 1.0))
-    cx, cy, cz, cl, cm, cn = body_coefficients(body, table, gas, mach, rho, alpha, beta)
-    i, m = cell_among(table.mach, table.n_mach, mach)
-    j, a = cell_among(table.alpha, table.n_alpha, alpha)
+    cx, cy, cz, cl, cm, cn = body_coefficients(body, table, gas, mach, rho, alpha=alpha, beta=beta)
+    cells, shares = cell_of(table, mach, alpha, beta)
     share = 0.5 * body.damping_factor / speed
     roll, pitch, yaw = share * p * body.span, share * q * body.chord, share * r * body.span
-    cx += pitch * _damping(table, i, m, j, a, 3)
-    cy += roll * _damping(table, i, m, j, a, 0) + yaw * _damping(table, i, m, j, a, 6)
-    cz += pitch * _damping(table, i, m, j, a, 4)
-    cl += roll * (body.roll_damping + _damping(table, i, m, j, a, 1)) + yaw * _damping(table, i, m, j, a, 7)
-    cm += pitch * (body.pitch_damping + _damping(table, i, m, j, a, 5))
-    cn += roll * _damping(table, i, m, j, a, 2) + yaw * (body.yaw_damping + _damping(table, i, m, j, a, 8))
+    cx += pitch * _damping(table, cells, shares, 3)
+    cy += roll * _damping(table, cells, shares, 0) + yaw * _damping(table, cells, shares, 6)
+    cz += pitch * _damping(table, cells, shares, 4)
+    cl += roll * (body.roll_damping + _damping(table, cells, shares, 1)) + yaw * _damping(
+        table, cells, shares, 7
+    )
+    cm += pitch * (body.pitch_damping + _damping(table, cells, shares, 5))
+    cn += roll * _damping(table, cells, shares, 2) + yaw * (
+        body.yaw_damping + _damping(table, cells, shares, 8)
+    )
     force = qbar * body.reference_area
     fx, fy, fz = force * cx, force * cy, force * cz
     y, z = body.moment_reference[1], body.moment_reference[2]

@@ -204,20 +204,21 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
 
 
 @inlined_kernel
-def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
-    """Force and moment of the capsule in `B`, moment about (table.moment_reference_x, 0, 0).  No roll damping
-    (``p`` is unused).
+def capsule_aero(aero, table, air, v_air, rate):
+    """Force and moment of the capsule in `B`, moment about (table.moment_reference_x, 0, 0).
 
-    Damping: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds qbar A D bias to
-    My.
+    Damping, none in roll: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds
+    qbar A D bias to My.
     Source: decomposition by total angle for a body of revolution, :mod:`edl6dof.vehicle.aerodynamics.shape`.
     """
     capsule = aero.capsule
+    gas, qbar, mach, rho = air
+    u, v, w = v_air
     lateral = sqrt(v * v + w * w)
     speed = sqrt(u * u + lateral * lateral)
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ca, cn, cm, cmq = capsule_coefficients(capsule, table, gas, mach, rho, atan2(lateral, u))
+    ca, cn, cm, cmq = capsule_coefficients(capsule, table, gas, mach, rho, angle=atan2(lateral, u))
     e_y, e_z = 0.0, 0.0
     if lateral > 0.0:
         e_y, e_z = v / lateral, w / lateral
@@ -227,5 +228,6 @@ def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
     damping = moment * cmq * 0.5 * diameter / speed
     return (
         -force * ca, -force * cn * e_y, -force * cn * e_z,
-        0.0, moment * (cm * e_z + capsule.moment_bias) + damping * q, -moment * cm * e_y + damping * r,
+        0.0, moment * (cm * e_z + capsule.moment_bias) + damping * rate[1],
+        -moment * cm * e_y + damping * rate[2],
     )  # fmt: skip

@@ -6,6 +6,7 @@ from math import sqrt
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.jit import kernel
+from edl6dof.spatial.vector import norm
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 
@@ -41,7 +42,7 @@ class LiftDragParams(Hardware):
 
 
 @kernel
-def constant_aero(aero, qbar, u, v, w, p, q, r):
+def constant_aero(aero, qbar, v_air, rate):
     """Constant drag against the velocity and rate damping in `B`, moment about (constant.moment_reference_x,
     0, 0).
 
@@ -49,7 +50,9 @@ def constant_aero(aero, qbar, u, v, w, p, q, r):
     cases 3 and 4.
     """
     constant = aero.constant
-    speed = sqrt(u * u + v * v + w * w)
+    u, v, w = v_air
+    p, q, r = rate
+    speed = norm(v_air)
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     force = qbar * constant.reference_area / speed
@@ -63,11 +66,12 @@ def constant_aero(aero, qbar, u, v, w, p, q, r):
 
 
 @kernel
-def lift_drag_aero(lift_drag, qbar, u, v, w):
+def lift_drag_aero(lift_drag, qbar, v_air):
     """Force in `B` of constant drag and lift: D against the velocity, L along y_B x velocity.  Source:
     definition of lift and drag.
     """
-    speed, plane = sqrt(u * u + v * v + w * w), sqrt(u * u + w * w)
+    u, v, w = v_air
+    speed, plane = norm(v_air), sqrt(u * u + w * w)
     if plane < MIN_SPEED:
         return 0.0, 0.0, 0.0
     drag = qbar * lift_drag.reference_area * lift_drag.drag_coefficient

@@ -6,12 +6,11 @@ The wing cancels the moment of the radial CG offset, which moves the trim angle 
 
 from __future__ import annotations
 
-from math import sqrt
-
 from edl6dof.config.base import REQUIRED, Hardware, Key, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.elementary import sincos
+from edl6dof.spatial.vector import norm
 
 
 class SurfaceParams(Hardware):
@@ -72,22 +71,22 @@ def extension(case, plant, i, t):
 
 
 @kernel
-def wing_force(wing, deflection, qbar, u, v, w):
+def wing_force(wing, deflection, qbar, v_air):
     """(Fx, Fy, Fz, Mx, My, Mz) in `B` (N, N m) of the wing, moment about the `B` origin.
 
-    ``deflection`` 0 closed (no force) .. 1 open, ``qbar`` Pa, (u, v, w) air-relative velocity in `B` (m/s).
+    ``deflection`` 0 closed (no force) .. 1 open, ``qbar`` Pa, ``v_air`` air-relative velocity in `B` (m/s).
     Newtonian plate: F = -deflection qbar A C (n.v/V)^2 n on its windward side, n the normal of the open
     plate; the capsule's disturbance of the local flow is inside the coefficient.  Source: Newtonian impact
     theory; numbers tianwen1.md 1.4 [E].
     """
-    speed = sqrt(u * u + v * v + w * w)
+    speed = norm(v_air)
     if speed < 1e-9 or deflection <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, z = wing.position_x, wing.position_z
     n_z, n_x = sincos(wing.normal_tilt)
     if z < 0.0:
         n_z = -n_z
-    incidence = max((n_x * u + n_z * w) / speed, 0.0)
+    incidence = max((n_x * v_air[0] + n_z * v_air[2]) / speed, 0.0)
     force = (
         deflection * qbar * wing.area * wing.force_coefficient * wing.moment_factor * incidence * incidence
     )

@@ -58,24 +58,33 @@ AERO = dtype_of(AeroParams)
 
 
 @inlined_kernel
-def aerodynamic_wrench(aero, table, body_table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
-    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration
-    (``CONFIG_...``); ``table`` of a capsule, ``body_table`` of a body of any shape.
+def aerodynamic_wrench(aero, tables, air, configuration, v_air, rate):
+    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies.
+
+    Args:
+        aero: ``AERO`` record, which chooses the model.
+        tables: of a capsule and of a body of any shape.
+        air: ``GAS`` record, dynamic pressure (Pa), Mach number and density (kg/m3).
+        configuration: ``CONFIG_...``.
+        v_air: velocity relative to the air, m/s, B.
+        rate: angular velocity relative to the air, rad/s, B.
     """
+    table, body_table = tables
+    qbar = air[1]
     if aero.model == MODEL_NONE:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if aero.model == MODEL_CONSTANT:
-        fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, v_air, rate)
         return fx, fy, fz, mx, my, mz, aero.constant.moment_reference_x
     if aero.model == MODEL_LIFT_DRAG:
-        fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
+        fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, v_air)
         return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
     if aero.model == MODEL_BODY and (configuration == CONFIG_CAPSULE or body_table.sheds == 0):
-        fx, fy, fz, mx, my, mz = body_aero(aero, body_table, gas, qbar, mach, rho, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = body_aero(aero, body_table, air, v_air, rate)
         return fx, fy, fz, mx, my, mz, aero.body.moment_reference[0]
     if aero.model == MODEL_CAPSULE and configuration == CONFIG_CAPSULE:
-        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, air, v_air, rate)
         return fx, fy, fz, mx, my, mz, table.moment_reference_x
     bluff = aero.backshell if configuration == CONFIG_BACKSHELL else aero.lander
-    fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, u, v, w, p, q, r)
+    fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, v_air, rate)
     return fx, fy, fz, mx, my, mz, bluff.centre_of_pressure_x

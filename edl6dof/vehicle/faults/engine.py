@@ -59,7 +59,9 @@ def engine_dead(fault, case, since, command, plant):
 @kernel
 def ignition_delay(fault, case, since, command, plant):
     """Put the ignition off when it is commanded."""
-    put_off(case, command, plant, IGNITE, fault.component, fault.params.ignition_delay.delay)
+    put_off(
+        case, command, plant, action=IGNITE, thing=fault.component, delay=fault.params.ignition_delay.delay
+    )
 
 
 @kernel

@@ -159,4 +159,6 @@ def inflict(case, command, plant):
         if plant.fault_since[i] == NOT_BEGUN:
             begin(fault, i, command, plant)
         if plant.fault_since[i] != NOT_BEGUN:
-            inflict_kind(fault.params.kind, fault, case, plant.fault_since[i], command, plant)
+            inflict_kind(
+                fault.params.kind, fault, case, since=plant.fault_since[i], command=command, plant=plant
+            )

@@ -161,7 +161,15 @@ def reading_bias(fault, case, since, command, plant):
     """Add a constant."""
     p = fault.params.reading_bias
     on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, on * p.rate, on * p.acceleration, on * p.range, on * p.speed, on * p.flow)
+    set_offset(
+        fault,
+        plant,
+        rate=on * p.rate,
+        acceleration=on * p.acceleration,
+        reach=on * p.range,
+        speed=on * p.speed,
+        flow=on * p.flow,
+    )
 
 
 @kernel
@@ -169,7 +177,15 @@ def reading_drift(fault, case, since, command, plant):
     """Add what has grown since."""
     p = fault.params.reading_drift
     age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, age * p.rate, age * p.acceleration, age * p.range, age * p.speed, age * p.flow)
+    set_offset(
+        fault,
+        plant,
+        rate=age * p.rate,
+        acceleration=age * p.acceleration,
+        reach=age * p.range,
+        speed=age * p.speed,
+        flow=age * p.flow,
+    )
 
 
 @kernel
@@ -230,7 +246,15 @@ def false_lock(fault, case, since, command, plant):
     p = fault.params.false_lock
     on = lasts(p.duration, since, plant.t)
     set_mode(fault, plant, FALSE_LOCK if on else WORKING)
-    set_offset(fault, plant, 0.0, 0.0, p.range if on else 0.0, p.speed if on else 0.0, 0.0)
+    set_offset(
+        fault,
+        plant,
+        rate=0.0,
+        acceleration=0.0,
+        reach=p.range if on else 0.0,
+        speed=p.speed if on else 0.0,
+        flow=0.0,
+    )
 
 
 @kernel

@@ -67,11 +67,11 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
     A function of these and of what ``plant`` says of parts, commands and ``inputs``: of nothing evaluated
     before.
     """
-    loads(case, tables, plant, t, rotation, y, outputs)
+    loads(case, tables, plant, t, rotation, y=y, outputs=outputs)
     if case.dynamics == POINT_MASS:
-        point_motion(case, plant, t, y, outputs, dy)
+        point_motion(case, plant, t, y, outputs, dy=dy)
     else:
-        motion(case, plant, t, y, outputs, dy)
+        motion(case, plant, t, y, outputs, dy=dy)
 
 
 @inlined_kernel
@@ -86,19 +86,11 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     qbar = 0.5 * density * speed * speed
     wrench = aerodynamic_wrench(
         vehicle.aero,
-        tables.aero,
-        tables.body,
-        case.planet.gas,
-        plant.shape,
-        qbar,
-        mach,
-        density,
-        v_air[0],
-        v_air[1],
-        v_air[2],
-        w[0],
-        w[1],
-        w[2],
+        (tables.aero, tables.body),
+        air=(case.planet.gas, qbar, mach, density),
+        configuration=plant.shape,
+        v_air=v_air,
+        rate=w,
     )
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
@@ -110,7 +102,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
         opening, carrier = extension(case, plant, i, t), case.carrier[i]
         least = min(least, opening)
         if opening > 0.0 and (carrier < 0 or plant.attached[carrier] != 0):
-            wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air[0], v_air[1], v_air[2])
+            wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air)
             wing_f = (wing[0], wing[1], wing[2])
             force = add(force, wing_f)
             moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
@@ -142,7 +134,9 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     _, gas, _, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, take3(y, CANOPY_POSITION))
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
-    drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
+    drag = canopy_force(
+        chute, fraction, density, mach=norm(v_air) / sound, t=t, v_air=v_air, axis=scale(-1.0, line)
+    )
     inverse = 1.0 / (packed + apparent_mass(chute, density, fraction))
     acceleration = scale(inverse, sub(drag, scale(tension, line)))
     pull = to_frame(q, scale(tension, line))
@@ -161,23 +155,27 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     place, gas, wind_N, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, r_I)
     v_air_I = sub(take3(y, VELOCITY), air_I)
     if case.dynamics == POINT_MASS:
-        q = point_attitude(case, plant, t, rotation, place, v_air_I)
+        q = point_attitude(case, plant, t, rotation, place, v_air_I=v_air_I)
     else:
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     v_air = to_frame(q, v_air_I)
     mass, centre, inertia = with_propellant(plant.dry, case.vehicle.tanks, case.vehicle.n_tanks, y)
 
-    aero_force, aero_moment, mach, qbar, opening = aero_loads(case, tables, plant, t, gas, v_air, w, centre)
+    aero_force, aero_moment, mach, qbar, opening = aero_loads(
+        case, tables, plant, t, gas, v_air=v_air, w=w, centre=centre
+    )
     force, moment = aero_force, aero_moment
     tension, canopy_acceleration, canopy_weight = 0.0, (0.0, 0.0, 0.0), 0.0
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         pull, turning, tension, canopy_acceleration, canopy_weight = riser_loads(
-            case, tables, plant, t, rotation, y, q, w, centre
+            case, tables, plant, t, rotation, y=y, q=q, w=w, centre=centre
         )
         force, moment = add(force, pull), add(moment, turning)
     pads = 0
     if plant.legs != 0 and plant.touched != 0:
-        push, turning, pads = ground_loads(case, plant.inputs, y, q, w, centre, rotation, place)
+        push, turning, pads = ground_loads(
+            case, plant.inputs, y, q, w, centre=centre, rotation=rotation, place=place
+        )
         force, moment = add(force, push), add(moment, turning)
 
     out = outputs
@@ -227,7 +225,15 @@ def propulsion(case, plant, t, y, centre, dy):
         moment = add(moment, sub(own_moment, cross(centre, own_force)))
         delivered += thrust * engine.thrust_factor
         if within > 0.0:
-            draw(loads, i, filled, within, -propellant_flow(engine, thrust), dy, PROPELLANT)
+            draw(
+                loads,
+                row=i,
+                filled=filled,
+                within=within,
+                flow=-propellant_flow(engine, thrust),
+                taken=dy,
+                first=PROPELLANT,
+            )
         goal = inputs.thrust_goal[i] + (t - inputs.middle) * inputs.thrust_goal_slope[i]
         # a starving engine goes out as fast as one that is cut off
         fast = plant.starting != 0 or plant.running[i] == 0 or within == 0.0
@@ -257,7 +263,7 @@ def motion(case, plant, t, y, outputs, dy):
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
-    engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy)
+    engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy=dy)
     share = efficiency(case.vehicle.rcs, out.dynamic_pressure)
     since = t - inputs.middle
     rcs_force = add(take3(inputs.rcs_force, 0), scale(since, take3(inputs.rcs_force_slope, 0)))

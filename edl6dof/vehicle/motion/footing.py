@@ -100,7 +100,13 @@ def ground_loads(case, inputs, y, q, w, centre, rotation, place):
         up, inverse = normal_of(place, q, rotation, plane[1], plane[2])
         clearance = (altitude - plane[0]) * inverse
         push, turning, touches = contact(
-            gear, contact_point(gear, k), centre, clearance, up, v_ground, w_ground
+            gear,
+            point=contact_point(gear, k),
+            centre=centre,
+            clearance=clearance,
+            up_B=up,
+            v_B=v_ground,
+            w_B=w_ground,
         )
         force, moment = add(force, push), add(moment, turning)
         if touches and k < gear.n_footpads:

@@ -65,7 +65,7 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
     ends at the side of the bracket where the event has come.
     """
     remember_start(case, plant, work)
-    if not step(case, tables, plant, outputs, work, t_end):
+    if not step(case, tables, plant, outputs, work, t_end=t_end):
         return False, False
     f_high = until_event(case, plant, outputs)
     if not f_high <= 0.0:
@@ -79,7 +79,7 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
         passes += 1
         trial = low + share * (high - low)
         restart(case, tables, plant, outputs, work)
-        if not step(case, tables, plant, outputs, work, trial):
+        if not step(case, tables, plant, outputs, work, t_end=trial):
             return False, False
         value = until_event(case, plant, outputs)
         if value > 0.0:
@@ -88,7 +88,7 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
             high, f_high = trial, value
     if plant.t != high:
         restart(case, tables, plant, outputs, work)
-        step(case, tables, plant, outputs, work, high)
+        step(case, tables, plant, outputs, work, t_end=high)
     return True, True
 
 
@@ -119,7 +119,7 @@ def advance(case, tables, plant, outputs, work, t_end):
         event, due = next_scheduled(case, plant, t_end)
         if due - plant.t > TIME_TOLERANCE:
             stop = next_stop(case, plant, due)
-            come, succeeded = step_to_event(case, tables, plant, outputs, work, stop)
+            come, succeeded = step_to_event(case, tables, plant, outputs, work, t_end=stop)
             if not succeeded:
                 return False
             book(plant, work)

@@ -54,7 +54,9 @@ def survey(case, tables, plant, outputs):
     c, s = planet_rotation(case.planet, plant.t)
     place = (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon)
     r_F = rotate_z(c, s, take3(plant.y, POSITION))
-    areoid = lay_areoid(tables.areoid, place, out.latitude, out.longitude, r_F, plant.inputs.areoid)
+    areoid = lay_areoid(
+        tables.areoid, place, lat=out.latitude, lon=out.longitude, r_F=r_F, plane=plant.inputs.areoid
+    )
     look_at_ground(case, tables, plant, outputs, areoid)
 
 
@@ -76,13 +78,15 @@ def evaluate(case, tables, plant, outputs, work):
     """Bring ``outputs`` up to date with the present state: every step starts from them, and whatever changes
     the state between steps ends with this.
     """
-    evaluate_at(case, tables, plant, planet_rotation(case.planet, plant.t), outputs, work)
+    evaluate_at(
+        case, tables, plant, rotation=planet_rotation(case.planet, plant.t), outputs=outputs, work=work
+    )
 
 
 @kernel
 def evaluate_at(case, tables, plant, rotation, outputs, work):
     """As :func:`evaluate`, where the rotation of the planet is known already."""
-    derivatives(case, tables, plant, plant.t, rotation, plant.y, outputs, work.k[0])
+    derivatives(case, tables, plant, plant.t, rotation, y=plant.y, outputs=outputs, dy=work.k[0])
     if case.dynamics == POINT_MASS:
         for i in range(4):
             plant.y[ATTITUDE + i] = outputs.q_I2B[i]
@@ -92,9 +96,17 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
         out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
         areoid = areoid_at(tables.areoid, out.latitude, out.longitude)
         look_at_ground(case, tables, plant, outputs, areoid)
-        lay_footing(case, tables, plant, outputs, take_attitude(plant.y), rotation, (areoid[1], areoid[2]))
+        lay_footing(
+            case,
+            tables,
+            plant,
+            outputs,
+            q=take_attitude(plant.y),
+            rotation=rotation,
+            areoid=(areoid[1], areoid[2]),
+        )
         if plant.touched != 0:
-            derivatives(case, tables, plant, plant.t, rotation, plant.y, outputs, work.k[0])
+            derivatives(case, tables, plant, plant.t, rotation, y=plant.y, outputs=outputs, dy=work.k[0])
 
 
 @kernel
@@ -108,7 +120,16 @@ def lay_down_inputs(case, plant, rotation, h):
     inputs.middle = plant.t + 0.5 * h
     set_goals(case, plant, h)
     feeds, branch = case.feeds.thrusters, case.branches.of
-    fire(case.vehicle.rcs, feeds, branch, plant.valves, plant.t, h, inputs, plant.branch_used)
+    fire(
+        case.vehicle.rcs,
+        loads=feeds,
+        branch=branch,
+        valves=plant.valves,
+        t=plant.t,
+        step=h,
+        inputs=inputs,
+        used=plant.branch_used,
+    )
     put3(inputs.noncentral_I, 0, noncentral_I(case.planet, rotation, halfway(plant.y, h)))
 
 
@@ -142,9 +163,9 @@ def first_stage(case, tables, plant, outputs, work):
     y, k1 = plant.y, work.k[0]
     if case.dynamics == POINT_MASS:  # a new bank command turns it, and its loads, at once
         rotation = planet_rotation(case.planet, plant.t)
-        derivatives(case, tables, plant, plant.t, rotation, y, outputs, k1)
+        derivatives(case, tables, plant, plant.t, rotation, y=y, outputs=outputs, dy=k1)
     else:
-        motion(case, plant, plant.t, y, outputs, k1)
+        motion(case, plant, plant.t, y, outputs, dy=k1)
 
 
 @kernel
@@ -162,13 +183,13 @@ def rk4(case, tables, plant, outputs, work, middle, end, t_end):
     h = t_end - t
     for i in range(n):
         stage[i] = y[i] + 0.5 * h * k1[i]
-    derivatives(case, tables, plant, t + 0.5 * h, middle, stage, outputs, k2)
+    derivatives(case, tables, plant, t=t + 0.5 * h, rotation=middle, y=stage, outputs=outputs, dy=k2)
     for i in range(n):
         stage[i] = y[i] + 0.5 * h * k2[i]
-    derivatives(case, tables, plant, t + 0.5 * h, middle, stage, outputs, k3)
+    derivatives(case, tables, plant, t=t + 0.5 * h, rotation=middle, y=stage, outputs=outputs, dy=k3)
     for i in range(n):
         stage[i] = y[i] + h * k3[i]
-    derivatives(case, tables, plant, t_end, end, stage, outputs, k4)
+    derivatives(case, tables, plant, t=t_end, rotation=end, y=stage, outputs=outputs, dy=k4)
     for i in range(n):
         y[i] += h * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0
     normalise(y)
@@ -204,7 +225,7 @@ def step(case, tables, plant, outputs, work, t_end):
     v, q, g = take3(plant.y, VELOCITY), take_attitude(plant.y), take3(outputs.gravity_I, 0)
     first_stage(case, tables, plant, outputs, work)
     begun = rates(case, plant, outputs)
-    rk4(case, tables, plant, outputs, work, middle, end, t_end)
+    rk4(case, tables, plant, outputs, work, middle=middle, end=end, t_end=t_end)
     plant.t = t_end
     if not finite(plant.y):
         return False
@@ -212,13 +233,13 @@ def step(case, tables, plant, outputs, work, t_end):
     put3(plant.inputs.rcs_moment_slope, 0, (0.0, 0.0, 0.0))
     for k in range(MAX_TANKS):
         plant.inputs.rcs_flow_slope[k] = 0.0
-    evaluate_at(case, tables, plant, end, outputs, work)
+    evaluate_at(case, tables, plant, rotation=end, outputs=outputs, work=work)
     # half in the axes at the start, half in those at the end: second order in the turn during the step
     fell = scale(0.5 * h, add(g, take3(outputs.gravity_I, 0)))
     felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), fell))
     gained = add(to_frame(q, felt), to_frame(take_attitude(plant.y), felt))
     put3(plant.velocity_gain, 0, add(take3(plant.velocity_gain, 0), gained))
-    weigh(case, plant, work, h, begun, rates(case, plant, outputs))
+    weigh(case, plant, work, h, begun, ended=rates(case, plant, outputs))
     return True
 
 
@@ -257,7 +278,9 @@ def retrace(case, tables, plant, outputs, work):
         for i in range(STATES):
             y[i] = plant.y[i] + share * h * dy[i]
         t = plant.t + share * h
-        derivatives(case, tables, plant, t, planet_rotation(case.planet, t), y, outputs, dy)
+        derivatives(
+            case, tables, plant, t, rotation=planet_rotation(case.planet, t), y=y, outputs=outputs, dy=dy
+        )
         if not (finite(y) and finite(dy)):
             return
     for i in range(STATES):

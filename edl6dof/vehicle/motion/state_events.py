@@ -73,7 +73,7 @@ def clearance(case, plant, outputs):
     place = (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon)
     q, rotation, centre = take_attitude(plant.y), planet_rotation(case.planet, plant.t), take3(out.centre, 0)
     if plant.legs != 0:
-        return least_clearance(case, inputs, centre, q, rotation, place, out.altitude)
+        return least_clearance(case, inputs, centre, q, rotation, place=place, altitude=out.altitude)
     up, inverse = normal_of(place, q, rotation, inputs.ground_slope[0], inputs.ground_slope[1])
     return height * inverse - (centre[0] * up[0] + centre[1] * up[1] + centre[2] * up[2])
 

@@ -71,7 +71,7 @@ def thrust_goal(engine, t, step, command):
     """What ``command`` (N) makes the thrust strive for over a step from ``t`` (both s): mean (N) and slope
     (N/s) of a line.
     """
-    return goal_of_model(engine.model, engine, engine, t, step, command)
+    return goal_of_model(engine.model, engine, engine, t, step, command=command)
 
 
 @kernel
@@ -79,7 +79,7 @@ def thrust_rate(engine, goal, thrust, starting):
     """Time derivative of thrust (N/s) towards ``goal`` (N); ``starting`` says whether the engine starts or is
     cut off.
     """
-    return rate_of_model(engine.model, engine, engine, goal, thrust, starting)
+    return rate_of_model(engine.model, engine, engine, goal, thrust, starting=starting)
 
 
 @kernel

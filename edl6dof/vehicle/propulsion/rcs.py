@@ -165,7 +165,13 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
             continue
         jet = rcs.thrusters[i]
         mean, slope, level = linear_level(
-            valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i]
+            valves.level[i],
+            jet.rise,
+            jet.decay,
+            start=t,
+            step=step,
+            opens=valves.opens[i],
+            closes=valves.closes[i],
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)
@@ -175,8 +181,24 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         thrust = jet.thrust * jet.thrust_factor
         full_flow = thrust / (jet.specific_impulse * G0)
         drawn = (1.0 - valves.flow_lost[i]) * (1.0 - valves.feed_lost)
-        draw(loads, i, inputs.filled, within, mean * drawn * full_flow, inputs.rcs_flow, 0)
-        draw(loads, i, inputs.filled, within, slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
+        draw(
+            loads,
+            row=i,
+            filled=inputs.filled,
+            within=within,
+            flow=mean * drawn * full_flow,
+            taken=inputs.rcs_flow,
+            first=0,
+        )
+        draw(
+            loads,
+            row=i,
+            filled=inputs.filled,
+            within=within,
+            flow=slope * drawn * full_flow,
+            taken=inputs.rcs_flow_slope,
+            first=0,
+        )
         used[branch[i]] += mean * drawn * full_flow * step
         kept = (1.0 - valves.lost[i]) * (1.0 - valves.feed_lost)
         mean *= kept

@@ -55,9 +55,7 @@ def run(planted: object = ()) -> Outcome:
         _place(note, lat, lon, height, v, to_ned)
         _wind(note, _tuple(v), _tuple(to_ned.apply([0.0, 0.0, -1.0])), rng)
         other_lat, other_lon = (float(x) for x in rng.uniform((-1.5, -pi), (1.5, pi)))
-        arc, azimuth = kernels.great_circle(
-            sin(lat), cos(lat), lon, sin(other_lat), cos(other_lat), other_lon
-        )
+        arc, azimuth = kernels.great_circle((lat, lon), (other_lat, other_lon))
         here, there = (
             np.array((cos(a) * cos(b), cos(a) * sin(b), sin(a)))
             for a, b in ((lat, lon), (other_lat, other_lon))

@@ -64,7 +64,8 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         field = records.build_case(loaded.truth, records.build_tables(loaded.truth))[0]["planet"]["gravity"]
         mu, only = nominal.planet.gravity.mu_m3_s2, nominal.planet.gravity.j2 if model == "j2" else None
         gaps = [
-            gravity_F(field, *p) + mu * p / np.linalg.norm(p) ** 3 - gradient(p, degree, only) for p in points
+            gravity_F(field, tuple(p)) + mu * p / np.linalg.norm(p) ** 3 - gradient(p, degree, only)
+            for p in points
         ]
         error = float(max(np.linalg.norm(gap) for gap in gaps))
         name = "J2" if model == "j2" else f"degree {degree}"

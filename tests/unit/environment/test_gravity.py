@@ -79,7 +79,9 @@ def test_is_the_gradient_of_the_potential(degree):
     g = record(degree=degree)
     for p in points(8):
         central = -float(g["mu"]) * p / np.linalg.norm(p) ** 3
-        assert np.allclose(np.array(gravity_F(g, *p)) - central, gradient(p, degree), rtol=0, atol=2e-10)
+        assert np.allclose(
+            np.array(gravity_F(g, tuple(p))) - central, gradient(p, degree), rtol=0, atol=2e-10
+        )
 
 
 def test_j2_closed_form_is_the_gradient_of_its_potential():
@@ -91,7 +93,7 @@ def test_j2_closed_form_is_the_gradient_of_its_potential():
         # Vallado, Fundamentals of Astrodynamics, section 8.7.1: radial part and part along the pole.
         k = -1.5 * j2 * mu * radius**2 / r**4
         expected = -mu * p / r**3 + k * ((1 - 5 * s * s) * p / r + 2 * s * np.array([0.0, 0.0, 1.0]))
-        assert np.allclose(gravity_F(g, *p), expected, rtol=1e-14, atol=1e-14)
+        assert np.allclose(gravity_F(g, tuple(p)), expected, rtol=1e-14, atol=1e-14)
 
 
 def test_zonal_degree_two_equals_j2():
@@ -101,7 +103,7 @@ def test_zonal_degree_two_equals_j2():
     C[0, 0], C[2, 0] = 1.0, -float(j2["j2"]) / np.sqrt(5.0)
     fill_terms(zonal, C, S)
     for p in points(8):
-        assert np.allclose(gravity_F(zonal, *p), gravity_F(j2, *p), rtol=1e-14, atol=1e-14)
+        assert np.allclose(gravity_F(zonal, tuple(p)), gravity_F(j2, tuple(p)), rtol=1e-14, atol=1e-14)
 
 
 def test_j2_of_the_planet_file_is_that_of_the_coefficients():
@@ -118,25 +120,27 @@ def test_turning_field_and_point_together_turns_the_acceleration():
     fill_terms(turned, C * cos - S * sin, S * cos + C * sin)
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     for p in points(5):
-        assert np.allclose(gravity_F(turned, *(turn @ p)), turn @ gravity_F(plain, *p), rtol=0, atol=1e-14)
+        assert np.allclose(
+            gravity_F(turned, tuple(turn @ p)), turn @ gravity_F(plain, tuple(p)), rtol=0, atol=1e-14
+        )
 
 
 @pytest.mark.parametrize("model", ["harmonics", "j2", "central"])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_regular_at_the_poles(model, side):
     g = record(model=model, degree=12)
-    at = np.array(gravity_F(g, 0.0, 0.0, side * 3.376e6))
+    at = np.array(gravity_F(g, (0.0, 0.0, side * 3.376e6)))
     beside = np.array(
-        [gravity_F(g, dx, dy, side * 3.376e6) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+        [gravity_F(g, (dx, dy, side * 3.376e6)) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))]
     ).mean(axis=0)
     assert np.all(np.isfinite(at))
     assert np.allclose(at, beside, atol=1e-11)
 
 
 def test_null_model_and_central_model():
-    assert gravity_F(record(model="none"), 3.4e6, 1.0, 2.0) == (0.0, 0.0, 0.0)
+    assert gravity_F(record(model="none"), (3.4e6, 1.0, 2.0)) == (0.0, 0.0, 0.0)
     g = record(model="central")
-    ax, ay, az = gravity_F(g, 3e6, 0.0, 4e6)
+    ax, ay, az = gravity_F(g, (3e6, 0.0, 4e6))
     assert np.allclose([ax, ay, az], -float(g["mu"]) / 5e6**3 * np.array([3e6, 0, 4e6]), rtol=1e-15)
 
 
@@ -147,7 +151,7 @@ def test_earth_file_gives_the_nesc_local_gravity():
     earth = np.zeros(1, PLANET)[0]
     fill_planet(earth, planet("earth"))
     for altitude_ft, g_ft in ((30000.0, 32.1065359519), (16284.443772, 32.14867306827697)):
-        ax, _, _ = gravity_F(earth["gravity"], earth["equatorial_radius"] + altitude_ft * 0.3048, 0.0, 0.0)
+        ax, _, _ = gravity_F(earth["gravity"], (earth["equatorial_radius"] + altitude_ft * 0.3048, 0.0, 0.0))
         assert -ax / 0.3048 == pytest.approx(g_ft, rel=1e-9)
 
 

@@ -82,7 +82,7 @@ def weight(scenario):
 
     def at(height):
         r = ground + height * up
-        return -(gravity_F(case["planet"]["gravity"], *r) - np.cross(spin, np.cross(spin, r))) @ up
+        return -(gravity_F(case["planet"]["gravity"], tuple(r)) - np.cross(spin, np.cross(spin, r))) @ up
 
     return at
 

@@ -9,13 +9,14 @@ from scipy.optimize import lsq_linear
 from thruster_wrenches import ENTRY, LANDER, wrenches
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation.demand import DEMAND
+from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.least_squares import LeastSquaresParams
 from edl6dof.fsw.allocation.registry import ALLOCATORS, AllocationParams
 from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.interface.thrusters import ATTITUDE, FINE, THRUSTER_GROUPS
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, THRUSTER_GROUPS
 
 ALL = 0b1111
 HEALTHY = np.zeros(1, FSW["health"])[0]
@@ -54,7 +55,7 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     update_effectiveness(vehicle, LANDER, effectiveness)
     assert p["method"] == ALLOCATORS.names.index("least_squares")
     for _ in range(rounds):
-        effectiveness["changed"] = 1
+        effectiveness["version"] += 1
         share_out(p, vehicle, HEALTHY, effectiveness, asked, memory)
     return memory
 
@@ -297,3 +298,17 @@ def test_of_two_that_turn_alike_the_fine_thruster_gives_all_it_can_first(shared_
     effect = wrenches(thrusters, 2, np.zeros(3))
     duty = solve(params(use_cost=0.0), thrusters, 2, (0.0, 0.0, 0.0), 1.1 * effect[:, 0])["duty"]
     assert duty[:2] == pytest.approx([0.85, 1.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("mode, wanted", [(ENGINE_FULL, -5000.0), (ENGINE_THROTTLE, 0.0)])
+def test_the_axial_thrusters_are_asked_for_all_they_give_while_the_engine_is_to_give_all(mode, wanted):
+    """A demand of their whole force: they help as far as the torque allows."""
+    vehicle, (fsw,), matrix = np.zeros(1, ONBOARD["vehicle"])[0], np.zeros(1, FSW), np.zeros((32, 6))
+    vehicle["n_thrusters"], vehicle["thrusters"]["group"][:5] = 5, [AXIAL, AXIAL, ATTITUDE, FINE, AXIAL]
+    matrix[:5, 0] = [-2000.0, -2000.0, -7.0, -3.0, -1000.0]
+    fsw["vehicle"]["ignited"], fsw["guide"]["engine_mode"] = 1, mode
+    phase, none = np.zeros(1, ONBOARD["mission"])[0]["phases"][0], (0.0, 0.0, 0.0)
+    given = (phase, vehicle, matrix, fsw["vehicle"], HEALTHY["thruster"], fsw["nav"], fsw["guide"])
+    compose_demand(*given, none, none, fsw["demand"])
+    assert fsw["demand"]["wrench"].tolist() == [wanted, 0.0, 0.0, 0.0, 0.0, 0.0]
+    assert fsw["demand"]["boosting"] == (wanted != 0.0)

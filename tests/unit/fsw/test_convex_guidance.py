@@ -64,7 +64,7 @@ def test_nearest_thrust_is_the_cheapest_of_all_that_the_engine_can_give(tilt_deg
         start, price = rng.normal(0.0, 4.0, 3), rng.uniform(0.0, 2.0)
         far = 0.5 * ((side - np.hypot(*start[:2])) ** 2 + (up - start[2]) ** 2)
         least = np.min((price * bound + far)[allowed])
-        u = np.array(nearest_thrust(*start, price, low, high, cos(tilt)))
+        u = np.array(nearest_thrust(tuple(start), price, low, high, cos(tilt)))
         size = max(np.linalg.norm(u), low)
         assert size <= high + 1e-12 and u[2] >= cos(tilt) * size - 1e-12
         worth = price * size + 0.5 * np.sum((u - start) ** 2)
@@ -86,7 +86,7 @@ def test_what_is_outside_the_cone_is_its_polar_part():
     """
     rng, slope = np.random.default_rng(2), tan(radians(10.0))
     for point in rng.normal(size=(200, 3)):
-        beyond = np.array(outside(*point, slope))
+        beyond = np.array(outside(tuple(point), slope))
         inside = point - beyond
         assert inside[2] >= slope * np.hypot(*inside[:2]) - 1e-12
         assert abs(inside @ beyond) < 1e-12

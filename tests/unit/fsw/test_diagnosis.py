@@ -11,7 +11,7 @@ from as_flown import apart
 
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, DiagnosisParams, diagnose
+from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, WRITES, DiagnosisParams, DiagnosisSignals, diagnose
 from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_stuck_on, weights
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
@@ -39,12 +39,20 @@ def effectiveness(shared_onboard):
 def look(onboards, sensed, memories, load, t):
     """A cycle of diagnosis with the records of a flight, for which it is compiled."""
     onboard, memory = onboards[0], memories[0]
-    DIAGNOSE(
-        *(onboard.diagnosis, onboard.flow_meters != 0, onboard.instruments, onboard.vehicle),
-        *(sensed[0].branch_used, memory.effectiveness.matrix, memory.estimation.activity, load),
-        *(memory.disturbance.unexplained, t, DT, memory.diagnosis),
-        *(memory.health.thruster, memory.command.shut),
+    signals = DiagnosisSignals(
+        vehicle=onboard.vehicle,
+        instruments=onboard.instruments,
+        metered=onboard.flow_meters != 0,
+        used=sensed[0].branch_used,
+        effectiveness=memory.effectiveness.matrix,
+        activity=memory.estimation.activity,
+        load=load,
+        unexplained=memory.disturbance.unexplained,
+        t=t,
+        dt=DT,
+        healthy=memory.health.thruster,
     )
+    DIAGNOSE(onboard.diagnosis, signals, memory.diagnosis)
 
 
 class Watch:
@@ -61,7 +69,7 @@ class Watch:
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory, self.activity = self.fsw["diagnosis"], self.fsw["estimation"]["activity"]
         self.memory["leak"]["branch"] = self.memory["hypotheses"]["meter"] = NONE
-        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.fsw["command"]["shut"][0]
+        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.memory["leak"]["shut"][0]
         self.unexplained, self.used = self.fsw["disturbance"]["unexplained"][0], self.sensed["branch_used"][0]
         self.healthy[:] = 1
         self.t, self.asked = 0.0, np.zeros(32)
@@ -118,6 +126,27 @@ class Watch:
     def mates(self, i):
         """Thrusters on the branch of ``i``, itself among them."""
         return np.flatnonzero(self.branch == self.branch[i])
+
+
+def test_diagnosis_writes_its_memory_and_the_signals_that_it_declares(
+    monkeypatch, shared_onboard, effectiveness
+):
+    """While a dead thruster is found and while a leak is looked into."""
+    changed, plain = set(), look
+
+    def watched(onboard, sensed, fsw, load, t):
+        records = {"onboard": onboard, "sensed": sensed}
+        records |= {name: fsw[name] for name in FSW.names if name != "diagnosis"}
+        before = {name: record.tobytes() for name, record in records.items()}
+        plain(onboard, sensed, fsw, load, t)
+        changed.update(name for name, record in records.items() if record.tobytes() != before[name])
+
+    monkeypatch.setitem(globals(), "look", watched)
+    for fault in ((3, "stuck off", 1.0), (5, "stuck on", 0.0)):
+        watch = Watch(shared_onboard, effectiveness)
+        for _ in range(80):
+            watch.cycle(fault)
+    assert changed == {"health"} and WRITES == ("healthy",)
 
 
 @pytest.fixture(scope="module")

@@ -79,8 +79,8 @@ def fly_inertial(record, r, v, seconds):
 def fly(record, r, v, seconds, dt):
     r, v = tuple(r), tuple(v)
     for _ in range(round(seconds / dt)):
-        a, _, _ = acceleration(record, *RATIOS, r, v, cos(BANK), sin(BANK))
-        r, v = step(record, *RATIOS, r, v, a, cos(BANK), sin(BANK), dt)
+        a, _, _ = acceleration(record, RATIOS, r, v, (cos(BANK), sin(BANK)))
+        r, v = step(record, RATIOS, r, v, a, (cos(BANK), sin(BANK)), dt)
     return np.array(r), np.array(v)
 
 
@@ -128,12 +128,12 @@ def test_air_that_moves_with_the_vehicle_makes_no_drag(windy):
     air = windy["atmosphere"]
     r, v = state(10.0, 30.0, 20e3, 300.0, 0.0, 90.0, windy["planet"]["equatorial_radius"])
     air["wind_north"], air["wind_east"] = 0.0, 300.0
-    _, drag, _ = acceleration(windy, 1.0, 1.0, tuple(r), tuple(v), 1.0, 0.0)
+    _, drag, _ = acceleration(windy, (1.0, 1.0), tuple(r), tuple(v), (1.0, 0.0))
     assert drag < 1e-9
     air["wind_east"] = 0.0
-    _, still, _ = acceleration(windy, 1.0, 1.0, tuple(r), tuple(v), 1.0, 0.0)
+    _, still, _ = acceleration(windy, (1.0, 1.0), tuple(r), tuple(v), (1.0, 0.0))
     air["wind_east"] = -300.0
-    _, against, _ = acceleration(windy, 1.0, 1.0, tuple(r), tuple(v), 1.0, 0.0)
+    _, against, _ = acceleration(windy, (1.0, 1.0), tuple(r), tuple(v), (1.0, 0.0))
     assert against == pytest.approx(4.0 * still, rel=1e-12)
 
 

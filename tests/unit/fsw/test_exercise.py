@@ -44,7 +44,7 @@ class Bench:
         self.memory, self.healthy = self.diagnosis["exercise"], self.fsw["health"]["thruster"][0]
         self.healthy[:], self.fsw["effectiveness"]["matrix"] = 1, effectiveness
         self.t, self.sideways, self.axial = 100.0, sideways, 1e4
-        self.opens, self.closes = (self.fsw["command"][name][0] for name in ("opens", "closes"))
+        self.opens, self.closes = (self.fsw["modulation"][name][0] for name in ("opens", "closes"))
         self.memory["used"] = self.memory["tested"] = 99.0
         self.on_time, self.last = np.zeros(32), (NONE, NONE)
 

@@ -53,9 +53,9 @@ def operate(thrusters, duties, cycle=CYCLE, p=None, start=0.0):
 def modulate_each(p, vehicle, duties, t, cycle, memory, opens, closes):
     """All cycles, compiled: most of the time of a call from Python goes into its records."""
     for k in range(len(duties)):
-        for i in range(opens.shape[1] if k > 0 else 0):
-            opens[k, i], closes[k, i] = opens[k - 1, i], closes[k - 1, i]
-        modulate(p[0], vehicle[0], duties[k], t[k], cycle, memory[0], opens[k], closes[k])
+        modulate(p[0], vehicle[0], duties[k], t[k], cycle, memory[0])
+        for i in range(opens.shape[1]):
+            opens[k, i], closes[k, i] = memory[0].opens[i], memory[0].closes[i]
 
 
 def merged(opens, closes):

@@ -72,7 +72,7 @@ def test_time_to_go_is_where_the_integral_is_least(position, velocity, gravity):
             total += quad(lambda s, c1=c1, c2=c2: (c1 + c2 * s) ** 2, 0.0, t)[0]
         return total
 
-    found = optimal_time(gravity, *position, *velocity)
+    found = optimal_time(gravity, position, velocity)
     best = minimize_scalar(cost, bounds=(0.5 * found, 1.5 * found), method="bounded", options={"xatol": 1e-7})
     assert found == pytest.approx(best.x, rel=1e-5)
     rr, rv, vv = np.dot(position, position), np.dot(position, velocity), np.dot(velocity, velocity)
@@ -82,7 +82,7 @@ def test_time_to_go_is_where_the_integral_is_least(position, velocity, gravity):
 
 def test_of_several_minima_the_shortest_is_taken_that_does_not_pass_the_target():
     """Straight at the target and hardly any gravity: to come back from beyond it costs still less."""
-    found, gravity, speed = optimal_time(0.3, 0.0, 0.0, 1000.0, 0.0, 0.0, -60.0), 0.3, 60.0
+    found, gravity, speed = optimal_time(0.3, (0.0, 0.0, 1000.0), (0.0, 0.0, -60.0)), 0.3, 60.0
     roots = np.roots([gravity**2 / 2.0, 0.0, -2.0 * speed**2, 12.0 * speed * 1000.0, -18.0 * 1000.0**2])
     times = sorted(z.real for z in roots if z.real > 0 and abs(z.imag) < 1e-9)
     assert len(times) == 3 and found == pytest.approx(times[0], rel=1e-9)

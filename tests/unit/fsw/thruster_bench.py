@@ -1,35 +1,46 @@
 """Modulation, activity and test pulses called with the records of a flight, shape (1,)."""
 
-from as_flown import as_flown
-from numba import types
+from as_flown import apart, as_flown
+from numba import njit, types
 
 from edl6dof.fsw.diagnosis import exercise
+from edl6dof.fsw.diagnosis.exercise import ExerciseSignals
 from edl6dof.fsw.estimation import activity
 from edl6dof.fsw.modulation import modulate as modulate_kernel
 from edl6dof.fsw.modulation import open_for_test as open_kernel
 
-PULSES = "fsw[0].command.opens, fsw[0].command.closes"
+VALVES = "fsw[0].modulation"
 MATRIX = "fsw[0].effectiveness.matrix"
 
 modulate = as_flown(
     modulate_kernel,
     "params, vehicle, t, dt, fsw",
-    f"params[0], vehicle, fsw[0].allocation.duty, t, dt, fsw[0].modulation, {PULSES}",
+    f"params[0], vehicle, fsw[0].allocation.duty, t, dt, {VALVES}",
 )
-open_for_test = as_flown(
-    open_kernel, "i, vehicle, t, dt, fsw", f"i, vehicle, t, dt, fsw[0].modulation, {PULSES}"
-)
-remember = as_flown(activity.remember, "count, fsw", f"{PULSES}, count, fsw[0].estimation.activity")
+open_for_test = as_flown(open_kernel, "i, vehicle, t, dt, fsw", f"i, vehicle, t, dt, {VALVES}")
+remember = as_flown(activity.remember, "count, fsw", f"{VALVES}, count, fsw[0].estimation.activity")
 expect = as_flown(
     activity.expect,
     "count, begin, end, lag, fsw",
     f"{MATRIX}, count, begin, end, lag, fsw[0].estimation.activity",
 )
 opposite = as_flown(exercise.opposite, "count, i, fsw", f"{MATRIX}, count, i", types.int64)
-pair_to_test = as_flown(
-    exercise.pair_to_test,
-    "params, vehicle, sideways, axial, start, t, dt, fsw",
-    f"params[0], vehicle, {MATRIX}, fsw[0].health.thruster, fsw[0].diagnosis, fsw[0].modulation.busy_until, "
-    f"{PULSES}, sideways, axial, start, t, dt, fsw[0].diagnosis.exercise",
-    types.UniTuple(types.int64, 2),
-)
+PAIR_TO_TEST = apart(exercise.pair_to_test, types.UniTuple(types.int64, 2))
+
+
+@njit
+def pair_to_test(params, vehicle, sideways, axial, start, t, dt, fsw):
+    """The pair that the exercise fires next."""
+    signals = ExerciseSignals(
+        vehicle=vehicle,
+        effectiveness=fsw[0].effectiveness.matrix,
+        healthy=fsw[0].health.thruster,
+        diagnosis=fsw[0].diagnosis,
+        valves=fsw[0].modulation,
+        sideways=sideways,
+        axial=axial,
+        start=start,
+        t=t,
+        dt=dt,
+    )
+    return PAIR_TO_TEST(params[0], signals, fsw[0].diagnosis.exercise)

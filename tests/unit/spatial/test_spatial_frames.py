@@ -171,14 +171,14 @@ def test_great_circle_from_los_angeles_to_new_york():
         (radians(33 + 57 / 60), -radians(118 + 24 / 60)),
         (radians(40 + 38 / 60), -radians(73 + 47 / 60)),
     )
-    angle, azimuth = frames.great_circle(sin(lax[0]), cos(lax[0]), lax[1], sin(jfk[0]), cos(jfk[0]), jfk[1])
+    angle, azimuth = frames.great_circle(lax, jfk)
     assert angle == pytest.approx(0.623585, abs=1e-6)
     assert azimuth == pytest.approx(1.150035, abs=1e-6) and round(degrees(azimuth)) == 66
 
 
 def test_great_circle_is_the_haversine_angle_and_points_at_the_target():
     for lat1, lon1, lat2, lon2 in RNG.uniform((-1.5, -pi, -1.5, -pi), (1.5, pi, 1.5, pi), size=(60, 4)):
-        angle, azimuth = frames.great_circle(sin(lat1), cos(lat1), lon1, sin(lat2), cos(lat2), lon2)
+        angle, azimuth = frames.great_circle((lat1, lon1), (lat2, lon2))
         haversine = sin((lat2 - lat1) / 2) ** 2 + cos(lat1) * cos(lat2) * sin((lon2 - lon1) / 2) ** 2
         assert angle == pytest.approx(2.0 * asin(sqrt(haversine)), abs=1e-7)
         north, east, _ = frames.fixed_to_ned(
@@ -192,8 +192,8 @@ def test_great_circle_is_the_haversine_angle_and_points_at_the_target():
 @pytest.mark.parametrize("metres", [0.001, 1.0, 100.0])
 def test_great_circle_resolves_a_millimetre_and_its_antipode(metres):
     step = metres / MARS[0]
-    near = frames.great_circle(sin(0.4), cos(0.4), 1.0, sin(0.4 + step), cos(0.4 + step), 1.0)[0]
-    far = frames.great_circle(sin(0.4), cos(0.4), 1.0, sin(-0.4 + step), cos(-0.4 + step), 1.0 + pi)[0]
+    near = frames.great_circle((0.4, 1.0), (0.4 + step, 1.0))[0]
+    far = frames.great_circle((0.4, 1.0), (-0.4 + step, 1.0 + pi))[0]
     assert near * MARS[0] == pytest.approx(metres, abs=2e-9)
     assert (pi - far) * MARS[0] == pytest.approx(metres, abs=2e-9)
 

@@ -53,4 +53,4 @@ def coefficients(table, mach, angle_deg, rho=DENSE, aero=None):
 
 
 def wrench(table, vel, mach=5.0, rho=DENSE, rates=(0.0, 0.0, 0.0), aero=None):
-    return np.array(capsule_aero(aero or record(), table, gas_record(), 1.0, mach, rho, *vel, *rates))
+    return np.array(capsule_aero(aero or record(), table, (gas_record(), 1.0, mach, rho), tuple(vel), rates))

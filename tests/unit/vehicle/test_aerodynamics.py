@@ -121,18 +121,22 @@ def test_uncertainty_factors(table):
     assert spin[4] == pytest.approx(2 * (wrench(table, vel, rates=(0, 0.3, 0)) - base)[4])
 
 
+#: No motion, no rotation.
+STILL = (0.0, 0.0, 0.0)
+
+
 def test_bluff_body():
     bluff = record().lander
     pure = BluffParams(drag_coefficient=1.2, normal_slope=1.2)
     aero = record(AeroParams(lander=pure))
     vel = np.array(velocity(37.0, 65.0, 50.0))
-    force = np.array(bluff_aero(aero.lander, 10.0, *vel, 0.0, 0.0, 0.0))
+    force = np.array(bluff_aero(aero.lander, 10.0, tuple(vel), STILL))
     assert force[:3] == pytest.approx(-10.0 * 9.079 * 1.2 * vel / 50.0)  # pure drag
     assert np.array_equal(force[3:], np.zeros(3))
-    spin = np.array(bluff_aero(bluff, 10.0, *vel, 0.5, 0.1, -0.2))
+    spin = np.array(bluff_aero(bluff, 10.0, tuple(vel), (0.5, 0.1, -0.2)))
     arm = 10.0 * 5.0 * 2.5 * -0.2 * 2.5 / 100.0
     assert spin[3:] == pytest.approx([0.0, 0.1 * arm, -0.2 * arm])
-    assert np.array_equal(bluff_aero(bluff, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(6))
+    assert np.array_equal(bluff_aero(bluff, 0.0, STILL, STILL), np.zeros(6))
 
 
 @pytest.mark.parametrize("configuration, cg_x", [(CONFIG_BACKSHELL, -1.0), (CONFIG_LANDER, -0.9)])
@@ -140,17 +144,11 @@ def test_bluff_bodies_are_statically_stable_about_a_forward_cg(configuration, cg
     empty = np.zeros(1, AERO_TABLE).view(np.recarray)[0]  # not used by bluff bodies
     got = aerodynamic_wrench(
         record(),
-        empty,
-        no_body(),
-        gas_record(),
+        (empty, no_body()),
+        (gas_record(), 1.0, 0.5, DENSE),
         configuration,
-        1.0,
-        0.5,
-        DENSE,
-        *velocity(10.0),
-        0.0,
-        0.0,
-        0.0,
+        velocity(10.0),
+        STILL,
     )
     fx, fy, fz, mx, my, mz, x_ref = got
     bluff = PARAMS.backshell if configuration == CONFIG_BACKSHELL else PARAMS.lander
@@ -165,22 +163,19 @@ def test_constant_aero_is_nesc_drag_and_rate_damping():
         drag_coefficient=0.1, reference_area_m2=0.5, span_m=0.4, chord_m=0.7, **damping
     )
     aero = record(AeroParams(model="constant", constant=params))
-    got = np.array(constant_aero(aero, 100.0, 30.0, 40.0, 0.0, 0.1, 0.2, 0.3))
+    got = np.array(constant_aero(aero, 100.0, (30.0, 40.0, 0.0), (0.1, 0.2, 0.3)))
     b, c = 0.4**2 / (2 * 50), 0.7**2 / (2 * 50)
     assert got == pytest.approx([-3.0, -4.0, 0.0, -50 * b * 0.1, -100 * c * 0.2, -150 * b * 0.3])
-    assert np.array_equal(constant_aero(aero, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0), np.zeros(6))
+    assert np.array_equal(constant_aero(aero, 0.0, STILL, (1.0, 1.0, 1.0)), np.zeros(6))
 
 
 def test_dispatch(table):
-    arguments = (100.0, 5.0, DENSE, *velocity(8.0, 40.0, 900.0), 0.01, 0.02, 0.03)
-    got = aerodynamic_wrench(record(), table, no_body(), gas_record(), CONFIG_CAPSULE, *arguments)
-    assert got[:6] == capsule_aero(record(), table, gas_record(), *arguments) and got[6] == pytest.approx(
-        -0.253 * D
-    )
+    tables, air = (table, no_body()), (gas_record(), 100.0, 5.0, DENSE)
+    moving = velocity(8.0, 40.0, 900.0), (0.01, 0.02, 0.03)
+    got = aerodynamic_wrench(record(), tables, air, CONFIG_CAPSULE, *moving)
+    assert got[:6] == capsule_aero(record(), table, air, *moving) and got[6] == pytest.approx(-0.253 * D)
     assert (
-        aerodynamic_wrench(
-            record(AeroParams(model="none")), table, no_body(), gas_record(), CONFIG_CAPSULE, *arguments
-        )
+        aerodynamic_wrench(record(AeroParams(model="none")), tables, air, CONFIG_CAPSULE, *moving)
         == (0.0,) * 7
     )
     constant = record(
@@ -188,7 +183,7 @@ def test_dispatch(table):
             model="constant", constant=ConstantAeroParams(drag_coefficient=1.0, moment_reference_x_m=-0.5)
         )
     )
-    got = aerodynamic_wrench(constant, table, no_body(), gas_record(), CONFIG_LANDER, *arguments)
+    got = aerodynamic_wrench(constant, tables, air, CONFIG_LANDER, *moving)
     assert sqrt(sum(f * f for f in got[:3])) == pytest.approx(100.0) and got[6] == -0.5
 
 

@@ -44,7 +44,7 @@ def test_potential_is_that_of_the_field(model, degree):
         expected = gravity.mu_m3_s2 / np.linalg.norm(p)
         if model != "central":
             expected += potential(p, degree, gravity.j2 if model == "j2" else None)
-        assert potential_F(field, *p) == pytest.approx(expected, abs=1e-7), "1e-14 of it"
+        assert potential_F(field, tuple(p)) == pytest.approx(expected, abs=1e-7), "1e-14 of it"
 
 
 def test_free_fall_gives_gravity_times_time_and_no_work():

@@ -95,7 +95,11 @@ def flown(path, vel, mach=5.0, rho=DENSE, rates=(0.0, 0.0, 0.0), **more):
     table = build_body_table(body_inputs(params.body, 1.33, sheds=False))
     return np.array(
         body_aero(
-            aero.view(np.recarray)[0], table.view(np.recarray)[0], gas_record(), 1.0, mach, rho, *vel, *rates
+            aero.view(np.recarray)[0],
+            table.view(np.recarray)[0],
+            (gas_record(), 1.0, mach, rho),
+            tuple(vel),
+            rates,
         )
     )
 

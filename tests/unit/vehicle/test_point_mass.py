@@ -61,7 +61,7 @@ def test_path_is_that_of_the_spherical_equations(bank_deg, amplitude, spin, lati
 def test_lift_stands_on_the_velocity_in_the_plane_of_symmetry_and_drag_against_it(u, v, w):
     record = np.zeros(1, dtype_of(LiftDragParams))
     fill(record[0], LiftDragParams(reference_area_m2=2.0, drag_coefficient=1.5, lift_to_drag=0.3))
-    force, velocity = np.array(lift_drag_aero(record[0], 50.0, u, v, w)), np.array([u, v, w])
+    force, velocity = np.array(lift_drag_aero(record[0], 50.0, (u, v, w))), np.array([u, v, w])
     along = velocity / np.linalg.norm(velocity)
     across = np.cross([0.0, 1.0, 0.0], velocity)
     across /= np.linalg.norm(across)

@@ -46,8 +46,9 @@ def pitching_moment(capsule, mach, alpha_deg, deflection, cg=CG, **wing):
     """Cm about the CG of capsule and wing, from the kernels' wrenches by r x F."""
     u, w = cos(radians(alpha_deg)), sin(radians(alpha_deg))
     aero, table = capsule
-    body = np.array(capsule_aero(aero, table, gas_record(), 1.0, mach, 1e-3, u, 0.0, w, 0.0, 0.0, 0.0))
-    plate = np.array(wing_force(wing_record(**wing), deflection, 1.0, u, 0.0, w))
+    v_air, air = (u, 0.0, w), (gas_record(), 1.0, mach, 1e-3)
+    body = np.array(capsule_aero(aero, table, air, v_air, (0.0, 0.0, 0.0)))
+    plate = np.array(wing_force(wing_record(**wing), deflection, 1.0, v_air))
     moment = body[3:] + np.cross((table.moment_reference_x - cg[0], -cg[1], -cg[2]), body[:3])
     moment = moment + plate[3:] + np.cross((-cg[0], -cg[1], -cg[2]), plate[:3])
     return moment[1] / (AREA * D)
@@ -86,7 +87,7 @@ def test_required_increment_of_the_reference(capsule):
     """tianwen1.md 1.4: the wing must supply Cm 0.0165 about the axis at alpha 0; here 0.16 m2 x 1.7 at 0.56
     D.
     """
-    plate = wing_force(wing_record(), 1.0, 1.0, 1.0, 0.0, 0.0)
+    plate = wing_force(wing_record(), 1.0, 1.0, (1.0, 0.0, 0.0))
     assert plate[4] / (AREA * D) == pytest.approx(0.0165, abs=4e-4)
 
 
@@ -95,7 +96,7 @@ def test_force_direction_size_and_moment():
     vel = np.array([300.0, 40.0, -60.0])
     # away from the axis: the wing is on the -z side
     n = np.array([cos(radians(20.0)), 0.0, -sin(radians(20.0))])
-    got = np.array(wing_force(wing, 0.6, 500.0, *vel))
+    got = np.array(wing_force(wing, 0.6, 500.0, tuple(vel)))
     share = n @ vel / np.linalg.norm(vel)
     force = -0.6 * 500.0 * 0.16 * 1.7 * share**2 * n
     assert got[:3] == pytest.approx(force)
@@ -105,7 +106,7 @@ def test_force_direction_size_and_moment():
 def test_closed_leeward_or_at_rest_it_gives_nothing():
     wing = wing_record()
     for deflection, vel in ((0.0, (300.0, 0.0, 0.0)), (1.0, (-300.0, 10.0, 5.0)), (1.0, (0.0, 0.0, 0.0))):
-        assert np.array_equal(wing_force(wing, deflection, 500.0, *vel), np.zeros(6))
+        assert np.array_equal(wing_force(wing, deflection, 500.0, tuple(vel)), np.zeros(6))
 
 
 def test_opening_is_monotone_and_takes_the_deploy_time():

@@ -46,7 +46,7 @@ def test_central_and_noncentral_part_are_the_whole_of_gravitation(planet):
     for r_F in places(planet):
         r_I = tuple(turn.apply(r_F))
         found = np.add(central(planet["gravity"], r_I), noncentral_I(planet, rotation, r_I))
-        assert found == pytest.approx(turn.apply(gravity_F(planet["gravity"], *r_F)), abs=1e-12)
+        assert found == pytest.approx(turn.apply(gravity_F(planet["gravity"], tuple(r_F))), abs=1e-12)
 
 
 def test_place_is_that_in_planet_fixed_axes_and_the_air_turns_with_the_planet():

@@ -16,8 +16,7 @@ def to_target(onboard, nav):
     left along the course until the aim point lies abeam; negative beyond it.
     """
     site, planet = onboard.site, onboard.planet
-    (sin_lat, cos_lat), (sin_aim, cos_aim) = sincos(nav.latitude), sincos(site.aim_latitude)
-    arc, bearing = great_circle(sin_lat, cos_lat, nav.longitude, sin_aim, cos_aim, site.aim_longitude)
+    arc, bearing = great_circle((nav.latitude, nav.longitude), (site.aim_latitude, site.aim_longitude))
     (sin_arc, cos_arc), (sin_off, cos_off) = sincos(arc), sincos(nav.azimuth - bearing)
     crossrange = asin(clamp(sin_arc * sin_off, -1.0, 1.0))
     ahead = atan2(sin_arc * cos_off, cos_arc)

@@ -66,5 +66,5 @@ def entry_guidance(law, onboard, nav, memory, out):
     air = memory.air
     out.drag_ratio, out.drag_trend, out.lift_ratio = air.drag, air.trend, air.lift
     out.least_bank = onboard.guidance.entry.bank_min
-    wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
+    wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory=memory.law, out=out)
     steer_bank(onboard, nav, memory.steering, out, wanted)

@@ -46,7 +46,9 @@ def chosen_side(onboard, nav, memory, out, wanted):
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
         memory.sign = first_side(out)
-    sign = bank_side(p.logic, p, onboard, nav, memory.reversal, out, wanted, memory.sign)
+    sign = bank_side(
+        p.logic, p, onboard, nav, memory=memory.reversal, out=out, wanted=wanted, sign=memory.sign
+    )
     if sign != memory.sign:
         memory.count += 1
     memory.sign = out.side = sign

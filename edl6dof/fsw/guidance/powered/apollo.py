@@ -35,7 +35,13 @@ def guide(params, vehicle, state, nav, target, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
     p = params
     out.time_to_go = plan_arrival(
-        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor), _GAINS, 0.0, state, nav, target, memory
+        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor),
+        gains=_GAINS,
+        least=0.0,
+        state=state,
+        nav=nav,
+        target=target,
+        plan=memory,
     )
     t_go = max(out.time_to_go, p.time_floor)
     upward = quadratic(target.height - nav.height, -nav.v_N[2], memory.upward, t_go) + nav.gravity

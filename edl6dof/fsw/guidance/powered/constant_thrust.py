@@ -79,7 +79,9 @@ def guide(params, vehicle, state, nav, target, memory, out):
         return north, east, max(up, 0.5 * nav.gravity), p.tilt_limit
     memory.over = 1
     limits = (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor)
-    out.time_to_go = plan_arrival(limits, GAINS, 0.0, state, nav, target, memory.rest)
+    out.time_to_go = plan_arrival(
+        limits, gains=GAINS, least=0.0, state=state, nav=nav, target=target, plan=memory.rest
+    )
     north, east, up = meet(p.time_floor, p.lateral_time_floor, out.time_to_go, nav, target)
     return north, east, up, p.tilt_limit
 

@@ -14,7 +14,7 @@ from edl6dof.config.base import param
 from edl6dof.fsw.guidance.powered.planning import PLAN, PlanningParams, plan_arrival
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import clamp
+from edl6dof.spatial.vector import clamp, dot
 
 
 class EGuidanceParams(PlanningParams):
@@ -34,31 +34,28 @@ _SHORTEST, _LONGEST, _RATIO, _HALVINGS = 0.1, 1e4, 1.1, 40
 
 
 @kernel
-def effort_rate(t, gravity, north, east, up, v_north, v_east, v_up):
+def effort_rate(t, gravity, position, velocity):
     """t^4 times the rate at which the cost changes with the time to go ``t``, up to its sign.
 
     The position is relative to the target.  D'Souza 1997, without a weight of the flight time.
     """
-    rr = north * north + east * east + up * up
-    rv = north * v_north + east * v_east + up * v_up
-    vv = v_north * v_north + v_east * v_east + v_up * v_up
+    rr, rv, vv = dot(position, position), dot(position, velocity), dot(velocity, velocity)
     return (0.5 * gravity * gravity * t * t - 2.0 * vv) * t * t - 12.0 * rv * t - 18.0 * rr
 
 
 @kernel
-def optimal_time(gravity, north, east, up, v_north, v_east, v_up):
-    """Time to go (s) of the least cost, for a state relative to the target (m, m/s).
+def optimal_time(gravity, position, velocity):
+    """Time to go (s) of the least cost, for a state relative to the target (m, m/s; north, east, up).
 
     Of several minima the one of the shortest time: the longer ways pass the target and come back.
     """
-    rest = (gravity, north, east, up, v_north, v_east, v_up)
     high = _SHORTEST
-    while effort_rate(high, *rest) <= 0.0 and high < _LONGEST:
+    while effort_rate(high, gravity, position, velocity) <= 0.0 and high < _LONGEST:
         high *= _RATIO
     low = high / _RATIO
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if effort_rate(middle, *rest) > 0.0:
+        if effort_rate(middle, gravity, position, velocity) > 0.0:
             high = middle
         else:
             low = middle
@@ -88,10 +85,16 @@ def guide(params, vehicle, state, nav, target, memory, out):
     up = target.height - nav.height
     least = 0.0
     if memory.made == 0:
-        v_north, v_east, descent = nav.v_N[0], nav.v_N[1], nav.v_N[2]
-        least = optimal_time(nav.gravity, -north, -east, -up, v_north, v_east, -descent)
+        velocity = nav.v_N[0], nav.v_N[1], -nav.v_N[2]
+        least = optimal_time(nav.gravity, (-north, -east, -up), velocity)
     out.time_to_go = plan_arrival(
-        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor), _GAINS, least, state, nav, target, memory
+        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor),
+        gains=_GAINS,
+        least=least,
+        state=state,
+        nav=nav,
+        target=target,
+        plan=memory,
     )
     t_go = max(out.time_to_go, p.time_floor)
     upward = zem_zev(up, -nav.v_N[2], -nav.gravity, t_go)

@@ -73,13 +73,13 @@ def expect_stop(p, vehicle, state, nav):
     return stop_height(
         p.tilt_limit,
         p.stop_speed,
-        state.held_thrust + force,
-        state.held_thrust / (vehicle.engines[0].specific_impulse * G0),
-        state.mass,
-        nav.gravity,
-        nav.height - (nav.v_N[2] + 0.5 * nav.gravity * fall) * fall,
-        sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1]),
-        nav.v_N[2] + nav.gravity * fall,
+        thrust=state.held_thrust + force,
+        flow=state.held_thrust / (vehicle.engines[0].specific_impulse * G0),
+        mass=state.mass,
+        gravity=nav.gravity,
+        height=nav.height - (nav.v_N[2] + 0.5 * nav.gravity * fall) * fall,
+        sideways=sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1]),
+        descent=nav.v_N[2] + nav.gravity * fall,
     )
 
 

@@ -65,14 +65,14 @@ def stop_at(thrust, tilt_limit, engine, nav, mass):
     """Height (m) at which a gravity turn with this ``thrust`` (N) stops the lander from where it is."""
     return stop_height(
         tilt_limit,
-        STOPPED,
-        thrust,
-        thrust / (engine.specific_impulse * G0),
-        mass,
-        nav.gravity,
-        nav.height,
-        sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1]),
-        nav.v_N[2],
+        stop_speed=STOPPED,
+        thrust=thrust,
+        flow=thrust / (engine.specific_impulse * G0),
+        mass=mass,
+        gravity=nav.gravity,
+        height=nav.height,
+        sideways=sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1]),
+        descent=nav.v_N[2],
     )
 
 

@@ -143,7 +143,7 @@ def hover(p, engine, nav, mass, standing, out):
     small tilt.
     """
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
-    settle_by_tilt(p, engine, nav, mass, rate, standing, out)
+    settle_by_tilt(p, engine, nav, mass, rate, standing=standing, out=out)
 
 
 @kernel
@@ -199,7 +199,7 @@ def avoid(p, engine, nav, mass, standing, point, memory, out):
     # slow down towards the final descent rate at the end of the phase
     above = max(nav.height - p.avoidance_height, 0.0)
     rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
-    stay_upright(p, engine, nav, mass, rate, out)
+    stay_upright(p, engine, nav, mass, rate, out=out)
 
 
 @kernel
@@ -209,7 +209,7 @@ def descend(p, engine, nav, mass, standing, point, out):
     tilts as in hover.
     """
     if p.descent_sideways == BY_TILT:
-        settle_by_tilt(p, engine, nav, mass, p.touchdown_rate, standing, out)
+        settle_by_tilt(p, engine, nav, mass, rate=p.touchdown_rate, standing=standing, out=out)
         return
     gain = p.touchdown_velocity_gain
     wanted = -gain * nav.v_N[0], -gain * nav.v_N[1]
@@ -219,4 +219,4 @@ def descend(p, engine, nav, mass, standing, point, out):
     push_sideways(p, mass, wanted, standing, out)
     if nav.height < p.rest_height:
         out.translating = 0
-    stay_upright(p, engine, nav, mass, p.touchdown_rate, out)
+    stay_upright(p, engine, nav, mass, rate=p.touchdown_rate, out=out)

@@ -37,8 +37,8 @@ class ProbabilisticParams(Params):
 def classify(params, chart, footprint, radius, deviation, out):
     """Classify every cell of ``footprint`` (see the registry)."""
     classify_by_probability(
-        chart, footprint, radius, tan(params.slope_limit), params.roughness_limit,
-        deviation, params.relief_between, params.least_probability, out,
+        chart, footprint, radius_m=radius, steepest=tan(params.slope_limit), roughest=params.roughness_limit,
+        deviation=deviation, between=params.relief_between, least=params.least_probability, out=out,
     )  # fmt: skip
 
 

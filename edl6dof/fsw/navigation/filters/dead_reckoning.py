@@ -97,8 +97,12 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     P = memory.covariance
     memory.time += motion.dt
     memory.roll += motion.angle[0]
-    memory.rate_gap = _widen(P, TURN, params.unknown_rate, motion.rate_known, motion.dt, memory.rate_gap)
-    memory.force_gap = _widen(P, V, params.unknown_force, motion.force_known, motion.dt, memory.force_gap)
+    memory.rate_gap = _widen(
+        P, first=TURN, sigma=params.unknown_rate, known=motion.rate_known, dt=motion.dt, gap=memory.rate_gap
+    )
+    memory.force_gap = _widen(
+        P, first=V, sigma=params.unknown_force, known=motion.force_known, dt=motion.dt, gap=memory.force_gap
+    )
     adopted = sensed.stars.valid != 0 and health.star_tracker != 0
     if adopted:
         adopt_attitude(sensed, motion, solution)
@@ -142,7 +146,7 @@ def _step(gravity, onboard, motion, solution, memory):
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     middle = turn_by(q, (-0.5 * memory.roll, 0.0, 0.0))
     for _ in range(2):
-        _carry(onboard.planet.mu, r, middle, gained, memory.roll, time, P)
+        _carry(onboard.planet.mu, r, q=middle, gained=gained, roll=memory.roll, time=time, P=P)
         for i in range(ERRORS):
             for j in range(i):
                 P[i, j], P[j, i] = P[j, i], P[i, j]

@@ -121,11 +121,11 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     radar = radar and echoes > 0
     if stars or radar or memory.interval.dt > params.covariance_interval - early:
         # one echo alone may be of something else
-        _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory)
+        _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory=memory)
         if stars:
-            look_at_stars(params, onboard, sensed, motion, solution, memory)
+            look_at_stars(params, onboard, sensed, motion, solution, memory=memory)
         if radar:
-            look_at_radar(params, onboard, health, sensed, motion, solution, memory)
+            look_at_radar(params, onboard, health, sensed, motion, solution=solution, memory=memory)
         apply_correction(memory, solution)
         claim(onboard.planet, memory.covariance, solution)
 
@@ -147,7 +147,7 @@ def _carry_forward(params, onboard, health, ground_seen, solution, memory):
         way = scale(memory.interval.dt, v_rel_I)
         follow_slope(dot(north, way), dot(east, way), solution, memory.covariance)
     height = altitude - onboard.site.altitude - solution.terrain
-    add_process_noise(params, instruments, v_rel_I, up, height, q, memory)
+    add_process_noise(params, instruments, v_rel_I, up, height, q=q, memory=memory)
     begin_interval(memory.interval)
 
 

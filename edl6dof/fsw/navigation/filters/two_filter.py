@@ -108,9 +108,27 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     if due and count_usable(health, sensed.radar, n_beams) > 0:
         _carry_forward(params, memory)
         q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
-        speeds = _fit_speeds(params, onboard, health, sensed.radar, q, add(velocity, swing), solution, memory)
+        speeds = _fit_speeds(
+            params,
+            onboard,
+            health,
+            sensed.radar,
+            q,
+            velocity=add(velocity, swing),
+            solution=solution,
+            memory=memory,
+        )
         ranges = _buffer_heights(
-            params, onboard, health, sensed.radar, speeds, q, up, height, solution, memory
+            params,
+            onboard,
+            health,
+            sensed.radar,
+            speeds,
+            q=q,
+            up=up,
+            height=height,
+            solution=solution,
+            memory=memory,
         )
         solution.beams_used = speeds | ranges
         solution.speeds_refused = locked_beams(sensed.radar, n_beams) & ~speeds
@@ -160,8 +178,12 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
             if residual**2 <= params.edit**2 * variance:
                 weigh(memory.product, variance, memory.gain)
                 fold_in(
-                    *(memory.covariance, memory.product, memory.gain, memory.correction),
-                    *(variance, residual),
+                    memory.covariance,
+                    memory.product,
+                    memory.gain,
+                    memory.correction,
+                    variance,
+                    innovation=residual,
                 )
                 used |= 1 << beam
     return used

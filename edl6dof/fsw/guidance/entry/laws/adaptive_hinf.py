@@ -156,9 +156,9 @@ def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per
         memory.low,
         memory.high,
         regressor,
-        p12 * error + p22 * error_rate,
-        p.adaptation_energy,
-        dt,
+        adjoint=p12 * error + p22 * error_rate,
+        energy=p.adaptation_energy,
+        dt=dt,
     )
     theta, (f1, f2) = memory.theta, feedback(p.disturbance_gain, p.control_weight)
     known = unknown[0] * theta[0] + unknown[1] * theta[1] + unknown[2] * theta[2] + unknown[4] * theta[4]
@@ -183,19 +183,21 @@ def guide(params, plan, onboard, nav, memory, out):
     goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate
     gravity = planet.mu / (planet.equatorial_radius * planet.equatorial_radius)
-    dynamics = uncertain_drag(drag, rate, nav.speed, gravity, planet.equatorial_radius, scale_height)
+    dynamics = uncertain_drag(
+        drag, rate, nav.speed, gravity, radius=planet.equatorial_radius, scale_height=scale_height
+    )
     dt = clamp(nav.t - memory.t, 0.0, STEP_S)
     memory.t = nav.t
     u = track(
         p,
         memory,
         dt,
-        lift_to_drag * cos(nav.bank),
-        error,
-        error_rate,
-        dynamics,
-        goal_free,
-        goal_per_u,
+        flown=lift_to_drag * cos(nav.bank),
+        error=error,
+        error_rate=error_rate,
+        dynamics=dynamics,
+        goal_free=goal_free,
+        goal_per_u=goal_per_u,
     )
     return acos(clamp(u / lift_to_drag, -1.0, 1.0))
 

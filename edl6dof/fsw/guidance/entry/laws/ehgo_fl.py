@@ -75,11 +75,13 @@ def guide(params, plan, onboard, nav, memory, out):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     lift = nav.drag * onboard.vehicle.lift_to_drag
     _, a, b = measured_drag_dynamics(onboard, nav, lift)
-    observe(observer, p.epsilon, p.start_share * nav.drag, nav.t, nav.drag, a, b, cos(nav.bank))
+    observe(
+        observer, p.epsilon, start=p.start_share * nav.drag, t=nav.t, drag=nav.drag, a=a, b=b, u=cos(nav.bank)
+    )
     drag, rate = observer.drag, observer.rate
     out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, observer.phi
     goal, goal_rate, goal_acceleration = polynomial_goal(
-        onboard, nav, p.profile, memory.profile, drag, rate, out
+        onboard, nav, p=p.profile, memory=memory.profile, drag=drag, drag_rate=rate, out=out
     )
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - drag)
     limit = -p.share * a

@@ -47,7 +47,7 @@ def guide(params, plan, onboard, nav, memory, out):
     rate, a, b = measured_drag_dynamics(onboard, nav, lift)
     out.drag_estimate, out.drag_rate = nav.drag, rate
     goal, goal_rate, goal_acceleration = polynomial_goal(
-        onboard, nav, p.profile, memory.profile, nav.drag, rate, out
+        onboard, nav, p=p.profile, memory=memory.profile, drag=nav.drag, drag_rate=rate, out=out
     )
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - nav.drag)
     return bank_for(wanted, b, a)

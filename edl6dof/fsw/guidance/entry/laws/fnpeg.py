@@ -112,7 +112,14 @@ def bank_plan(params, onboard, nav, memory, bank, turn):
     beyond the largest is added to the last bank.
     """
     now = min(bank, onboard.guidance.entry.bank_max)
-    return linear(now, params.last_bank + (bank - now), nav.speed, memory.side, turn, memory.later)
+    return linear(
+        now,
+        last_bank=params.last_bank + (bank - now),
+        speed=nav.speed,
+        side=memory.side,
+        first_turn=turn,
+        second_turn=memory.later,
+    )
 
 
 @kernel
@@ -124,7 +131,7 @@ def most_bank(params, entry):
 @kernel
 def ends(params, onboard, nav, memory, out, bank, turn):
     """Predicted downrange and crossrange miss, m."""
-    down, aside, _, _ = predict(onboard, nav, out, bank_plan(params, onboard, nav, memory, bank, turn))
+    down, aside, _, _ = predict(onboard, nav, out, bank_plan(params, onboard, nav, memory, bank, turn=turn))
     return down, aside
 
 
@@ -134,7 +141,7 @@ def correct_range(params, onboard, nav, memory, out):
     entry = onboard.guidance.entry
     most = most_bank(params, entry)
     nudge = NUDGE_BANK if memory.bank + NUDGE_BANK <= most else -NUDGE_BANK
-    beside, _ = ends(params, onboard, nav, memory, out, memory.bank + nudge, memory.turn)
+    beside, _ = ends(params, onboard, nav, memory, out, bank=memory.bank + nudge, turn=memory.turn)
     slope = (beside - memory.miss) / nudge
     # more bank, less range: elsewhere a prediction has left the air, and late no bank moves the end much
     if -slope * (most - entry.bank_min) < params.authority:
@@ -144,7 +151,7 @@ def correct_range(params, onboard, nav, memory, out):
         better = clamp(memory.bank + way, entry.bank_min, most)
         if better == memory.bank:
             return
-        down, aside = ends(params, onboard, nav, memory, out, better, memory.turn)
+        down, aside = ends(params, onboard, nav, memory, out, bank=better, turn=memory.turn)
         if abs(down) < abs(memory.miss):
             memory.bank, memory.miss, memory.aside = better, down, aside
             return
@@ -161,7 +168,7 @@ def move_turn(params, onboard, nav, memory, out, slowest, way, weight):
         turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
         if turn == memory.turn:
             return
-        down, aside = ends(params, onboard, nav, memory, out, memory.bank, turn)
+        down, aside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=turn)
         if hypot(weight * down, aside) < hypot(weight * memory.miss, memory.aside):
             memory.turn, memory.miss, memory.aside = turn, down, aside
             return
@@ -172,28 +179,28 @@ def move_turn(params, onboard, nav, memory, out, slowest, way, weight):
 def correct_turn(params, onboard, nav, memory, out, slowest):
     """One step of the next reversal's speed to where the predicted crossrange is none."""
     nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
-    _, beside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn + nudge)
+    _, beside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn + nudge)
     slope = (beside - memory.aside) / nudge
     # turning at a higher speed leaves less of the present side
     if memory.side * slope < 0.0:
-        move_turn(params, onboard, nav, memory, out, slowest, -memory.aside / slope, 0.0)
+        move_turn(params, onboard, nav, memory, out, slowest=slowest, way=-memory.aside / slope, weight=0.0)
 
 
 @kernel
 def least_of_both(params, onboard, nav, memory, out, slowest):
     """One Gauss-Newton step of the next reversal's speed for downrange and crossrange together."""
     nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
-    down, aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn + nudge)
+    down, aside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn + nudge)
     down_slope, aside_slope = (down - memory.miss) / nudge, (aside - memory.aside) / nudge
     square = max(down_slope * down_slope + aside_slope * aside_slope, 1e-12)
     way = -(memory.miss * down_slope + memory.aside * aside_slope) / square
-    move_turn(params, onboard, nav, memory, out, slowest, way, 1.0)
+    move_turn(params, onboard, nav, memory, out, slowest=slowest, way=way, weight=1.0)
 
 
 @kernel
 def correct(params, onboard, nav, memory, out, slowest):
     """Correct the plan, where its predicted end is off by more than the tolerance."""
-    memory.miss, memory.aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn)
+    memory.miss, memory.aside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn)
     if abs(memory.miss) > params.tolerance:
         correct_range(params, onboard, nav, memory, out)
     beyond = memory.miss > params.tolerance and memory.bank >= most_bank(params, onboard.guidance.entry)
@@ -201,9 +208,9 @@ def correct(params, onboard, nav, memory, out, slowest):
         memory.left -= 1  # through lift up so often leads beyond the aim point, whatever the bank angle
         foresee(params, nav.speed * params.spacing, memory, slowest)
     elif beyond and memory.turn > 0.0:
-        least_of_both(params, onboard, nav, memory, out, slowest)
+        least_of_both(params, onboard, nav, memory, out, slowest=slowest)
     elif memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
-        correct_turn(params, onboard, nav, memory, out, slowest)
+        correct_turn(params, onboard, nav, memory, out, slowest=slowest)
 
 
 @kernel
@@ -266,17 +273,17 @@ def guide(params, plan, onboard, nav, memory, out):
     entry = onboard.guidance.entry
     slowest = max(entry.align_speed, entry.heading.speed)
     if memory.side == 0.0:
-        start(params, onboard, nav, memory, out, slowest)
+        start(params, onboard, nav, memory, out, slowest=slowest)
     if nav.drag >= params.start_drag:
         memory.started = 1
     controls = memory.started != 0 and nav.speed > slowest
     if controls:
-        correct(params, onboard, nav, memory, out, slowest)
+        correct(params, onboard, nav, memory, out, slowest=slowest)
         reverse_when_due(params, nav, memory, slowest)
-    ahead = bank_plan(params, onboard, nav, memory, memory.bank, memory.turn)
+    ahead = bank_plan(params, onboard, nav, memory, memory.bank, turn=memory.turn)
     bank = planned_bank(onboard, ahead, nav.speed)
     if controls and params.stretch and memory.bank <= entry.bank_min and memory.miss < -params.tolerance:
-        bank = stretched(onboard, nav, out, memory.side, memory.turn, memory.later)
+        bank = stretched(onboard, nav, out, memory.side, memory.turn, later=memory.later)
         out.least_bank = min(abs(bank), entry.bank_min)
     return within_limits(params, onboard, nav, bank)
 

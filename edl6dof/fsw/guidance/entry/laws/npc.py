@@ -85,10 +85,10 @@ def solve(p, onboard, nav, out, low, high, turn, later, memory):
     """
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
-    memory.miss = miss_of(onboard, nav, out, memory.shift, turn, later)
+    memory.miss = miss_of(onboard, nav, out, memory.shift, turn, later=later)
     while abs(memory.miss) > p.tolerance and memory.iterations < p.iterations:
         nudge = NUDGE if memory.shift + NUDGE <= high else -NUDGE
-        beside = miss_of(onboard, nav, out, memory.shift + nudge, turn, later)
+        beside = miss_of(onboard, nav, out, shift=memory.shift + nudge, turn=turn, later=later)
         slope = (beside - memory.miss) / nudge
         if slope <= 0.0:
             return
@@ -97,7 +97,7 @@ def solve(p, onboard, nav, out, low, high, turn, later, memory):
         if better == memory.shift:
             return
         memory.shift = better
-        memory.miss = miss_of(onboard, nav, out, better, turn, later)
+        memory.miss = miss_of(onboard, nav, out, shift=better, turn=turn, later=later)
 
 
 @kernel
@@ -113,7 +113,7 @@ def guide(params, plan, onboard, nav, memory, out):
         # the shift may not leave what the present bank angle can follow
         own = cos(reference_bank(onboard, 0.0, nav.speed))
         low, high = cos(entry.bank_max) - own, cos(entry.bank_min) - own
-        solve(params, onboard, nav, out, low, high, turn, later, memory)
+        solve(params, onboard, nav, out, low, high=high, turn=turn, later=later, memory=memory)
     return acos(clamp(cos(reference_bank(onboard, memory.shift, nav.speed)), -1.0, 1.0))
 
 

@@ -54,12 +54,12 @@ def measured_drag_dynamics(onboard, nav, lift):
     return drag_dynamics(
         nav.drag,
         nav.speed,
-        nav.flight_path_angle,
-        nav.radius,
-        nav.gravity,
-        lift,
-        scale_height,
-        area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
+        gamma=nav.flight_path_angle,
+        radius=nav.radius,
+        gravity=nav.gravity,
+        lift=lift,
+        scale_height=scale_height,
+        area_rate=area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
     )
 
 

@@ -55,27 +55,35 @@ INFLUENCE = np.dtype(
 
 
 @kernel
-def hamiltonian(onboard, shift, v, h, gamma, more_lift, by_altitude, by_path):
+def hamiltonian(onboard, shift, state, more_lift, adjoints):
     """Hamiltonian of the motion by speed on the reference profile, with ``more_lift`` added to its vertical
     L/D where range is controlled.
+
+    Args:
+        onboard: ``ONBOARD`` record.
+        shift: of the cosine of the reference bank angle.
+        state: speed (m/s), altitude (m) and flight-path angle (rad).
+        more_lift: added vertical lift-to-drag ratio.
+        adjoints: derivatives of the range by altitude (m/m) and path angle (m/rad).
     """
     entry = onboard.guidance.entry
+    v, h, gamma = state
     climb, slowing, turn, ground, drag = point_mass(onboard, h, v, gamma, reference_bank(onboard, shift, v))
     if v > max(entry.align_speed, entry.heading.speed):
         turn += more_lift * drag / v
-    return (by_altitude * climb + by_path * turn + ground) / slowing
+    return (adjoints[0] * climb + adjoints[1] * turn + ground) / slowing
 
 
 @kernel
-def adjoint_rates(onboard, shift, v, h, gamma, by_altitude, by_path):
+def adjoint_rates(onboard, shift, state, adjoints):
     """Derivatives by speed of the range's derivatives by altitude, path angle and vertical L/D."""
-    args = (by_altitude, by_path)
-    up = hamiltonian(onboard, shift, v, h + D_ALTITUDE, gamma, 0.0, *args)
-    down = hamiltonian(onboard, shift, v, h - D_ALTITUDE, gamma, 0.0, *args)
-    level = hamiltonian(onboard, shift, v, h, gamma + D_PATH, 0.0, *args)
-    steep = hamiltonian(onboard, shift, v, h, gamma - D_PATH, 0.0, *args)
-    more = hamiltonian(onboard, shift, v, h, gamma, D_LIFT, *args)
-    less = hamiltonian(onboard, shift, v, h, gamma, -D_LIFT, *args)
+    v, h, gamma = state
+    up = hamiltonian(onboard, shift, (v, h + D_ALTITUDE, gamma), 0.0, adjoints)
+    down = hamiltonian(onboard, shift, (v, h - D_ALTITUDE, gamma), 0.0, adjoints)
+    level = hamiltonian(onboard, shift, (v, h, gamma + D_PATH), 0.0, adjoints)
+    steep = hamiltonian(onboard, shift, (v, h, gamma - D_PATH), 0.0, adjoints)
+    more = hamiltonian(onboard, shift, state, D_LIFT, adjoints)
+    less = hamiltonian(onboard, shift, state, -D_LIFT, adjoints)
     return (down - up) / (2 * D_ALTITUDE), (steep - level) / (2 * D_PATH), (less - more) / (2 * D_LIFT)
 
 
@@ -100,13 +108,13 @@ def integrate_adjoints(onboard, shift, speeds, altitude, path, found):
         if node == NODES - 1:
             break
         for i in range(2 * SUBSTEPS * node, 2 * SUBSTEPS * (node + 1), 2):
-            v0, h0, g0 = speeds[i], altitude[i], path[i]
-            v1, h1, g1 = speeds[i + 1], altitude[i + 1], path[i + 1]
-            v2, h2, g2 = speeds[i + 2], altitude[i + 2], path[i + 2]
-            a = adjoint_rates(onboard, shift, v0, h0, g0, x, y)
-            b = adjoint_rates(onboard, shift, v1, h1, g1, x + 0.5 * step * a[0], y + 0.5 * step * a[1])
-            c = adjoint_rates(onboard, shift, v1, h1, g1, x + 0.5 * step * b[0], y + 0.5 * step * b[1])
-            d = adjoint_rates(onboard, shift, v2, h2, g2, x + step * c[0], y + step * c[1])
+            first = speeds[i], altitude[i], path[i]
+            middle = speeds[i + 1], altitude[i + 1], path[i + 1]
+            last = speeds[i + 2], altitude[i + 2], path[i + 2]
+            a = adjoint_rates(onboard, shift, first, (x, y))
+            b = adjoint_rates(onboard, shift, middle, (x + 0.5 * step * a[0], y + 0.5 * step * a[1]))
+            c = adjoint_rates(onboard, shift, middle, (x + 0.5 * step * b[0], y + 0.5 * step * b[1]))
+            d = adjoint_rates(onboard, shift, last, (x + step * c[0], y + step * c[1]))
             x += step * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
             y += step * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
             z += step * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
@@ -129,7 +137,7 @@ def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> 
         for name in ("altitude", "path_angle", "beyond", "drag")
     )
     found = np.zeros((NODES, 3))
-    integrate_adjoints(record, shift, speeds, altitude, path, found)
+    integrate_adjoints(record, shift, speeds, altitude, path, found=found)
     table["first"], table["spacing"] = speeds[0], speeds[2 * SUBSTEPS] - speeds[0]
     for i in range(NODES):
         k = 2 * SUBSTEPS * i

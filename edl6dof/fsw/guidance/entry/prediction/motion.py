@@ -48,11 +48,11 @@ def velocity_in_air(atmosphere, r, v, height):
 
 
 @kernel
-def acceleration(onboard, drag_ratio, lift_ratio, r, v, lift_up, lift_right):
+def acceleration(onboard, ratios, r, v, lift_shares):
     """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the planet-relative Mach number.
 
-    Drag and lift-to-drag ratio are the believed ones times ``drag_ratio`` and ``lift_ratio``; of the lift the
-    shares ``lift_up`` and ``lift_right``, cosine and sine of a steady bank angle, point up and right.
+    Drag and lift-to-drag ratio are the believed ones times the two ``ratios``; of the lift the two
+    ``lift_shares``, cosine and sine of a steady bank angle, point up and right.
     """
     planet, vehicle = onboard.planet, onboard.vehicle
     height = height_above_ellipsoid(planet, r)
@@ -60,30 +60,30 @@ def acceleration(onboard, drag_ratio, lift_ratio, r, v, lift_up, lift_right):
     through = velocity_in_air(onboard.atmosphere, r, v, height)
     air_speed, mach = max(norm(through), 1e-3), norm(v) / sound
     area, lift_to_drag = believed_aero(vehicle, mach, norm(v))
-    drag = drag_ratio * 0.5 * density * air_speed * air_speed * area / vehicle.entry_mass
-    lift = lift_ratio * lift_to_drag * drag
+    drag = ratios[0] * 0.5 * density * air_speed * air_speed * area / vehicle.entry_mass
+    lift = ratios[1] * lift_to_drag * drag
     x = scale(1.0 / air_speed, through)
     right = unit(cross(x, r))
-    a = sub(scale(lift * lift_up, cross(right, x)), scale(drag, x))
-    a = add(add(a, scale(lift * lift_right, right)), gravity_I(planet, r))
+    a = sub(scale(lift * lift_shares[0], cross(right, x)), scale(drag, x))
+    a = add(add(a, scale(lift * lift_shares[1], right)), gravity_I(planet, r))
     w = planet.rotation_rate
     return add(a, (w * (2.0 * v[1] + w * r[0]), w * (w * r[1] - 2.0 * v[0]), 0.0)), drag, mach
 
 
 @kernel
-def step(onboard, drag_ratio, lift_ratio, r, v, a, lift_up, lift_right, dt):
+def step(onboard, ratios, r, v, a, lift_shares, dt):
     """Position (m) and velocity (m/s) after ``dt`` (s) with the lift held, by the classical fourth-order
     Runge-Kutta step; ``a`` is the acceleration at its beginning.
     """
     half = 0.5 * dt
     v2 = add(v, scale(half, a))
     r2 = add(r, scale(half, v))
-    a2, _, _ = acceleration(onboard, drag_ratio, lift_ratio, r2, v2, lift_up, lift_right)
+    a2, _, _ = acceleration(onboard, ratios, r2, v2, lift_shares)
     v3 = add(v, scale(half, a2))
     r3 = add(r, scale(half, v2))
-    a3, _, _ = acceleration(onboard, drag_ratio, lift_ratio, r3, v3, lift_up, lift_right)
+    a3, _, _ = acceleration(onboard, ratios, r3, v3, lift_shares)
     v4 = add(v, scale(dt, a3))
-    a4, _, _ = acceleration(onboard, drag_ratio, lift_ratio, add(r, scale(dt, v3)), v4, lift_up, lift_right)
+    a4, _, _ = acceleration(onboard, ratios, add(r, scale(dt, v3)), v4, lift_shares)
     sixth = dt / 6.0
     return (
         add(r, scale(sixth, add(add(v, v4), scale(2.0, add(v2, v3))))),

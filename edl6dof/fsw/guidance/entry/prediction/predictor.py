@@ -57,8 +57,9 @@ def predict(onboard, nav, out, plan):
     aligning, at_handover = False, 0.0
     for _ in range(MAX_STEPS):
         height = height_above_ellipsoid(planet, r)
-        ratio = drag_ratio_at(entry.air_data, out.drag_ratio, out.drag_trend, height - height_here)
-        a, drag, mach = acceleration(onboard, ratio, out.lift_ratio, r, v, lift_up, lift_right)
+        of_drag = drag_ratio_at(entry.air_data, out.drag_ratio, out.drag_trend, height - height_here)
+        ratios = of_drag, out.lift_ratio
+        a, drag, mach = acceleration(onboard, ratios, r, v, (lift_up, lift_right))
         end_speed = (
             entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         )
@@ -81,9 +82,9 @@ def predict(onboard, nav, out, plan):
         bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
         if in_plane(plan):
             lift_right = 0.0
-        a, _, _ = acceleration(onboard, ratio, out.lift_ratio, r, v, lift_up, lift_right)
+        a, _, _ = acceleration(onboard, ratios, r, v, (lift_up, lift_right))
         r_old, excess_old = r, excess
-        r, v = step(onboard, ratio, out.lift_ratio, r, v, a, lift_up, lift_right, dt)
+        r, v = step(onboard, ratios, r, v, a, lift_shares=(lift_up, lift_right), dt=dt)
         speed = norm(v)
         t += dt
     if excess < 0.0 < excess_old:

@@ -34,7 +34,12 @@ def stretched(onboard, nav, out, side, turn, later):
     speeds ``turn`` and ``later`` (m/s), 0 for none.
     """
     least = onboard.guidance.entry.bank_min
-    reserve, _, _, _ = predict(onboard, nav, out, linear(least, least, nav.speed, side, turn, later))
+    reserve, _, _, _ = predict(
+        onboard,
+        nav,
+        out,
+        linear(least, last_bank=least, speed=nav.speed, side=side, first_turn=turn, second_turn=later),
+    )
     straight = straight_bank(onboard, nav, out)
     longest, _, _, _ = predict(onboard, nav, out, held(straight))
     share = clamp(reserve / max(longest - reserve, 1.0), 0.0, 1.0)

@@ -123,7 +123,7 @@ def drag_goal(onboard, nav, memory, drag, drag_rate, out):
         memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
     along = nav.gravity * sin(nav.flight_path_angle)
     out.reference_drag, rate, acceleration = scaled(
-        reference, memory.scale, u, nav.speed, along, drag, drag_rate
+        reference, memory.scale, energy_speed=u, speed=nav.speed, along=along, drag=drag, drag_rate=drag_rate
     )
     return out.reference_drag, rate, acceleration
 

@@ -26,7 +26,12 @@ def nearest_end(onboard, nav, out, side, turn):
     crossrange, from ``side`` with a reversal at the speed ``turn`` (m/s), 0 for none.
     """
     most = onboard.guidance.entry.bank_max
-    beyond, aside, _, _ = predict(onboard, nav, out, linear(most, most, nav.speed, side, turn, 0.0))
+    beyond, aside, _, _ = predict(
+        onboard,
+        nav,
+        out,
+        linear(most, last_bank=most, speed=nav.speed, side=side, first_turn=turn, second_turn=0.0),
+    )
     return max(beyond, 0.0), aside
 
 

@@ -143,5 +143,5 @@ def search_times(landing, least, most, plan, other):
     # what is longer than any flight cannot cost less; nor can what is not finite
     while throttled < LONGEST * plan.time and try_throttled(landing, LONGER * throttled, most, plan, other):
         throttled *= LONGER
-    refine_throttled(landing, throttled, least, LONGER, most, plan, other)
+    refine_throttled(landing, throttled, least, factor=LONGER, most=most, plan=plan, other=other)
     try_throttled(landing, inf, most, plan, other)

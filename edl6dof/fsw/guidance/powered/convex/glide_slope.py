@@ -94,12 +94,12 @@ def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
             z + step * (vz + 0.5 * step * az),
         )
         vx, vy, vz = vx + step * ax, vy + step * ay, vz + step * az
-        px, py, pz = outside(
+        point = (
             glide[k, 0] + sigma * row[k] * x,
             glide[k, 1] + sigma * row[k] * y,
             glide[k, 2] + sigma * row[k] * z,
-            slope,
         )
+        px, py, pz = outside(point, slope)
         dx, dy, dz = px - glide[k, 0], py - glide[k, 1], pz - glide[k, 2]
         changed += dx * dx + dy * dy + dz * dz
         glide[k, 0] = alive(glide[k, 0] + extrapolation * dx)
@@ -115,8 +115,9 @@ def alive(multiplier):
 
 
 @kernel
-def outside(x, y, z, slope):
-    """From the nearest point of the cone z >= slope sqrt(x^2 + y^2) to (x, y, z)."""
+def outside(point, slope):
+    """From the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point`` (x, y, z)."""
+    x, y, z = point
     side = sqrt(x * x + y * y)
     if z >= slope * side:
         return 0.0, 0.0, 0.0

@@ -181,7 +181,7 @@ def next_plan(p, landing, elapsed, memory):
     throttled = throttled_of(plan)
     solve(landing, p.iterations, plan)
     if error_of(landing, plan) <= TOLERATED:
-        try_earlier(landing, throttled, EARLIER, p.iterations, plan, other)
+        try_earlier(landing, throttled, share=EARLIER, most=p.iterations, plan=plan, other=other)
         return
     landing.now = NOW
     solve(landing, p.iterations, plan)
@@ -189,7 +189,15 @@ def next_plan(p, landing, elapsed, memory):
         return
     search_time(landing, throttled, REACH, p.iterations, plan)
     if error_of(landing, plan) > TOLERATED and throttled < inf:
-        refine_throttled(landing, throttled, least_throttled(p, memory), FACTOR, p.iterations, plan, other)
+        refine_throttled(
+            landing,
+            throttled,
+            least=least_throttled(p, memory),
+            factor=FACTOR,
+            most=p.iterations,
+            plan=plan,
+            other=other,
+        )
     if error_of(landing, plan) > TOLERATED:
         landing.low_now = landing.high = landing.high_now
         search_time(landing, throttled_of(plan), REACH, p.iterations, plan)

@@ -103,22 +103,27 @@ def solve(landing, most, plan):
             elif time - plan.to_go[k] < landing.now:
                 low, high = landing.low_now, landing.high_now
             cos_tilt = landing.cos_last_tilt if k == CONTROLS - 1 else landing.cos_tilt
-            x, y, z = nearest_thrust(
+            start = (
                 u[k, 0] - tau * (flat * px + slant * qx + plan.push[k, 0]),
                 u[k, 1] - tau * (flat * py + slant * qy + plan.push[k, 1]),
                 u[k, 2] - tau * (flat * pz + slant * qz + plan.push[k, 2]),
-                tau,
-                low / plan.mass[k],
-                high / plan.mass[k],
-                cos_tilt,
             )
+            x, y, z = nearest_thrust(start, tau, low / plan.mass[k], high / plan.mass[k], cos_tilt)
             dx, dy, dz = x - u[k, 0], y - u[k, 1], z - u[k, 2]
             w[k, 0], w[k, 1], w[k, 2] = x, y, z
             moved += step * (dx * dx + dy * dy + dz * dz)
             x, y, z = x + dx, y + dy, z + dz
             ex, ey, ez = ex + step * flat * x, ey + step * flat * y, ez + step * flat * z
             fx, fy, fz = fx + step * slant * x, fy + step * slant * y, fz + step * slant * z
-        changed = follow_slope(landing, flat, (ex, ey, ez), (fx, fy, fz), sigma, EXTRAPOLATION, plan)
+        changed = follow_slope(
+            landing,
+            flat,
+            first=(ex, ey, ez),
+            second=(fx, fy, fz),
+            sigma=sigma,
+            extrapolation=EXTRAPOLATION,
+            plan=plan,
+        )
         for k in range(CONTROLS):
             for axis in range(3):
                 u[k, axis] += EXTRAPOLATION * (w[k, axis] - u[k, axis])

@@ -10,19 +10,21 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.vector import norm
 
 
 @kernel
-def nearest_thrust(x, y, z, price, low, high, cos_tilt):
-    """Thrust acceleration (m/s2) that is least in its price plus half the squared distance from (x, y, z).
+def nearest_thrust(start, price, low, high, cos_tilt):
+    """Thrust acceleration (m/s2) that is least in its price plus half the squared distance from ``start``.
 
     Args:
-        x, y, z: east, north, up.
+        start: east, north, up, m/s2.
         price: of a unit of thrust acceleration, not negative.
         low, high: bounds of the thrust acceleration; equal where it is given.
         cos_tilt: of the largest angle of thrust from the vertical.
     """
-    size = sqrt(x * x + y * y + z * z)
+    x, y, z = start
+    size = norm(start)
     if size > low:
         wanted = min(max(size - price, low), high)
     else:

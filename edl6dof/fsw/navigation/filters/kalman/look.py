@@ -55,7 +55,15 @@ def take_in_look(params, n_beams, present, healthy, up, memory, deviations):
             continue
         trusted, innovation, row = healthy[beam] != 0, memory.innovation[beam], memory.rows[beam]
         believed = trusted and beam != left_out
-        deviation, agrees = take_in(params, memory.noise[beam], innovation, up, believed, row, memory)
+        deviation, agrees = take_in(
+            params,
+            noise=memory.noise[beam],
+            innovation=innovation,
+            up=up,
+            trusted=believed,
+            row=row,
+            memory=memory,
+        )
         agrees = agrees and beam != left_out
         if not agrees:
             refused |= 1 << beam

@@ -18,10 +18,29 @@ def look_at_radar(params, onboard, health, sensed, motion, solution, memory):
     q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
     radar = sensed.radar
     speeds, off_speeds = look_at_speeds(
-        params, onboard, health, radar, q, up, velocity, swing, solution, memory
+        params,
+        onboard,
+        health,
+        radar,
+        q,
+        up=up,
+        velocity=velocity,
+        swing=swing,
+        solution=solution,
+        memory=memory,
     )
     ranges, off_ranges = look_at_ranges(
-        params, onboard, health, radar, speeds, q, lever, up, height, solution, memory
+        params,
+        onboard,
+        health,
+        radar,
+        speeds,
+        q=q,
+        lever=lever,
+        up=up,
+        height=height,
+        solution=solution,
+        memory=memory,
     )
     solution.beams_used, solution.looked = ranges | speeds, 1
     solution.ranges_refused, solution.speeds_refused = off_ranges, off_speeds

@@ -74,7 +74,9 @@ def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
             reach, steepness, off = expected_range(u, up, normal, height, radius)
             memory.innovation[beam] = radar.range[beam] - reach
             memory.noise[beam] = range_noise(params, instruments, reach, steepness, off)
-            range_row(u, up, normal, lever, steepness, reach, radius, beam, memory.rows[beam])
+            range_row(
+                u, up, normal, lever, steepness, reach=reach, radius=radius, beam=beam, row=memory.rows[beam]
+            )
             present |= 1 << beam
             if abs(memory.innovation[beam]) * steepness > params.unevenness * sqrt(off / 1000.0):
                 off_ground |= 1 << beam
@@ -91,10 +93,17 @@ def look_at_ranges(params, onboard, health, radar, speeds, q, lever, up, height,
     """
     normal = ground_normal(up, solution.slope)
     above = height - dot(lever, sub(up, normal))
-    present, off_ground = expect_ranges(params, onboard, radar, q, lever, up, normal, above, memory)
+    present, off_ground = expect_ranges(
+        params, onboard, radar, q, lever, up=up, normal=normal, height=above, memory=memory
+    )
     used, refused, tried, against, least = take_in_look(
-        *(params, onboard.instruments.n_beams, present & speeds, health.beam_range, up, memory),
-        solution.range_innovation,
+        params,
+        onboard.instruments.n_beams,
+        present=present & speeds,
+        healthy=health.beam_range,
+        up=up,
+        memory=memory,
+        deviations=solution.range_innovation,
     )
     if tried >= PLANE and against == 0:
         memory.plane_seen = 1

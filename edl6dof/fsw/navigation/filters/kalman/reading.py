@@ -50,7 +50,11 @@ def take_in(params, noise, innovation, up, trusted, row, memory):
         weigh(memory.product, own + weighted, memory.gain)
         keep_place(up, memory.gain)
         fold_in(
-            *(memory.covariance, memory.product, memory.gain, memory.correction),
-            *(own + weighted, rest),
+            memory.covariance,
+            memory.product,
+            memory.gain,
+            memory.correction,
+            variance=own + weighted,
+            innovation=rest,
         )
     return rest / sqrt(variance), weighted >= 0.0

@@ -38,17 +38,22 @@ def expect_speeds(onboard, radar, q, velocity, swing, memory):
             memory.innovation[beam] = radar.speed[beam] - speed
             own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
             memory.noise[beam] = own**2
-            speed_row(u, spin, velocity, speed, beam, memory.rows[beam])
+            speed_row(u, spin, velocity, speed, beam, row=memory.rows[beam])
 
 
 @kernel
 def look_at_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
     """Take in the speeds along the beams; bits of those that were used, and of those that were refused."""
     n_beams = onboard.instruments.n_beams
-    expect_speeds(onboard, radar, q, velocity, swing, memory)
+    expect_speeds(onboard, radar, q, velocity, swing, memory=memory)
     used, refused, tried, against, least = take_in_look(
-        *(params, n_beams, locked_beams(radar, n_beams), health.beam_speed, up, memory),
-        solution.speed_innovation,
+        params,
+        n_beams,
+        present=locked_beams(radar, n_beams),
+        healthy=health.beam_speed,
+        up=up,
+        memory=memory,
+        deviations=solution.speed_innovation,
     )
     if tried > 1:  # a beam alone may be wrong itself
         memory.speeds_refused = refused_again(memory.speeds_refused, against, tried)

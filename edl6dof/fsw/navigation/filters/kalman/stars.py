@@ -27,7 +27,15 @@ def look_at_stars(params, onboard, sensed, motion, solution, memory):
         clear(row)
         row[ATTITUDE_ERROR + i] = 1.0
         row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
-        _, taken = take_in(params, onboard.instruments.star_sigma**2, turn[i], up, True, row, memory)
+        _, taken = take_in(
+            params,
+            noise=onboard.instruments.star_sigma**2,
+            innovation=turn[i],
+            up=up,
+            trusted=True,
+            row=row,
+            memory=memory,
+        )
         refused += not taken
     memory.fixes_refused = refused_again(memory.fixes_refused, refused, 1)
     if memory.fixes_refused >= params.patience:
