@@ -1,8 +1,11 @@
-"""One HTML file that holds a recording and the viewer, and plays offline from ``file://``.
+"""The replay in a browser: one HTML file that holds a recording and the viewer and plays offline from
+``file://``, and a server of that page for this machine.
 
-The viewer's program (wasm) comes from the installed rerun itself, so that it always fits the recording.  It
-is started by an interface that rerun does not promise to keep; the version is pinned, and a test opens the
-page in a browser.
+The viewer's program (wasm) comes from the installed rerun, so that it always fits the recording.  rerun does
+not promise to keep its interface; the version is pinned, and a test opens the page in a browser.
+
+The server only answers requests that name this machine as their host: a web site whose own name resolves to
+127.0.0.1 (DNS rebinding) gets nothing, and no other site may read or frame the page.
 """
 
 from __future__ import annotations
@@ -26,6 +29,14 @@ from markupsafe import Markup
 
 from edl6dof.child import python
 from edl6dof.replay.viewer import HOST, free_port, running
+
+_HEADERS = {
+    "Content-Type": "text/html; charset=utf-8",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
 
 
 def page(recording: Path, title: str) -> bytes:
@@ -71,15 +82,6 @@ def _fetch(url: str) -> bytes:
 def _packed(content: bytes) -> str:
     """Compress and encode as text; level 6 would take two thirds longer for 1 % less."""
     return base64.b64encode(gzip.compress(content, 5, mtime=0)).decode("ascii")
-
-
-_HEADERS = {
-    "Content-Type": "text/html; charset=utf-8",
-    "Cache-Control": "no-store",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "X-Content-Type-Options": "nosniff",
-    "X-Frame-Options": "DENY",
-}
 
 
 class PageServer(socketserver.ThreadingTCPServer):

@@ -40,6 +40,9 @@ _TIED = (
     "import ctypes, os, sys; ctypes.CDLL(None).prctl(1, 9); os.getppid() == int(sys.argv[1]) and "
     "os.execv(sys.argv[2], sys.argv[2:])"
 )
+#: After so long (s) a recording is loaded and notices of the start have faded; what changes for longer never
+#: settles.
+START_S, MOST_S = 2.5, 60.0
 
 
 class ViewerFailed(RuntimeError):
@@ -157,11 +160,6 @@ def _path() -> Path:
 
 def _short(line: str) -> str:
     return line if len(line) <= 200 else f"{line[:100]} ... {line[-95:]}"
-
-
-#: After so long (s) a recording is loaded and notices of the start have faded; what changes for longer never
-#: settles.
-START_S, MOST_S = 2.5, 60.0
 
 
 def show(recording: Path) -> None:

@@ -1,8 +1,8 @@
 """Shapes of the vehicle: heat shield and backshell, sphere, box, trim wing, parachute; lander, rover, legs
 and nozzles.
 
-All are in ``B``: x forward through the nose, y right, z down.  The dimensions that the vehicle file gives are
-kept; stripes and rims are decoration.
+All are in ``B``: x forward through the nose, y right, z down.  Dimensions, footpads and nozzles are those of
+the vehicle file; stripes, rims, lander body and rover are decoration, no larger than the aeroshell.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ from edl6dof.replay.scene.outline import Outline
 from edl6dof.vehicle.vehicle import VehicleParams
 
 SHIELD: RGB = (255, 214, 176)
+#: Radius (m) of the aeroshell that a lander of scale one fits into, and the room kept around it (share).
+_RADIUS, _ROOM = 1.7, 0.97
 
 
 def striped(base: RGB, every: int, factor: float) -> Callable[[int, int], RGB]:
@@ -148,10 +150,6 @@ def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
         np.stack([rim + [band, 0.0, 0.0], top], axis=1),
     ]
     return mesh, np.concatenate([np.array([[[0.0, 0.0, 0.0], riser]]), *lines])
-
-
-#: Radius (m) of the aeroshell that a lander of scale one fits into, and the room kept around it (share).
-_RADIUS, _ROOM = 1.7, 0.97
 
 
 def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:

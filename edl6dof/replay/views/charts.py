@@ -43,6 +43,17 @@ MOST = 6000
 STEPS = 4.5
 #: Room above and below the curves, share of the range.
 ROOM = 0.06
+AXES = ("roll", "pitch", "yaw")
+#: Telemetry columns that the planes show.
+PLANE_COLUMNS = (
+    *(f"control.error_{axis}_deg" for axis in AXES),
+    *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
+)
+TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
+#: Ends of the picture, deg and deg/s.
+REACH_DEG, REACH_DEG_S = 180.0, 40.0
+GRID, ZERO = (40, 40, 46), (86, 86, 94)
+Line = tuple[np.ndarray, tuple[int, int, int]]
 
 
 class Charts(Recorder):
@@ -145,19 +156,6 @@ def _within(t: np.ndarray, first: float, last: float) -> slice:
 
 def _ticks(low: float, high: float, step: float) -> int:
     return int(np.floor(high / step + 1e-9) - np.ceil(low / step - 1e-9)) + 1
-
-
-AXES = ("roll", "pitch", "yaw")
-#: Telemetry columns that the planes show.
-PLANE_COLUMNS = (
-    *(f"control.error_{axis}_deg" for axis in AXES),
-    *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
-)
-TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
-#: Ends of the picture, deg and deg/s.
-REACH_DEG, REACH_DEG_S = 180.0, 40.0
-GRID, ZERO = (40, 40, 46), (86, 86, 94)
-Line = tuple[np.ndarray, tuple[int, int, int]]
 
 
 def squeeze(x: np.ndarray | float) -> np.ndarray:

@@ -14,6 +14,12 @@ from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section, in_percent, printed
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 
+#: Figures mapped over the grid, besides success.
+_FIGURES = (
+    *("landing_distance_m", "parachute_mach", "parachute_height_m"),
+    *("touchdown_vertical_m_s", "propellant_used_kg", "peak_load_g0"),
+)
+
 
 def campaign_report(folder: Path) -> Report:
     """Return the report of a campaign, finished or not; a section about what it does not have is left out."""
@@ -79,13 +85,6 @@ def _facts(results: Results) -> list[Fact]:
             if quantile(distance, share)
         ]
     return facts
-
-
-#: Figures mapped over the grid, besides success.
-_FIGURES = (
-    *("landing_distance_m", "parachute_mach", "parachute_height_m"),
-    *("touchdown_vertical_m_s", "propellant_used_kg", "peak_load_g0"),
-)
 
 
 def sweep_maps(results: Results) -> Iterator[Figure]:

@@ -30,6 +30,22 @@ from edl6dof.report.flight.common import has_signal, over_flight
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
+#: Figure and format of what is shown at a glance.
+_FACTS = (
+    ("touchdown_s", ".1f"),
+    ("landing_distance_m", ",.0f"),
+    ("touchdown_vertical_m_s", ".2f"),
+    ("touchdown_tilt_deg", ".2f"),
+    ("peak_load_g0", ".2f"),
+    ("max_load_parachute_g0", ".2f"),
+    ("peak_dynamic_pressure_pa", ",.0f"),
+    ("peak_heat_flux_w_cm2", ".1f"),
+    ("parachute_mach", ".2f"),
+    ("propellant_used_kg", ".1f"),
+)
+#: A requirement that was kept or not; other differences are neither good nor bad.
+_KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
+
 
 def flight_report(run: Run) -> Report:
     """Return the review of a run; a section about what the flight did not have is left out."""
@@ -61,23 +77,6 @@ def flight_report(run: Run) -> Report:
         sections=[Section(*section) for section in filled if section[2]],
         footer=f"edl6dof {run.summary['edl6dof_version']}; scenario SHA-256 {run.summary['scenario_sha256']}",
     )
-
-
-#: Figure and format of what is shown at a glance.
-_FACTS = (
-    ("touchdown_s", ".1f"),
-    ("landing_distance_m", ",.0f"),
-    ("touchdown_vertical_m_s", ".2f"),
-    ("touchdown_tilt_deg", ".2f"),
-    ("peak_load_g0", ".2f"),
-    ("max_load_parachute_g0", ".2f"),
-    ("peak_dynamic_pressure_pa", ",.0f"),
-    ("peak_heat_flux_w_cm2", ".1f"),
-    ("parachute_mach", ".2f"),
-    ("propellant_used_kg", ".1f"),
-)
-#: A requirement that was kept or not; other differences are neither good nor bad.
-_KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 
 def mood(summary: Mapping[str, Any]) -> Mood:
