@@ -172,7 +172,5 @@ def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
 
 
 def _value(text: str) -> str:
-    """Text as the value of a keyword: one line of printable ASCII that cannot be taken for another
-    keyword.
-    """
+    """Text as the value of a keyword: one line of printable ASCII without another keyword."""
     return " ".join(re.sub(r"[^ -~]|=", " ", text).split())[:LONGEST_VALUE] or "UNKNOWN"

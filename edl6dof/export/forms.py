@@ -150,7 +150,5 @@ def write_netcdf(path: Path, columns: Columns, about: Description) -> None:
 
 
 def plain(name: str) -> str:
-    """Return a valid MATLAB and netCDF name: at most 63 letters, digits and underscores, beginning with a
-    letter.
-    """
+    """Return a valid MATLAB and netCDF name: at most 63 letters, digits and ``_``, a letter first."""
     return re.sub(r"^(?=[^a-zA-Z])", "n", re.sub(r"\W", "_", name, flags=re.ASCII))[:63]

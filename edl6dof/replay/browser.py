@@ -62,9 +62,7 @@ def page(recording: Path, title: str) -> bytes:
 
 @cache
 def _program() -> tuple[str, str]:
-    """The viewer for browsers (script, packed wasm), fetched from rerun's own server on this machine; the
-    same for every page.
-    """
+    """The viewer for browsers (script, packed wasm), from rerun's own server on this machine."""
     port, data = free_port(), free_port()
     with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
         program.wait_for(port)
@@ -143,9 +141,7 @@ class _Request(BaseHTTPRequestHandler):
 
 
 def serve(page: bytes) -> None:
-    """Serve the page, print its address, open a browser if there is one, and continue until interrupted
-    (Ctrl-C).
-    """
+    """Serve the page, print its address, open a browser if there is one, and run until Ctrl-C."""
     with PageServer(page) as server:
         print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
         if _has_display():

@@ -75,9 +75,7 @@ def film(recording: Path, target: Path, cut: Cut, progress: Callable[[int, int],
 
 @contextmanager
 def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
-    """Open a stream that takes the frames (PNG) one after the other; the film is complete when the block
-    ends.
-    """
+    """Open a stream for the frames (PNG), one after the other; the block's end completes the film."""
     words = [program, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png"]
     words += ["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(target.resolve())]
     with TemporaryFile() as log:

@@ -141,9 +141,7 @@ class History:
         return self.columns[name]
 
     def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
-        """Return the mean duty of some thrusters from each of ``rows`` to the next, shape (rows,
-        thrusters).
-        """
+        """Return the mean duty of thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
         own = self.duty[:, [self.jets.index(name) for name in names]]
         return _mean_between(own, rows)
 

@@ -88,9 +88,7 @@ class Recorder:
         data: dict[str, Any],
         each: np.ndarray | None = None,
     ) -> None:
-        """Log a series of one archetype whose look holds for all time; ``each``: how many items a row has, if
-        not one.
-        """
+        """Log a series of one archetype with a constant look; ``each``: items of each row, if not one."""
         self.static(entity, kind.from_fields(**look))
         columns = kind.columns(**data)
         self.columns(entity, t, columns if each is None else columns.partition(each))
@@ -120,9 +118,7 @@ class Recorder:
         )
 
     def own_mesh(self, part: str | None) -> list[Any] | None:
-        """Return the user's own mesh for a part, in its place in B; for ``None``, that of everything that is
-        not a part.
-        """
+        """Return the user's mesh for a part, in its place in B; ``None``: for all that is not a part."""
         own = next((mesh for mesh in self.vehicle.appearance.meshes if mesh.part == part), None)
         if own is None:
             return None
@@ -147,7 +143,5 @@ class Recorder:
 
 
 def and_next(shown: np.ndarray) -> np.ndarray:
-    """Return the rows (bool) in which something is shown, and the row after each: a row without it
-    ends it.
-    """
+    """Return the rows (bool) with something to show, and those after: a row without it ends it."""
     return shown | np.append(False, shown[:-1])

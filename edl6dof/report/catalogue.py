@@ -101,9 +101,7 @@ class Plot(NamedTuple):
         return [*found, (claimed, GREY, "dash"), (claimed, GREY, "dash")] if self.sigma else found
 
     def values(self, columns: Mapping[str, np.ndarray], rows: np.ndarray | slice) -> list[np.ndarray]:
-        """Return the curves at some rows in the unit of the plot, then the upper and the lower bound if there
-        is one.
-        """
+        """Return the curves at some rows in the unit of the plot, then the upper and the lower bound."""
         factor = 1e-3 if self.kilo else 1.0
         found = [factor * columns[channel][rows] for channel in self.curves]
         bounds = [sign * BOUND * factor for sign in (1.0, -1.0)] if self.sigma else []

@@ -70,9 +70,7 @@ Block = Figure | Table | Text | Listing
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report with an entry in the contents; keys are letters, digits and ``_``, unique in a
-    report.
-    """
+    """A part of the report with an entry in the contents; keys are unique letters, digits and ``_``."""
 
     key: str
     title: str
@@ -98,9 +96,7 @@ class Report:
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """Format a number to some significant digits; large ones whole, since 12346 is easier to read than
-    1.235e+04.
-    """
+    """Format a number to some significant digits; large ones whole, not as 1.235e+04."""
     text = f"{value:.{digits}g}"
     return f"{value:.0f}" if "e+" in text else text
 

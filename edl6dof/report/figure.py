@@ -187,9 +187,7 @@ class Band:
     outline: bool = False
 
     def bounds(self, axis: Literal["x", "y"], span: tuple[float, float]) -> tuple[float, float] | None:
-        """Return the ends along an axis of a panel with the range ``span``; ``None`` for a band across the
-        whole panel.
-        """
+        """Return the ends along an axis of range ``span``; ``None`` if the band crosses the panel."""
         low, high = self.x if axis == "x" else self.y
         if low is None and high is None:
             return None

@@ -58,9 +58,7 @@ class Placed(NamedTuple):
 
 
 def figure_pages(figures: Iterable[Figure]) -> Iterator[list[Placed]]:
-    """Yield the figures of each page in order: panels side by side go across both columns, others into the
-    shorter one.
-    """
+    """Yield the figures of each page in order: wide ones across both columns, others in the shorter."""
     page: list[Placed] = []
     feet = [0.0, 0.0]
     for figure in figures:
@@ -129,9 +127,7 @@ def _word_pages(report: Report) -> Iterator[Canvas]:
 
 
 def _pages(report: Report) -> Iterator[list[Line]]:
-    """Lines of each page; a table stays on one page if it fits there, else its head is repeated on every
-    page.
-    """
+    """Lines of each page; a table that fits on one page is not split, else its head is repeated."""
     page = list(_summary(report))
     for section in report.sections:
         for table in (block for block in section.blocks if isinstance(block, Table)):

@@ -186,9 +186,7 @@ def _published_places(value: float) -> int:
 
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
-    """Format value and limit with the same decimals: three digits of the limit, more if a missed limit would
-    look kept.
-    """
+    """Format value and limit with three digits of the limit, or more if a missed limit would look kept."""
     places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
         places += 1

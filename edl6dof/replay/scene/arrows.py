@@ -54,14 +54,10 @@ class Arrow(NamedTuple):
 
 
 class Arrows(Recorder):
-    """Writes ``near/arrows`` and ``near/velocity_frame``, from the centre of mass in landing-site axes, and
-    ``vehicle/attitude_frame``.
-    """
+    """Writes ``near/arrows`` and ``near/velocity_frame`` (in L), and ``vehicle/attitude_frame``."""
 
     def motions(self) -> None:
-        """Log the velocity from ahead of the vehicle, forces from the centre of mass, and names beyond the
-        ends of arrows and axes.
-        """
+        """Write velocity ahead of the vehicle, forces from its centre of mass, and names beyond the ends."""
         motion, rows = self.motion, thin(self.t, SCALAR_HZ)
         if len(rows) < 3:
             return
@@ -216,9 +212,7 @@ class Screen(NamedTuple):
     metres_per_px: float
 
     def seen(self, places: np.ndarray) -> np.ndarray:
-        """Return where places (m from the vehicle), shape (..., 3), appear on the plane, m, shape
-        (..., 2).
-        """
+        """Return where places (m from the vehicle), shape (..., 3), appear, m, shape (..., 2)."""
         distance = np.linalg.norm(self.eye)
         depth = np.maximum(distance - places @ self.eye / distance, 0.1 * distance)
         flat = np.stack([places @ self.right, places @ self.up], axis=-1)

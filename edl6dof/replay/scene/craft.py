@@ -91,9 +91,7 @@ class Vehicle(Recorder):
             self.gone(self.t[released], entity)
 
     def _glow(self, entity: str, until: int | None, cold: np.ndarray) -> None:
-        """Write the glow of a surface: at the temperature at which it radiates its heat flux as a
-        black body.
-        """
+        """Write the glow at the temperature at which a surface radiates its heat flux as a black body."""
         rows = thin(self.t, 2.0)
         rows = rows[rows < (len(self.t) if until is None else until)]
         heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"]), 0.0)[rows]
@@ -102,9 +100,7 @@ class Vehicle(Recorder):
         self.columns(entity, self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
     def _legs(self) -> None:
-        """Write the legs as they extend, and once they stand: each compressed as far as the ground under its
-        pad demands.
-        """
+        """Write the legs as they extend, and once they stand: compressed as the ground demands."""
         pads, shape = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3), self.motion.shape
         since, out = self._legs_out(), shapes.legs(self.vehicle, shape, np.zeros(len(pads)))
         if since is None or out is None or self.own_mesh(None) is not None:
@@ -115,9 +111,7 @@ class Vehicle(Recorder):
             self.at(self.t[np.argmax(touching)], entity, self.mesh(pressed))
 
     def _legs_out(self) -> float | None:
-        """Time at which the legs are visible: when the mission extends them, else when the heat shield has
-        left.
-        """
+        """Time at which the legs show: extended by the mission, else without the heat shield."""
         events = self.flight.scenario.mission.events.values()
         if any(event.action == "extend" and event.thing == "landing_gear" for event in events):
             return self.when.get("landing_legs")

@@ -265,9 +265,7 @@ def bell(engine: Any, scale: float) -> Mesh:
 
 
 def legs(vehicle: VehicleParams, shape: Outline, stroke: np.ndarray) -> Mesh | None:
-    """Return landing legs at the footpads, each compressed by its ``stroke`` (m); ``None`` if the lander has
-    none.
-    """
+    """Return legs at the footpads, each compressed by its ``stroke`` (m); ``None`` without any."""
     if shape.lander not in ("legs", "rover") or not vehicle.landing_gear.footpads_m:
         return None
     scale = shape.radius / _RADIUS

@@ -181,9 +181,7 @@ class NearGround(Recorder):
         return self.rr.InstancePoses3D(translations=place, scales=np.repeat(size[:, None], 3, axis=1))
 
     def _on_ground(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places east and north (m), shape (n, 2), on the ground, and the rotation that aligns z with its
-        normal.
-        """
+        """Places east and north (m), shape (n, 2), on the ground; and turns of z to its normal."""
         site, reach = self.motion.site, max(self._width(), 0.5)
         up = site.ground(*places.T)[1]
         rise = [

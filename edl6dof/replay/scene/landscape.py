@@ -123,9 +123,7 @@ class Landscape:
         return bright(place, open_grid_triangles(len(side), len(side)), colours)
 
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
-        """Return the up coordinate (m) of the drawn ground at places in L: the true ground, and the
-        decoration of the nearest vertex.
-        """
+        """Return the up coordinate (m) of the drawn ground at places in L, with the nearest decoration."""
         up = np.asarray(self._site.ground(east, north)[1])
         if self._site.relief.detailed:
             return up
@@ -164,9 +162,7 @@ class Landscape:
         )
 
     def _craters(self) -> np.ndarray:
-        """Height (m) of crater bowls and rims at the vertices, as many in each size class as the mesh can
-        show.
-        """
+        """Height (m) of craters at the vertices, as many of each size class as the mesh can show."""
         height = np.zeros_like(self._east)
         for diameter in np.geomspace(1.2, 3e4, 40):
             outer = min(diameter / 0.09, self._radius[-1])  # beyond, the mesh is too coarse for them
@@ -209,9 +205,7 @@ def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.nda
 
 
 def sunlight(towards: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
-    """Return the brightness of ground with these slopes (m/m) in light from ``towards``; 1 where it
-    is level.
-    """
+    """Return the brightness of ground with these slopes (m/m) in light from ``towards``; level: 1."""
     cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
         1.0 + rise_east**2 + rise_north**2
     )

@@ -112,9 +112,7 @@ def box(centre: Place, size: Place, colour: RGB) -> Mesh:
 
 
 def plume(core: bool) -> Mesh:
-    """Flame of unit length along x, bright whatever the light: the white core, or the orange mantle around
-    it.
-    """
+    """Return a flame of unit length along x in full light: the white core, or the orange mantle."""
     reach, girth = (0.55, 0.5) if core else (1.0, 1.0)
     stations = np.linspace(0.0, 1.0, 13)
     width = girth * (0.05 + 0.58 * np.sqrt(stations)) * (1.0 - stations) ** 0.9

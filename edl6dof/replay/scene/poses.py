@@ -68,9 +68,7 @@ class Site:
         return self.origin + place @ self.axes
 
     def surface(self, east: np.ndarray, north: np.ndarray, altitude: np.ndarray | float) -> np.ndarray:
-        """Return the up coordinate (m) of the point at ``altitude`` above the ellipsoid; of the limb beyond
-        it.
-        """
+        """Return the up coordinate (m) of the point at ``altitude`` above the ellipsoid, or of the limb."""
         a = self.radius + np.asarray(altitude)
         squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
         place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
@@ -81,9 +79,7 @@ class Site:
         return (np.sqrt(np.maximum(k1**2 - k2 * k0, 0.0)) - k1) / k2
 
     def ground(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the elevation (m above the areoid) of the simulation's own ground, and its up coordinate in
-        L (m).
-        """
+        """Return elevation (m above the areoid) and up coordinate in L (m) of the simulated ground."""
         east, north = np.broadcast_arrays(np.asarray(east, float), np.asarray(north, float))
         elevation, altitude = self.relief.heights(*self._geodetic(east, north))
         return elevation, self.surface(east, north, altitude)
@@ -222,9 +218,7 @@ class Motion:
         return int(rows[0]) if len(rows) else None
 
     def strokes(self, pads: np.ndarray) -> np.ndarray:
-        """Return how far (m) the ground under each of ``pads`` (m in B) pushes it up at the last row, none
-        negative.
-        """
+        """Return how far (m) the ground pushes each of ``pads`` (m in B) up at the last row, at least 0."""
         turn = self.rotation[-1]
         place = self.nose[-1] + turns.rotate(turn, pads)
         below = self.site.ground(place[:, 0], place[:, 1])[1] - place[:, 2]
@@ -293,8 +287,6 @@ class Motion:
         return 0.08 + 0.92 * np.sqrt(grown)
 
     def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the origin of a discarded part's B axes at each row, and its attitude, drawn as at
-        release.
-        """
+        """Return the origin of a discarded part's B axes at each row, and its attitude at release."""
         turn = self.rotation[self.released(place) or 0]
         return place - turns.rotate(turn, np.asarray(own_centre)), turn

@@ -137,9 +137,7 @@ class Ensemble(NamedTuple):
 
 
 def write_ensemble(recording: rr.RecordingStream, ensemble: Ensemble) -> None:
-    """Write ``/site/campaign``: one entity for the successes and one for each cause, and the counts
-    as text.
-    """
+    """Write ``/site/campaign``: an entity for the successes and for each cause, and counts as text."""
     import rerun as rr
 
     found = [one.cause for one in ensemble.trajectories]

@@ -76,9 +76,7 @@ class Layout:
         self.views = Views(motion, labels or ("",), arrows)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
-        """Return all pages for which the flight has data, that named ``active`` in front; the tour alone, as
-        in a film.
-        """
+        """Return all pages with data, that named ``active`` in front; the tour alone, as in a film."""
         rrb, when = self.rrb, self.flight.when
         clock = rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing")
         tour = self._tour()

@@ -119,9 +119,7 @@ def cubed(size: np.ndarray) -> np.ndarray:
 
 
 def together(motion: Motion) -> Spheres:
-    """Return spheres around the vehicle and the canopy that it hangs from, until shortly after its
-    release.
-    """
+    """Return spheres around the vehicle and its canopy, until shortly after the release."""
     size = ROOM * motion.shape.size
     kept = Spheres(motion.centre, np.full(len(motion.t), size))
     canopy = parachute(motion)
@@ -133,9 +131,7 @@ def together(motion: Motion) -> Spheres:
 
 
 def away(motion: Motion) -> Spheres:
-    """Return spheres around the part released last: heat shield, then backshell and canopy; before, around
-    the vehicle.
-    """
+    """Return spheres around the part released last; before, around the vehicle."""
     size = ROOM * motion.shape.size
     centre, radius = motion.centre.copy(), np.full(len(motion.t), size)
     shield, free = motion.released(motion.heat_shield), motion.released(motion.backshell)
@@ -163,9 +159,7 @@ def parachute(motion: Motion) -> Spheres | None:
 
 
 def steady(motion: Motion, kept: Spheres) -> Spheres:
-    """Return spheres that hold ``kept`` and change smoothly about the vehicle, before and after
-    each cause.
-    """
+    """Return spheres that hold ``kept`` and change smoothly about the vehicle around each cause."""
     from scipy.ndimage import maximum_filter1d, uniform_filter1d  # takes a fifth of a second to load
 
     shift, width = kept.centre - motion.centre, _rows_of_change(motion.t)
@@ -192,9 +186,7 @@ def _rows_of_change(t: np.ndarray) -> int:
 
 
 def facing(motion: Motion) -> np.ndarray:
-    """Return quaternions of the cameras: x level along the flight, z up from the planet where the
-    vehicle is.
-    """
+    """Return quaternions of the cameras: x level along the flight, z up from the planet."""
     up = motion.centre + motion.site.axes @ motion.site.origin
     up /= np.linalg.norm(up, axis=-1, keepdims=True)
     along = motion.last - motion.centre[0]

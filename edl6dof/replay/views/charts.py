@@ -93,9 +93,7 @@ class Charts(Recorder):
         ]
 
     def _lines(self, lines: Sequence[tuple[str, str]]) -> rr.SeriesLines:
-        """Lines of some names and colours; with several flights they carry the flight's label and shades of
-        its colour.
-        """
+        """Lines of some names and colours; with several flights, their labels and shades of theirs."""
         colours = np.array([rgb(colour) for _, colour in lines])
         if self.label:
             colours = np.outer(1.0 - 0.55 * np.arange(len(lines)) / len(lines), self.own).astype(int)
@@ -119,9 +117,7 @@ def shown(flight: History) -> list[Plot]:
 
 
 def drawn(plot: Plot, flight: History) -> tuple[np.ndarray, np.ndarray]:
-    """Return times (s), shape (n,), and curves of a plot, shape (n, curves), in the time in which it is
-    valid.
-    """
+    """Return times (s), shape (n,), and curves of a plot, shape (n, curves), where it is valid."""
     t = flight.series["t_s"]
     rows = _within(t, flight.when.get(plot.since, -np.inf), flight.when.get(plot.until, np.inf))
     return t[rows], np.stack(plot.values(flight.series, rows), axis=-1)

@@ -121,9 +121,7 @@ class Lanes(Recorder):
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
     def _events(self) -> None:
-        """Write the timeline from the event before the last one on, which is bold; below it, the events to
-        come.
-        """
+        """Write the timeline from before the last event, which is bold; below it, those to come."""
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
         if not events:
             return

@@ -79,9 +79,7 @@ def lane_of(kind: str, name: str) -> str:
 
 
 def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    """Return first and last time (s) of the pages that do not show the whole flight, for those parts that it
-    has.
-    """
+    """Return first and last time (s) of the pages that show a part of the flight that it has."""
     first, last = flown_s
     mortar, shell = when.get("mortar", last), when.get("backshell", last)
     spans = {

@@ -88,9 +88,7 @@ def _facts(results: Results) -> list[Fact]:
 
 
 def sweep_maps(results: Results) -> Iterator[Figure]:
-    """Draw maps over the first two axes of a sweep (means over all others and over dispersed flights), or
-    curves over its only axis.
-    """
+    """Draw maps over the first two axes of a sweep (means over the rest), or curves over its only axis."""
     sweep = results.document.get("sweep") or {"axes": []}
     places = [("truth." if axis.get("of") == "truth" else "belief.") + axis["path"] for axis in sweep["axes"]]
     axes = [place for place in places if results.has(place)]

@@ -113,9 +113,7 @@ class Results:
 
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
-        """Dispersed quantities, shape (n, quantities), grouped as the plan draws them: by one path with a
-        wildcard, or as correlated.
-        """
+        """Dispersed quantities, shape (n, quantities), those together that the plan draws together."""
         found: dict[str, list[np.ndarray]] = {}
         campaign = self.document.get("campaign") or {}
         for name in self._dispersed:

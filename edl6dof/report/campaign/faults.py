@@ -52,9 +52,7 @@ _WHERE = ("component", "kind", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
-    """Return how many flights are within limits and how many faults are named correctly, and the mood of
-    that.
-    """
+    """Return how many flights are within limits and how many faults are named correctly; and the mood."""
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
     words = (
@@ -151,9 +149,7 @@ def _figure(
     down: Sequence[str],
     along: str,
 ) -> Figure:
-    """Two maps: the outcome of each fault, and the time it took; ``places``: row and column of each
-    flight.
-    """
+    """Two maps: outcome of each fault, and time it took; ``places``: row and column of each flight."""
     shape = len(down), len(across)
     cells: dict[tuple[int, int], list[Row]] = {}
     for (i, j), row in zip(places, rows, strict=True):

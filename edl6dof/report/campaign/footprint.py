@@ -78,9 +78,7 @@ def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]
 
 
 def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, float]) -> Iterator[Trace]:
-    """Successes and failures; the outermost of each carry the number of their case where axes of these spans
-    leave room for it.
-    """
+    """Successes and failures; the outermost carry the number of their case where there is room."""
     both = np.isfinite(x) & np.isfinite(y)
     middle = [np.median(values[both]) if both.any() else 0.0 for values in (x, y)]
     scale = [max(float(np.std(values[both])), 1e-12) if both.any() else 1.0 for values in (x, y)]

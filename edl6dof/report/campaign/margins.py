@@ -64,9 +64,7 @@ def limits(results: Results) -> Iterator[Block]:
 
 
 def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
-    """Upper bound of the outermost quantile that is bounded; the largest value if the flights are
-    no sample.
-    """
+    """Upper bound of the outermost bounded quantile; the largest value if the flights are no sample."""
     if not results.is_sample:
         return float(np.nanmax(values)) if np.isfinite(values).any() else None
     found = (quantile(values, share) for share in reversed(shares))
@@ -129,9 +127,7 @@ def _in_words(fault: Mapping[str, Any]) -> str:
 
 
 def shown_shares(results: Results) -> tuple[float, ...]:
-    """Return the median and the outermost pair of quantiles that a sample can bound; the extremes if the
-    flights are no sample.
-    """
+    """Return the median and the outermost quantiles that a sample can bound; else the extremes."""
     if not results.is_sample:
         return 0.0, 0.5, 1.0
     bounded = bounded_shares(len(results.cases))
@@ -144,9 +140,7 @@ def head(share: float) -> str:
 
 
 def in_words(results: Results, values: np.ndarray, share: float) -> str:
-    """Return a quantile with its bounds, or the number of flights that it needs; without bounds if the
-    flights are no sample.
-    """
+    """Return a quantile with its bounds, or the number of flights that it needs; else without bounds."""
     if not results.is_sample:
         finite = values[np.isfinite(values)]
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"
@@ -239,9 +233,7 @@ def propellant(results: Results) -> Iterator[Block]:
 
 
 def worst(results: Results) -> Iterator[Block]:
-    """Tabulate the cases nearest to each limit, or furthest beyond it, and the command that flies
-    one again.
-    """
+    """Tabulate the cases nearest to each limit or beyond it, and the command that flies one again."""
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]

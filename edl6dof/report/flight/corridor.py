@@ -25,9 +25,7 @@ LEAST_LIFT = 0.08
 
 
 class Entry(NamedTuple):
-    """Entry from the first air to the parachute at decreasing speeds, shape (n,) each; and the atmosphere
-    flown through.
-    """
+    """Entry from the first air to the parachute at falling speeds, shape (n,); and the air flown through."""
 
     speed: np.ndarray
     drag: np.ndarray
@@ -77,9 +75,7 @@ def entry_state(run: Run) -> Entry | None:
 def aerodynamic_accelerations(
     run: Run, rows: np.ndarray | slice = slice(None)
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return drag and lift acceleration, m/s2, from the aerodynamic force in B and the direction of
-    the air.
-    """
+    """Return drag and lift acceleration, m/s2, from the aerodynamic force in B and the wind angles."""
     alpha, beta = (np.radians(run[f"truth.{name}_deg"][rows]) for name in ("alpha", "beta"))
     along = (np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta))
     force = [run[f"truth.aero_force_{axis}_n"][rows] / run["truth.mass_kg"][rows] for axis in "xyz"]

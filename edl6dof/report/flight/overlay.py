@@ -98,9 +98,7 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 
 
 def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
-    """Overlay figures of one key: the second flight dashed, darker and thinner; limits and marks are the
-    first's.
-    """
+    """Overlay figures of one key: the second flight dashed and darker, limits and marks of the first."""
     panels = [_both(panel, _partner(panel, k, second.panels), names) for k, panel in enumerate(first.panels)]
     return replace(first, panels=panels)
 

@@ -149,9 +149,7 @@ def control_rates(run: Run, control: str) -> list[np.ndarray]:
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a flight that diverged
 def path_rate(run: Run) -> np.ndarray:
-    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the
-    telemetry.
-    """
+    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences."""
     spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
     position, velocity = (
         np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1)

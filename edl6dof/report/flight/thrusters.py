@@ -153,9 +153,7 @@ def fault_diagnosis(run: Run) -> Iterator[Figure]:
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Draw residual torque, confidence of the best hypothesis, branch under test, and thrusters isolated, at
-    some rows (bool).
-    """
+    """Draw residual torque, confidence, branch under test and thrusters isolated, at some rows (bool)."""
     t, isolated = run.t[rows], run["diagnosis.isolated"][rows]
     free = np.where(run["truth.riser_tension_n"][rows] > 0.0, np.nan, 1.0)
     residual = []

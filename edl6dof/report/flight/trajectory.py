@@ -187,9 +187,7 @@ def deployment_box(run: Run) -> Figure:
 
 
 def powered_descent(run: Run) -> Iterator[Figure]:
-    """Draw height over descent speed, the plane in which powered descent is designed; then its plots over
-    time.
-    """
+    """Draw height over descent speed, in which powered descent is designed; then its plots over time."""
     if "ignition" in run.when:
         rows = run.between("backshell", "touchdown")
         names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
@@ -218,9 +216,7 @@ def ground_track(run: Run) -> Figure:
 
 
 def landing_site(run: Run) -> Figure:
-    """Draw the planned ellipse if there is one, the descent under the parachute, and the last leg, each to
-    scale.
-    """
+    """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale."""
     last = run.between("backshell")
     target, planned, below = [_target(run)], _planned(run), _track(run, run.between("mortar"), 1e3)
     limit, allowed = run.scenario["limits"]["landing_distance_m"], []
