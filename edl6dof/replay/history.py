@@ -19,30 +19,17 @@ POSE_HZ = 25.0
 #: Rows from which on a flight keeps them all only near its events, and how near, s.
 MANY, BESIDE_S = 30_000, 60.0
 
-#: Columns that say where everything is.
+#: Whatever has a place of its own, and columns that say where everything is.
+PARTS = ("site", "canopy", "heat_shield", "backshell")
 POSES = (
-    *(
-        f"truth.{body}_{axis}_m"
-        for body in ("site", "canopy", "heat_shield", "backshell")
-        for axis in ("east", "north", "up")
-    ),
+    *(f"truth.{one}_{axis}_m" for one in PARTS for axis in ("east", "north", "up")),
     *(f"truth.q_I2B_{axis}" for axis in "wxyz"),
     *(f"truth.centre_{axis}_m" for axis in "xyz"),
     *(f"truth.v_{axis}_m_s" for axis in ("north", "east", "down")),
-    *(
-        "t_s",
-        "truth.height_m",
-        "truth.altitude_m",
-        "truth.heat_flux_w_cm2",
-        "truth.engine_thrust_n",
-        "truth.footpads",
-        "guide.phase",
-    ),
-    *(
-        "truth.trim_wing",
-        *(f"truth.aero_force_{axis}_n" for axis in "xyz"),
-        *(f"truth.disturbance_{axis}_nm" for axis in "xyz"),
-    ),
+    *(f"truth.aero_force_{axis}_n" for axis in "xyz"),
+    *(f"truth.disturbance_{axis}_nm" for axis in "xyz"),
+    *("t_s", "truth.height_m", "truth.altitude_m", "truth.heat_flux_w_cm2", "truth.engine_thrust_n"),
+    *("truth.footpads", "truth.trim_wing", "guide.phase"),
 )
 
 
@@ -101,7 +88,7 @@ class History:
         jets: names of the thrusters.
         instruments: what was made of each instrument, at these rows; none where sensors are perfect.
         failures: true state of the thrusters that fail, by name, at these rows; 0 works.
-        diagnosed: what the flight software found out, by thruster.
+        diagnosed: first isolation of each thruster, by its name.
         landing_map: what the lander saw of the ground and chose on it; ``None`` without a scan.
         when: time (s) of the first event of each key, and of the first phase of each role.
     """
@@ -109,14 +96,9 @@ class History:
     def __init__(self, flight: Flown, names: Iterable[str], plotted: Iterable[str] = ()) -> None:
         """Take the columns ``names`` besides the poses, thinned, and the columns ``plotted`` whole."""
         table = flight.telemetry
-        self.name, self.outcome, self.success, self.scenario = (
-            flight.name,
-            flight.outcome,
-            flight.success,
-            flight.scenario,
-        )
+        self.name, self.outcome, self.success = flight.name, flight.outcome, flight.success
+        self.scenario, self.landing_map = flight.scenario, flight.landing_map
         self.phase_names, self.events = flight.phase_names, flight.events
-        self.landing_map = flight.landing_map
         self.when = first_times(flight.events)
         rows = _drawable(table)
         with np.errstate(over="ignore"):  # of a flight that diverged
@@ -131,11 +113,11 @@ class History:
         self.duty = np.zeros((len(rows), len(self.jets)), np.float32)
         for k, jet in enumerate(self.jets if len(rows) else ()):
             self.duty[:, k] = _mean_between(np.nan_to_num(table[f"rcs.{jet}"]), rows)
-
         self.instruments = instruments(self.columns, components)
         states = {jet: table[f"fault.{jet}"][rows] for jet in self.jets if f"fault.{jet}" in table}
         self.failures = {jet: state for jet, state in states.items() if np.any(state > 0)}
-        self.diagnosed = _diagnosed(flight.events, self.jets)
+        isolations = [event for event in flight.events if event["key"] == "diagnosis"]
+        self.diagnosed = {one["thruster"]: Known(one["t_s"], one["isolated"]) for one in reversed(isolations)}
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
@@ -163,15 +145,6 @@ def _drawable(table: Mapping[str, np.ndarray]) -> np.ndarray:
 def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     counts = np.diff(np.append(rows, len(values)))
     return np.add.reduceat(values, rows, axis=0) / counts.reshape(-1, *[1] * (values.ndim - 1))
-
-
-def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
-    """First isolation of each thruster; none from runs whose events do not name the thruster."""
-    found: dict[str, Known] = {}
-    for event in events:
-        if event["key"] == "diagnosis" and event.get("thruster") in jets:
-            found.setdefault(event["thruster"], Known(event["t_s"], event.get("isolated", event["name"])))
-    return found
 
 
 def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:

@@ -139,16 +139,14 @@ def _panel(
         look: Any = {"facecolor": band.colour, "edgecolor": edge, "alpha": band.opacity, "zorder": order}
         axes.fill_between([left, right], low, high, linewidth=0.8, **look)
         axes.annotate(band.label, (right, high), (-2, -2), va="top", color=GREY, **small)
-    for mark in spelt(panel.marks, "x", x):
-        axes.axvline(mark.at, **_line(mark))
-        if x[0] <= mark.at <= x[1]:
-            place: Any = {"xy": (mark.at, 0.98), "xycoords": ("data", "axes fraction"), "rotation": 90}
-            axes.annotate(mark.label, xytext=(0, 0), va="top", color=mark.colour, **place, **small)
-    for mark in spelt(panel.marks, "y", y):
-        axes.axhline(mark.at, **_line(mark))
-        if y[0] <= mark.at <= y[1]:
-            place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data")}
-            axes.annotate(mark.label, xytext=(0, 0), va="bottom", color=mark.colour, **place, **small)
+    for mark in (*spelt(panel.marks, "x", x), *spelt(panel.marks, "y", y)):
+        upright, (low, high) = mark.axis == "x", x if mark.axis == "x" else y
+        (axes.axvline if upright else axes.axhline)(mark.at, **_line(mark))
+        if low <= mark.at <= high:
+            place: Any = (mark.at, 0.98) if upright else (0.995, mark.at)
+            frame: Any = ("data", "axes fraction") if upright else ("axes fraction", "data")
+            turned: Any = {"rotation": 90, "va": "top"} if upright else {"va": "bottom"}
+            axes.annotate(mark.label, place, (0, 0), frame, color=mark.colour, **turned, **small)
     if panel.heat is not None:
         _heat(axes, panel.heat)
     for k, trace in enumerate(panel.coloured()):

@@ -231,7 +231,7 @@ def branch_use(run: Run) -> Iterator[Table]:
 def thrusters_of(run: Run) -> dict[str, list[str]]:
     """Return the propellant branches and the thrusters of each."""
     rcs = run.scenario["vehicle"]["rcs"]
-    given = {branch["name"]: branch["thrusters"] for branch in rcs.get("branches", [])}
+    given = {branch["name"]: branch["thrusters"] for branch in rcs["branches"]}
     return given or {jet["name"]: [jet["name"]] for jet in rcs["thrusters"]}
 
 
