@@ -11,7 +11,7 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.wording import counted
 from edl6dof.metrics.published import Evidence
 from edl6dof.missions.comparison import GOAL, WITHIN, Compared, Predicted, inside
-from edl6dof.report.document import significant
+from edl6dof.report.numbers import significant
 
 HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "")
 _LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}

@@ -16,8 +16,9 @@ from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.missions.comparison import WITHIN, Compared, Predicted, inside, reached_goal
 from edl6dof.missions.words import HEADS, causes, cells, failures, heading, outcome
-from edl6dof.report.figure import BLUE, PHASES, SKY, VERMILION, Axis, Band, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
+from edl6dof.report.palette import BLUE, PHASES, SKY, VERMILION
 
 #: Columns of the CSV, a row for each published figure.
 COLUMNS = (

@@ -9,20 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    GREY,
-    INK,
-    RULE,
-    Axis,
-    Figure,
-    Heat,
-    Mark,
-    Panel,
-    Trace,
-    cell_edges,
-    thinned,
-)
+from edl6dof.report.figure import Axis, Figure, Heat, Mark, Panel, Trace, cell_edges, thinned
 from edl6dof.report.label_layout import Side, sides, spelt
+from edl6dof.report.palette import GREY, INK, RULE
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

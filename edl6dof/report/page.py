@@ -18,9 +18,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
-from edl6dof.report import figure
+from edl6dof.report import palette
 from edl6dof.report.document import Listing, Report, Table, as_cell
-from edl6dof.report.figure import DARK, Figure
+from edl6dof.report.figure import Figure
 from edl6dof.report.plotly_figure import TEMPLATE, plotly_figure, plotly_layout
 
 _HERE = Path(__file__).parent
@@ -28,7 +28,7 @@ _HERE = Path(__file__).parent
 PLOTLY = _HERE.parent / "data" / "plotly" / "plotly-cartesian.min.js.gz"
 #: Colours by their names in the style of the page.
 COLOURS: dict[str, str] = {
-    name: getattr(figure, name.upper())
+    name: getattr(palette, name.upper())
     for name in (
         *("ink", "soft", "rule", "axis", "paper", "ground"),
         *("good", "warn", "bad", "published", "recalled", "estimate"),
@@ -50,7 +50,7 @@ def page(report: Report) -> str:
             plotly=base64.b64encode(PLOTLY.read_bytes()).decode("ascii"),
             template=TEMPLATE,
             drawings={one.key: drawing(one) for one in report.figures()},
-            dark=DARK,
+            dark=palette.DARK,
         )
     )
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from edl6dof.report.document import Report, Table, as_cell
-from edl6dof.report.figure import BAD, GOOD, GREY, INK, WARN, Figure
+from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import draw, height, own_style
+from edl6dof.report.palette import BAD, GOOD, GREY, INK, WARN
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

@@ -11,20 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    AXIS,
-    GREY,
-    INK,
-    PAPER,
-    RULE,
-    Axis,
-    Figure,
-    Heat,
-    Panel,
-    Trace,
-    thinned,
-)
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, thinned
 from edl6dof.report.label_layout import Side, sides, spelt
+from edl6dof.report.palette import AXIS, GREY, INK, PAPER, RULE
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 #: Pixels around and between panels, and of the title of a panel.

@@ -11,7 +11,7 @@ from PIL import Image
 
 from edl6dof.replay import browser
 from edl6dof.replay.viewer import NoViewer, screenshot
-from edl6dof.report.figure import BLACK, BLUE, rgb
+from edl6dof.report.palette import BLACK, BLUE, rgb
 
 SIZE = (1280, 800)
 #: Of a browser, which draws without graphics hardware: the smaller, the sooner.

@@ -13,7 +13,7 @@ from edl6dof.replay.recorder import SCALAR_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
 from edl6dof.report.catalogue import CELLS, STATES
-from edl6dof.report.figure import rgb
+from edl6dof.report.palette import rgb
 from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.columns import range_of
 from edl6dof.telemetry.instruments import EXCLUDED, NOT_USED, USED

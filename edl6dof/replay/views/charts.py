@@ -19,8 +19,8 @@ from edl6dof.replay.history import History, thin, vector
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.replay.views.pages import GROUPS, NAVIGATION, OF_JETS, PAGES
 from edl6dof.report.catalogue import Plot
-from edl6dof.report.figure import BLUE, GREEN, ORANGE, SERIES, VERMILION, rgb
 from edl6dof.report.flight.phase_planes import zones_of
+from edl6dof.report.palette import BLUE, GREEN, ORANGE, SERIES, VERMILION, rgb
 from edl6dof.telemetry.thinning import rows_to_draw
 
 if TYPE_CHECKING:

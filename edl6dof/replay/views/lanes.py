@@ -12,7 +12,7 @@ from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.views.pages import ENGINE, PHASE, VEHICLE, Labels, lane_of
 from edl6dof.report.catalogue import STATES
-from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
+from edl6dof.report.palette import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)

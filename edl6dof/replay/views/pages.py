@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.report import catalogue as p
-from edl6dof.report.figure import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, SKY, VERMILION, rgb
+from edl6dof.report.palette import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, SKY, VERMILION, rgb
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

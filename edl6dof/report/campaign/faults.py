@@ -15,21 +15,8 @@ from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Mood, Table, Text
-from edl6dof.report.figure import (
-    BLACK,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SEQUENTIAL,
-    SKY,
-    UNKNOWN,
-    Axis,
-    Figure,
-    Heat,
-    Panel,
-    Trace,
-    legend_entry,
-)
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry
+from edl6dof.report.palette import BLACK, GREEN, ORANGE, PURPLE, SEQUENTIAL, SKY, UNKNOWN
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (

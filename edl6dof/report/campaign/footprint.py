@@ -14,7 +14,8 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import in_words, shown_shares
 from edl6dof.report.document import Block, Row, Table
-from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import Axis, Dash, Figure, Mark, Panel, Trace
+from edl6dof.report.palette import BAD, BLACK, BLUE, PURPLE, VERMILION
 
 if TYPE_CHECKING:
     from edl6dof.campaign.covariance.mirrored_pairs import Covariance

@@ -15,20 +15,8 @@ import numpy as np
 
 from edl6dof.report import catalogue
 from edl6dof.report.catalogue import Plot, Stack
-from edl6dof.report.figure import (
-    BLACK,
-    BLUE,
-    GREY,
-    PHASES,
-    SERIES,
-    Axis,
-    Band,
-    Figure,
-    Heat,
-    Mark,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
+from edl6dof.report.palette import BLACK, BLUE, GREY, PHASES, SERIES
 from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"

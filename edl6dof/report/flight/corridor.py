@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.report.figure import ORANGE, PURPLE, VERMILION, Dash, Trace
+from edl6dof.report.figure import Dash, Trace
 from edl6dof.report.flight.common import has_signal
+from edl6dof.report.palette import ORANGE, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 
 #: Dynamic pressure (Pa) below which ratios to it say nothing.

@@ -10,20 +10,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.report.catalogue import CELLS
-from edl6dof.report.figure import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SEQUENTIAL,
-    VERMILION,
-    Figure,
-    Heat,
-    Trace,
-    legend_entry,
-)
+from edl6dof.report.figure import Figure, Heat, Trace, legend_entry
 from edl6dof.report.flight.common import circle, flown, site_panel
+from edl6dof.report.palette import BLACK, BLUE, GREY, ORANGE, PURPLE, SEQUENTIAL, VERMILION
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 

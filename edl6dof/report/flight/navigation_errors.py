@@ -22,8 +22,9 @@ from edl6dof.report.catalogue import (
     STATES,
 )
 from edl6dof.report.document import Row, Table
-from edl6dof.report.figure import BAD, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
+from edl6dof.report.palette import BAD
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instruments import Instrument, instruments
 from edl6dof.telemetry.thinning import spans

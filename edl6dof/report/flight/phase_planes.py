@@ -11,22 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    AXIS,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    Axis,
-    Figure,
-    Mark,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.flight.common import has_signal
+from edl6dof.report.palette import AXIS, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from edl6dof.runs.run import Run
 from edl6dof.spatial import rotations
 

@@ -12,21 +12,7 @@ import numpy as np
 from edl6dof.config.units import G0
 from edl6dof.report.catalogue import DISTURBANCE, PROPELLANT_AND_MASS, TORQUE
 from edl6dof.report.document import Table
-from edl6dof.report.figure import (
-    BAD,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    VERMILION,
-    Axis,
-    Band,
-    Figure,
-    Heat,
-    Mark,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
 from edl6dof.report.flight.common import (
     figure_of,
     has_signal,
@@ -34,6 +20,7 @@ from edl6dof.report.flight.common import (
     stacked,
     time_panel,
 )
+from edl6dof.report.palette import BAD, BLUE, GREEN, GREY, ORANGE, VERMILION
 from edl6dof.runs.run import Run
 
 #: Columns of the activity map.

@@ -11,19 +11,7 @@ import numpy as np
 
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.report.catalogue import OVERVIEW, STACKS
-from edl6dof.report.figure import (
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    Axis,
-    Band,
-    Figure,
-    Panel,
-    Trace,
-    legend_entry,
-)
+from edl6dof.report.figure import Axis, Band, Figure, Panel, Trace, legend_entry
 from edl6dof.report.flight.common import (
     EVENTS,
     circle,
@@ -44,6 +32,7 @@ from edl6dof.report.flight.corridor import (
     entry_state,
     equilibrium_glide,
 )
+from edl6dof.report.palette import GREEN, GREY, ORANGE, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 from edl6dof.scenario.relief import planned_ellipse
 
