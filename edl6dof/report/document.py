@@ -1,5 +1,5 @@
 """The content of a report: a headline, key figures, and sections of text, tables and figures, independent of
-HTML and matplotlib; and the format of numbers.
+HTML and matplotlib.
 """
 
 from __future__ import annotations

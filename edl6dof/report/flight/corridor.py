@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.config.units import G0
 from edl6dof.report.figure import Dash, Trace
 from edl6dof.report.flight.common import has_signal
-from edl6dof.report.palette import ORANGE, PURPLE, VERMILION
+from edl6dof.report.palette import GREEN, ORANGE, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 
 #: Dynamic pressure (Pa) below which ratios to it say nothing.
@@ -121,9 +121,22 @@ def borders(run: Run, entry: Entry) -> list[Border]:
     return found
 
 
-def equilibrium_glide(entry: Entry) -> np.ndarray:
-    """Return the drag (m/s2) at which full lift up holds the flight-path angle near the ground; NaN above
-    circular speed and without lift.
+def glide(entry: Entry) -> Border:
+    """Return the equilibrium glide, in which full lift up holds the flight-path angle near the ground; NaN
+    above circular speed and without lift.
     """
     need = entry.gravity - entry.speed**2 / entry.radius
-    return np.where((need > 0.0) & (entry.lift_to_drag > LEAST_LIFT), need / entry.lift_to_drag, np.nan)
+    lifting = (need > 0.0) & (entry.lift_to_drag > LEAST_LIFT)
+    drag = np.where(lifting, need / entry.lift_to_drag, np.nan)
+    return Border("equilibrium glide, lift up", drag, GREEN, "dash")
+
+
+def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
+    """Return the drag beyond the lowest border, up to ``edge``, as one shaded region."""
+    if not found:
+        return []
+    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
+    rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
+    x, y = entry.speed[rows] / 1e3, lowest[rows]
+    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
+    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]

@@ -25,12 +25,12 @@ from edl6dof.report.flight.common import (
     site_panel,
 )
 from edl6dof.report.flight.corridor import (
-    Border,
     Entry,
     aerodynamic_accelerations,
     borders,
     entry_state,
-    equilibrium_glide,
+    forbidden,
+    glide,
 )
 from edl6dof.report.palette import GREEN, GREY, ORANGE, PURPLE, VERMILION
 from edl6dof.runs.run import Run
@@ -63,17 +63,6 @@ def overview(run: Run) -> Figure:
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
     caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
     return replace(figure, panels=panels, caption=caption)
-
-
-def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
-    """Return the drag beyond the lowest border, up to ``edge``, as one shaded region."""
-    if not found:
-        return []
-    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
-    rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
-    x, y = entry.speed[rows] / 1e3, lowest[rows]
-    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
-    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]
 
 
 def on_scale(panel: Panel) -> tuple[Panel, str]:
@@ -139,11 +128,6 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     above = "; it must stay above the borders of its limits" if found else ""
     caption = f"The flight runs from left to right{above}.{beyond}"
     return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
-
-
-def glide(entry: Entry) -> Border:
-    """Return the equilibrium glide."""
-    return Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")
 
 
 def _titled(words: str, panel: Panel) -> str:
