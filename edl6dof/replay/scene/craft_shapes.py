@@ -8,38 +8,38 @@ the vehicle file; stripes, rims, lander body and rover are decoration, no larger
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import cos, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.scene.mesh import (
-    DARK,
-    GOLD,
-    ORANGE,
-    PANEL,
-    RGB,
-    SILVER,
-    WHITE,
-    Mesh,
-    box,
-    merge,
-    revolve,
-    rod,
-)
-from edl6dof.replay.scene.outline import Outline
+from edl6dof.replay.scene.mesh import RGB, WHITE, Mesh, box, merge, revolve, rod
+from edl6dof.replay.scene.outline import Corner, Outline
 from edl6dof.vehicle.vehicle import VehicleParams
 
+GOLD: RGB = (222, 164, 66)
+SILVER: RGB = (176, 180, 188)
+DARK: RGB = (58, 60, 68)
+PANEL: RGB = (38, 52, 110)
+ORANGE: RGB = (226, 92, 40)
 SHIELD: RGB = (255, 214, 176)
+#: Colours by segment around and step along a profile.
+Paint = Callable[[int, int], RGB]
 #: Radius (m) of the aeroshell that a lander of scale one fits into, and the room kept around it (share).
 _RADIUS, _ROOM = 1.7, 0.97
 
 
-def striped(base: RGB, every: int, factor: float) -> Callable[[int, int], RGB]:
+def striped(base: RGB, every: int, factor: float) -> Paint:
     """Paint with a darker stripe at each ``every``-th segment around."""
     red, green, blue = (int(c * factor) for c in base)
     darker = red, green, blue
     return lambda i, j: darker if i % every == 0 else base
+
+
+def _gores(each: int) -> Paint:
+    """Paint with stripes of so many segments in two colours."""
+    return lambda i, j: ORANGE if i // each % 2 == 0 else WHITE
 
 
 def heat_shield(shape: Outline) -> Mesh:
@@ -60,9 +60,7 @@ def backshell(shape: Outline) -> Mesh:
     """Cones with panel stripes, a rim and the lid; open in front."""
     corners = shape.afterbody
     (x0, r0), (x2, r2) = corners[0], corners[-1]
-    panels = [
-        revolve([a, b], striped(WHITE, 8, 0.72), 64) for a, b in zip(corners, corners[1:], strict=False)
-    ]
+    panels = [revolve(list(ends), striped(WHITE, 8, 0.72), 64) for ends in pairwise(corners)]
     rim = revolve([(x0 + 0.006 * r0, 1.005 * r0), (x0 - 0.04 * r0, 1.005 * r0)], DARK, 64)
     end = (x2 - 0.018 * r0, r2 * 0.96)
     lid = [revolve([(x2, r2), end], DARK, 48), revolve([end, (end[0], 1e-4)], ORANGE, 48)]
@@ -124,23 +122,10 @@ def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
     """
     diameter, length = vehicle.parachutes[number].diameter_m, vehicle.parachutes[number].line_length_m
     r, band, gap, height = 0.34 * diameter, 0.12 * diameter, 0.035 * diameter, 0.20 * diameter
-    gores, vent = 24, 0.06
-
-    def paint(i: int, j: int) -> RGB:
-        return ORANGE if i // 2 % 2 == 0 else WHITE
-
-    skirt = length
+    gores, vent, skirt = 24, 0.06, length
     dome = [(skirt + band + gap + height * cos(a), r * sin(a)) for a in np.linspace(vent, pi / 2.0, 10)]
-    mesh = merge(
-        [
-            revolve(
-                [(skirt, 0.97 * r), (skirt + band, r)],
-                lambda i, j: ORANGE if i // 6 % 2 == 0 else WHITE,
-                2 * gores,
-            ),
-            revolve(dome, paint, 2 * gores),
-        ]
-    )
+    cloth = revolve([(skirt, 0.97 * r), (skirt + band, r)], _gores(6), 2 * gores)
+    mesh = merge([cloth, revolve(dome, _gores(2), 2 * gores)])
     turn = np.linspace(0.0, 2.0 * pi, gores, endpoint=False)
     rim = np.stack([np.full(gores, skirt), 0.97 * r * np.cos(turn), 0.97 * r * np.sin(turn)], axis=-1)
     riser = np.array([0.13 * length, 0.0, 0.0])
@@ -189,23 +174,25 @@ def _base(vehicle: VehicleParams, shape: Outline) -> float:
 def _stage(base: float, scale: float) -> Mesh:
     """Descent stage: octagonal foil body and its deck."""
     top, r = base - 0.65 * scale, 1.054 * scale
-    return merge(
-        [
-            revolve([(base, r), (top, r)], striped(GOLD, 2, 0.86), 8),
-            revolve([(base, r), (base, 1e-4)], DARK, 8),
-            revolve([(top, r * 1.04), (top, 1e-4)], SILVER, 8),
-        ]
-    )
+    return _drum([(base, r), (top, r)], striped(GOLD, 2, 0.86), SILVER, 8, 1.04)
 
 
 def _platform(base: float, scale: float) -> Mesh:
     """Flat round platform that lands on its underside."""
     top, r = base - 0.45 * scale, 1.1 * scale
+    sides = [(base, 0.92 * r), (base - 0.12 * scale, r), (top, r)]
+    return _drum(sides, striped(SILVER, 6, 0.86), PANEL, 48, 1.0)
+
+
+def _drum(sides: list[Corner], paint: Paint, deck: RGB, segments: int, rim: float) -> Mesh:
+    """A closed drum: its sides from the underside up, the underside, and a deck that overhangs by ``rim``."""
+    (base, low), (top, high) = sides[0], sides[-1]
+    underside = revolve([(base, low), (base, 1e-4)], DARK, segments)
     return merge(
         [
-            revolve([(base, 0.92 * r), (base - 0.12 * scale, r), (top, r)], striped(SILVER, 6, 0.86), 48),
-            revolve([(base, 0.92 * r), (base, 1e-4)], DARK, 48),
-            revolve([(top, r), (top, 1e-4)], PANEL, 48),
+            revolve(sides, paint, segments),
+            underside,
+            revolve([(top, high * rim), (top, 1e-4)], deck, segments),
         ]
     )
 

@@ -15,11 +15,6 @@ RGB = tuple[int, int, int]
 Place = Sequence[float] | np.ndarray
 
 WHITE: RGB = (236, 234, 228)
-GOLD: RGB = (222, 164, 66)
-SILVER: RGB = (176, 180, 188)
-DARK: RGB = (58, 60, 68)
-PANEL: RGB = (38, 52, 110)
-ORANGE: RGB = (226, 92, 40)
 
 
 class Mesh(NamedTuple):
