@@ -187,14 +187,9 @@ def _platform(base: float, scale: float) -> Mesh:
 def _drum(sides: list[Corner], paint: Paint, deck: RGB, segments: int, rim: float) -> Mesh:
     """A closed drum: its sides from the underside up, the underside, and a deck that overhangs by ``rim``."""
     (base, low), (top, high) = sides[0], sides[-1]
-    underside = revolve([(base, low), (base, 1e-4)], DARK, segments)
-    return merge(
-        [
-            revolve(sides, paint, segments),
-            underside,
-            revolve([(top, high * rim), (top, 1e-4)], deck, segments),
-        ]
-    )
+    ends = (((base, low), (base, 1e-4)), DARK), (((top, high * rim), (top, 1e-4)), deck)
+    plates = [revolve(profile, colour, segments) for profile, colour in ends]
+    return merge([revolve(sides, paint, segments), *plates])
 
 
 def _rover(base: float, scale: float) -> Mesh:

@@ -68,19 +68,16 @@ class Readout(Recorder):
     def _written(self, rows: np.ndarray, stages: np.ndarray) -> None:
         """The texts of some rows, in so many stages."""
         lines = {name: self._line(field, values[rows]) for name, field, values in self._fields()}
-        tables = [
-            "\n|:--|--:|\n".join(
-                _parted([lines[name][k] for name in lines if STAGES[stage] in READOUT[name].stages])
-            )
-            for k, stage in enumerate(stages.tolist())
-        ]
+        tables = []
+        for k, stage in enumerate(stages.tolist()):
+            head, *body = (lines[name][k] for name in lines if STAGES[stage] in READOUT[name].stages)
+            tables.append("\n".join([head, "|:--|--:|", *body]))
         whose = f"{self.label}, " if self.label else ""
         titles = [f"{whose}{self.names[phase].replace('_', ' ')}" for phase in self.phase[rows]]
+        times, troubles = self.t[rows].tolist(), self._troubles(rows)
         text = [
-            f"## T+{t:.1f} s\n**{title}**\n\n{table}\n\n{troubles}"
-            for t, title, table, troubles in zip(
-                self.t[rows].tolist(), titles, tables, self._troubles(rows), strict=True
-            )
+            f"## T+{t:.1f} s\n**{title}**\n\n{table}\n\n{trouble}"
+            for t, title, table, trouble in zip(times, titles, tables, troubles, strict=True)
         ]
         media = ["text/markdown"] * len(text)
         self.columns("readout", self.t[rows], self.rr.TextDocument.columns(text=text, media_type=media))
@@ -128,11 +125,6 @@ class Readout(Recorder):
                 names = ", ".join(name for name, there in by_name.items() if there[k])
                 found[k].append(f"**{word}:** {names}")
         return ["  \n".join(lines) for lines in found]
-
-
-def _parted(lines: list[str]) -> tuple[str, str]:
-    """The head and the body of a table of these lines."""
-    return lines[0], "\n".join(lines[1:])
 
 
 class Legend(Recorder):
