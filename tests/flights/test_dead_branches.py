@@ -41,3 +41,11 @@ def test_all_thrusters_of_a_dead_branch_are_named_and_its_meter_is_not(branch, p
 def test_a_failed_meter_is_named_and_costs_no_thruster(kind, branch, phase, seed):
     flight = fly("flow_meter", kind, branch, phase, seed)
     assert flight.success and meters(flight) == {branch} and flight.isolated_faults == []
+
+
+def test_half_a_thruster_lost_within_a_pulse_is_no_failed_meter():
+    """The first reading shows a quarter lost, and the next are taken beside another thruster of the branch."""
+    fault = "{kind: degraded, thruster: D2, at: {time_s: 180}}"
+    flight = edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.time_limit_s=185"])
+    assert meters(flight) == set()
+    assert [one.thruster for one in flight.isolated_faults] == ["D2"]

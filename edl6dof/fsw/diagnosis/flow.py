@@ -258,10 +258,14 @@ def cross_check(params, vehicle, share, memory):
                 loss = memory.off[i].cross / memory.off[i].own
                 given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
                 others = memory.expected[b] - given
-                theirs = -(memory.residual[b] + loss * given)
-                if others > least:
-                    alike = theirs - memory.common * others > SHARED * (loss - memory.common) * others
-                    memory.word[b] = IMPEACHED if alike else VOUCHED
+                lost = -memory.residual[b] - memory.common * others
+                shared = SHARED * (loss - memory.common) * others
+                # a fault that began within a pulse shows too small a loss at first: the others are impeached
+                # only by what the thruster does not explain even if it lets nothing through
+                if others > least and lost - given > shared:
+                    memory.word[b] = IMPEACHED
+                elif others > least and lost - loss * given <= shared:
+                    memory.word[b] = VOUCHED
         for i in range(count):
             if of[i] == b:
                 asked = memory.word[b] == UNHEARD and memory.off[i].cycles == 0
