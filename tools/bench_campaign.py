@@ -38,7 +38,7 @@ from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.executor import CaseRunner, available_cores
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.sim import flight, underway
 
 CAMPAIGN = "tianwen1_mc"

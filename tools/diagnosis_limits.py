@@ -16,8 +16,7 @@ import numpy as np
 from fault_figures import HORIZONTAL, STRONG, dispersed, isolated
 
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row, fly_rows
 from edl6dof.config.units import G0
 from edl6dof.sensors.inertial_unit import InertialUnitParams
 

@@ -22,9 +22,8 @@ import numpy as np
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, load_plan
-from edl6dof.campaign.executor import fly_rows
+from edl6dof.campaign.executor import Row, fly_rows
 from edl6dof.campaign.fault_response import fault_response
-from edl6dof.campaign.rows import Row
 from edl6dof.interface.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 

@@ -14,8 +14,7 @@ from math import nan
 from typing import Any
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row, fly_rows
 from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import load_scenario

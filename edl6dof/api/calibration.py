@@ -7,13 +7,12 @@ from itertools import count
 from pathlib import Path
 
 from edl6dof.calibration.findings import Findings, find, overlay_text, plain, rounded
-from edl6dof.calibration.fit import DESIGNS
+from edl6dof.calibration.fit import DESIGNS, TooFew
 from edl6dof.calibration.problem import Calibration
-from edl6dof.calibration.surface import TooFew
 from edl6dof.campaign.neighbours import FLIGHTS
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.errors import refusal
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 
 
 def found_by(

@@ -18,15 +18,15 @@ from edl6dof.api.optional import library
 from edl6dof.api.results import html_table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.documents import Summary
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.executor import CaseRunner
-from edl6dof.campaign.quantiles import SHARES, Quantile, quantile
-from edl6dof.campaign.refly import differences, reflown
-from edl6dof.campaign.statistics import Until
-from edl6dof.campaign.storage.documents import Summary
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.run import case_scenario, differences
+from edl6dof.campaign.statistics import SHARES, Quantile, Until, quantile
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.sim.compile_ahead import is_compiled
+from edl6dof.sim.flight import fly
 
 if TYPE_CHECKING:
     import pandas
@@ -167,7 +167,7 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
     Raises:
         ConfigError: there is no such case, or it has no row yet.
     """
-    flight = Flight.of(reflown(plan, number))
+    flight = Flight.of(fly(case_scenario(plan, number)))
     flight.differences = tuple(differences(table, place, plan, number, flight))
     return flight
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
-from edl6dof.campaign.fault_kinds import (
+from edl6dof.campaign.faults import (
     KINDS,
     OF_INSTRUMENTS,
     OF_THRUSTERS,

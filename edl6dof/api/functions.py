@@ -333,7 +333,7 @@ def faults(
     activate(name)
     from edl6dof.api.campaign import EngineChoice, flown
     from edl6dof.api.fault_matrix import listed, matrix_of
-    from edl6dof.campaign.fault_kinds import matrix_plan
+    from edl6dof.campaign.faults import matrix_plan
     from edl6dof.scenario.loading import load_scenario
 
     matrix = matrix_of(

@@ -19,7 +19,7 @@ from edl6dof.api.flight import REPLAY, RecordedFlight
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.run import resumed_plan
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
 from edl6dof.replay import browser, film, viewer

@@ -1,10 +1,13 @@
 """The normal posterior of parameters whose figures can only be flown, and what it is worth.
 
-A first design of flights is drawn from the prior and each further one from the posterior of the one before,
-so that the surface is fitted where the answer lies and as wide as it is uncertain.  The real flight is one
-draw: scatter about the surface counts as uncertainty beside the published one.  Where priors and figures
-contradict each other by more than all this, the published deviations are widened until they do not.
-Parameters are counted in standard deviations of their priors.
+A figure answers its parameters with a slope and with scatter: another cycle of the flight software, another
+pulse, another bank reversal.  Differences between two points follow the scatter; a regression over many, each
+flown once, averages it, and its residuals say how far one flight lies from the surface.  A first design of
+flights is drawn from the prior and each further one from the posterior of the one before, so that the surface
+is fitted where the answer lies and as wide as it is uncertain.  The real flight is one draw: scatter about
+the surface counts as uncertainty beside the published one.  Where priors and figures contradict each other by
+more than all this, the published deviations are widened until they do not.  Parameters are counted in
+standard deviations of their priors.
 
 Source: García-Fernández, Svensson, Morelande and Särkkä, Posterior linearization filter, IEEE Trans. Signal
 Processing 63 (2015) 5561 (regression over the posterior, its residuals as noise); Tarantola, Inverse Problem
@@ -16,12 +19,60 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, lsq_linear
 from scipy.stats import qmc
 
-from edl6dof.calibration.surface import Data, Surface, regression
+from edl6dof.calibration.section import least_flights
+
+
+class TooFew(ValueError):
+    """Too few flights of a design reached every figure."""
+
+
+class Data(NamedTuple):
+    """Published numbers and standard deviations, shape (figures,)."""
+
+    number: np.ndarray
+    sigma: np.ndarray
+
+
+class Surface(NamedTuple):
+    """The fitted function.
+
+    Attributes:
+        constant: figures where all parameters are zero, shape (figures,).
+        slopes: change of each figure with each parameter, shape (figures, parameters).
+        scatter: covariance of one flight about it, shape (figures, figures).
+    """
+
+    constant: np.ndarray
+    slopes: np.ndarray
+    scatter: np.ndarray
+
+
+def regression(points: np.ndarray, flown: np.ndarray) -> Surface:
+    """Least squares over the flights that reached every figure.
+
+    Args:
+        points: parameters of each flight, shape (flights, parameters).
+        flown: its figures, shape (flights, figures); ``nan`` where one was not reached.
+
+    Raises:
+        TooFew: fewer of them than :func:`least_flights`.
+    """
+    reached = np.isfinite(flown).all(axis=1)
+    count, least = np.count_nonzero(reached), least_flights(points.shape[1])
+    if count < least:
+        words = f"{count} of {len(points)} flights reached every figure to explain, and {least} are needed"
+        raise TooFew(f"{words}: name figures that are reached, or narrow the priors")
+    terms = np.column_stack([np.ones(count), points[reached]])
+    coefficients = np.linalg.lstsq(terms, flown[reached])[0]
+    residuals = flown[reached] - terms @ coefficients
+    return Surface(coefficients[0], coefficients[1:].T, residuals.T @ residuals / (count - len(coefficients)))
+
 
 #: Designs one after the other: the second lies where the answer is, the third tells how firm it is.
 DESIGNS = 3
@@ -69,9 +120,7 @@ class Fit:
 
     @property
     def resolution(self) -> np.ndarray:
-        """Share of each parameter that the figures tell and not its prior, 0 to 1: the diagonal of
-        1 - covariance.
-        """
+        """Share of each parameter that figures tell, not its prior: the diagonal of 1 - covariance."""
         return 1.0 - np.diag(self.covariance)
 
     @property

@@ -8,13 +8,12 @@ from math import nan
 
 import numpy as np
 
+from edl6dof.calibration.fit import Data
 from edl6dof.calibration.section import CalibrationFile, CalibrationParams
-from edl6dof.calibration.surface import Data
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
-from edl6dof.campaign.executor import Progress, fly_rows
+from edl6dof.campaign.executor import Progress, Row, fly_rows
 from edl6dof.campaign.neighbours import fly_neighbours
-from edl6dof.campaign.rows import Row
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
@@ -97,31 +96,26 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
         ConfigError: every problem, with file and line.
     """
     if document.data.get(CALIBRATION) is None:
-        raise ConfigError(
-            [document.problem((), "has no calibration: section; edl6dof calibrate tianwen1 has")]
-        )
+        words = "has no calibration: section; edl6dof calibrate tianwen1 has"
+        raise ConfigError([document.problem((), words)])
     section = document.data[CALIBRATION]
     if flights is not None and isinstance(section, dict):
         section = {**section, "flights": flights}
     own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
     params = validate(CalibrationFile, own).calibration
     loaded = load_document(document, sets)
-    beside = {
-        b.figure.name: b for b in published_figures(loaded.scenario.published) if b.published.explainable
-    }
+    every = published_figures(loaded.scenario.published)
+    beside = {b.figure.name: b for b in every if b.published.explainable}
+    words = f"is no flown value with a sigma under published (allowed {', '.join(beside)})"
     wrong = [
-        own.problem(
-            (CALIBRATION, "figures", k),
-            f"is no flown value with a sigma under published (allowed {', '.join(beside)})",
-        )
+        own.problem((CALIBRATION, "figures", k), words)
         for k, figure in enumerate(params.figures)
         if figure not in beside
     ]
     if not beside:
         wrong.append(own.problem((CALIBRATION,), "published: has no flown value with a sigma to explain"))
-    calibration = Calibration(
-        loaded, params, tuple(beside[name] for name in params.figures or beside if name in beside)
-    )
+    chosen = tuple(beside[name] for name in params.figures or beside if name in beside)
+    calibration = Calibration(loaded, params, chosen)
     wrong += _unknown_paths(calibration, own)
     if wrong:
         raise ConfigError(wrong)
@@ -131,14 +125,9 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
 def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
     """Parameters that the scenario has not, or whose bounds it does not allow."""
     priors = calibration.params.parameters
-    elements = [path for path in priors if path.rpartition(".")[2].isdecimal()]
-    if elements:
-        return [
-            own.problem(
-                (CALIBRATION, "parameters", path), "must be a value of its own, not an element of a list"
-            )
-            for path in elements
-        ]
+    words = "must be a value of its own, not an element of a list"
+    if elements := [path for path in priors if path.rpartition(".")[2].isdecimal()]:
+        return [own.problem((CALIBRATION, "parameters", path), words) for path in elements]
     corners = [
         {path: value(prior) for path, prior in priors.items()}
         for value in (lambda p: p.bounds[0], lambda p: p.mean, lambda p: p.bounds[1])

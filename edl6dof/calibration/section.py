@@ -6,16 +6,21 @@ from typing import Self
 
 from pydantic import model_validator
 
-from edl6dof.calibration.surface import least_flights
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.errors import Inconsistent
 from edl6dof.config.wording import counted
 
+#: Flights for each coefficient of a regression, at the least.
+_FLIGHTS_PER_COEFFICIENT = 4
+
+
+def least_flights(parameters: int) -> int:
+    """Flights without which no surface is fitted."""
+    return _FLIGHTS_PER_COEFFICIENT * (parameters + 1)
+
 
 class Prior(Params):
-    """Prior knowledge of a parameter, before the flight is looked at, in the unit of the parameter: normal,
-    cut at its bounds.
-    """
+    """Prior knowledge of a parameter, in its unit: normal, cut at its bounds."""
 
     mean: float = param(REQUIRED, "most likely value")
     sigma: float = param(REQUIRED, "standard deviation", gt=0.0)
@@ -26,9 +31,8 @@ class Prior(Params):
     def _mean_is_possible(self) -> Self:
         low, high = self.bounds
         if not low < self.mean < high:
-            raise Inconsistent(
-                {"mean": f"must lie between low and high (got {self.mean:g}, {low:g}, {high:g})"}
-            )
+            words = f"must lie between low and high (got {self.mean:g}, {low:g}, {high:g})"
+            raise Inconsistent({"mean": words})
         return self
 
     @property

@@ -18,7 +18,7 @@ from scipy.stats import binomtest
 
 from edl6dof.campaign.design.case import BELIEF, TRUTH
 from edl6dof.campaign.statistics import Proportion
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 
 #: Columns that say how a case ended and not what came out of it.

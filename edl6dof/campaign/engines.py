@@ -7,18 +7,17 @@ from __future__ import annotations
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from itertools import chain
 from typing import TYPE_CHECKING, Protocol
 
-from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, parse_plan
-from edl6dof.campaign.executor import CaseRunner, available_cores
+from edl6dof.campaign.documents import Identity
+from edl6dof.campaign.executor import CaseRunner, Row, available_cores
 from edl6dof.campaign.fault_response import collected
-from edl6dof.campaign.rows import Row
-from edl6dof.campaign.storage.documents import Identity
-from edl6dof.campaign.storage.identity import changed_files, compared, differences, identity
+from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -44,8 +43,8 @@ LOOK_S = 2.0
 class Engine(Protocol):
     """Flies ranges of cases."""
 
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range, in order; ranges are read only a little ahead."""
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
+        """Rows of all cases, in order; ranges are read only a little ahead."""
 
 
 class Threads:
@@ -57,38 +56,14 @@ class Threads:
     def __str__(self) -> str:
         return f"{self.workers} thread{'s' if self.workers > 1 else ''}"
 
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range."""
-        runner = CaseRunner(plan.loaded, collected(plan))
-        return by_range(plan, ranges, lambda cases: runner.rows(cases, self.workers))
-
-
-def by_range(
-    plan: Plan, ranges: Iterable[Range], fly: Callable[[Iterator[Case]], Iterator[Row]]
-) -> Iterator[list[Row]]:
-    """Rows of each range, from what flies cases and hands out their rows in order; the last of a range
-    need not have flown when the first of the next is asked for.
-    """
-    pending: deque[Range] = deque()
-
-    def cases() -> Iterator[Case]:
-        for first, last in ranges:
-            pending.append((first, last))
-            yield from plan.cases(first, last)
-
-    found: list[Row] = []
-    for row in fly(cases()):
-        found.append(row)
-        if len(found) == pending[0][1] - pending[0][0]:
-            pending.popleft()
-            yield found
-            found = []
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
+        """Rows of all cases."""
+        cases = chain.from_iterable(plan.cases(*some) for some in ranges)
+        return CaseRunner(plan.loaded, collected(plan)).rows(cases, self.workers)
 
 
 class Dask:
-    """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins
-    takes part.
-    """
+    """Workers of a Dask cluster: the cases of one that dies go to another, one that joins takes part."""
 
     def __init__(self, client: Client):
         self.client = client
@@ -98,31 +73,23 @@ class Dask:
         address = "a closed scheduler" if scheduler is None else scheduler.address
         return f"Dask, {len(self.client.nthreads())} workers at {address}"
 
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range.
+    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
+        """Rows of all cases.
 
         Raises:
             OSError: no worker is left and none has joined for a while, or one is no copy of this program.
         """
         order = plan.text, identity(plan)
-        waiting: deque[tuple[Future, bool]] = deque()
-        found: list[Row] = []
+        waiting: deque[Future] = deque()
         for first, last in ranges:
             for start in range(first, last, _TASK):
                 stop = min(start + _TASK, last)
-                waiting.append((self.client.submit(fly_range, *order, start, stop, pure=False), stop == last))
+                waiting.append(self.client.submit(fly_range, *order, start, stop, pure=False))
             ahead = _AHEAD * max(sum(self.client.nthreads().values()), 1)
             while len(waiting) >= ahead:
-                yield from self._next(waiting, found)
+                yield from self._result(waiting.popleft())
         while waiting:
-            yield from self._next(waiting, found)
-
-    def _next(self, waiting: deque[tuple[Future, bool]], found: list[Row]) -> Iterator[list[Row]]:
-        future, ends_range = waiting.popleft()
-        found += self._result(future)
-        if ends_range:
-            yield list(found)
-            found.clear()
+            yield from self._result(waiting.popleft())
 
     def _result(self, future: Future) -> list[Row]:
         """Rows of a task; one whose rows were lost with a worker is flown again by the next."""
@@ -132,21 +99,15 @@ class Dask:
         while True:
             try:
                 return future.result(timeout=LOOK_S)
-            except (
-                TimeoutError,
-                UnboundLocalError,
-            ):  # the latter from distributed: its own wait was cancelled
+            except (TimeoutError, UnboundLocalError):  # the latter from distributed, whose wait was cancelled
                 if future.status == "error":
                     raise
             except KilledWorker as error:
-                raise OSError(
-                    "the workers that flew some cases died one after the other: "
-                    f"{' '.join(str(error).split())}"
-                ) from None
+                words = "the workers that flew some cases died one after the other"
+                raise OSError(f"{words}: {' '.join(str(error).split())}") from None
             except CancelledError as error:
-                raise OSError(
-                    f"the scheduler of the cluster is gone ({' '.join(str(error).split())})"
-                ) from None
+                words = "the scheduler of the cluster is gone"
+                raise OSError(f"{words} ({' '.join(str(error).split())})") from None
             if self.client.nthreads():
                 seen = time.monotonic()
             elif time.monotonic() - seen > PATIENCE_S:
@@ -185,7 +146,7 @@ def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[
     Raises:
         OSError: the worker is no copy of the program that sent the cases, or has other tables.
     """
-    _require_same(differences(ordered, plan_text))
+    _require_same(differences_from(ordered, plan_text))
     plan, runner, present = _prepared(plan_text)
     _require_same(compared(ordered, present))
     rows = runner.fly(list(plan.cases(first, last)))

@@ -1,30 +1,95 @@
-"""Fly cases in threads: the compiled loop holds no lock, so every core flies.
+"""Fly cases in threads, a row of the results table for each: the compiled loop holds no lock, so every core
+flies.
 
->>> table = fly_cases(edl6dof.load("tianwen1"), [Case(0, truth={"vehicle.mass.entry_kg": 1300.0})])
+>>> table_of(fly_rows(edl6dof.load("tianwen1"), [Case(0, truth={"vehicle.mass.entry_kg": 1300.0})]))
 
 Rows come in the order of the cases, with the same bits whatever the number of workers.
 """
 
 from __future__ import annotations
 
+import json
 import os
+import re
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import chain, islice, repeat
 from threading import local
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.case import BELIEF, TRUTH, Case
 from edl6dof.campaign.design.variants import NotApplied, Variant, Variants
-from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.sim.flight import fly, log_rows
+from edl6dof.sim.flight import Flight, fly, log_rows
 from edl6dof.telemetry.channels import BRIEF, TICK
+
+#: What a caller adds to a row from its flight, which must not be kept: the next case reuses its telemetry.
+Collect = Callable[[Flight], Mapping[str, Any]]
+
+Row = dict[str, Any]
+
+#: Where the numbers of a message begin; a cause has none, so that cases with one cause count together.
+_NUMBERS = re.compile(r"[\[(]|\b\d")
+
+
+def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
+    """Row of a flown case: changes, how it ended, figures of the flight, what the caller adds."""
+    row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
+    row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
+    for more in (flight.metrics, collect(flight) if collect is not None else {}):
+        if twice := row.keys() & more.keys():
+            raise ValueError(f"column given twice: {', '.join(sorted(twice))}")
+        row.update(more)
+    return row
+
+
+def _plain(value: Any) -> Any:
+    """Numbers, texts and lists of numbers as they are; whole sections and lists of models, such as those of
+    faults, as JSON text.
+
+    Models leave out what they have at the default.
+    """
+    if type(value) is float:
+        return value
+    items = value if isinstance(value, list | tuple) and value else [value]
+    if isinstance(value, str) or all(isinstance(item, int | float | None) for item in items):
+        return value
+    return json.dumps(value, default=lambda model: model.model_dump(mode="json", exclude_defaults=True))
+
+
+def failed_row(case: Case, reason: str) -> Row:
+    """Row of a case that could not fly."""
+    row: Row = {"case": case.index, **case.label}
+    row |= {TRUTH + path: _plain(value) for path, value in case.truth.items()}
+    row |= {BELIEF + path: _plain(value) for path, value in case.belief.items()}
+    if case.profile is not None:
+        row["profile"] = case.profile
+    words = f"could not fly: {reason.replace('Value error, ', '')}"
+    cause = _NUMBERS.split(words)[0].rstrip(" :(")
+    return row | {"success": False, "cause": cause, "outcome": words, "end_s": 0.0}
+
+
+def table_of(rows: Iterable[Row]) -> pa.Table:
+    """Rows as a table; columns in the order in which rows bring them, null where a row has none."""
+    rows = list(rows)
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return pa.table({name: _column([row.get(name) for row in rows]) for name in names})
+
+
+def _column(values: list[Any]) -> pa.Array:
+    """Whole and broken numbers in one column become floats; numbers beside text or lists become text."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds == {int, float}:
+        values = [None if value is None else float(value) for value in values]
+    elif len(kinds) > 1:
+        values = [None if value is None else str(value) for value in values]
+    return pa.array(values)
+
 
 #: Called with the number of cases done and the row of the last one.
 Progress = Callable[[int, Row], None]
@@ -40,18 +105,6 @@ Result = TypeVar("Result")
 
 #: What may be wrong with a single case; it becomes a row, and the others fly on.
 _UNFLYABLE = (ConfigError, NotApplied, ValueError, ArithmeticError, np.linalg.LinAlgError)
-
-
-def fly_cases(
-    loaded: LoadedScenario,
-    cases: Iterable[Case],
-    *,
-    workers: int | None = None,
-    collect: Collect | None = None,
-    progress: Progress | None = None,
-) -> pa.Table:
-    """Fly cases and return their table; see :func:`fly_rows`."""
-    return table_of(fly_rows(loaded, cases, workers=workers, collect=collect, progress=progress))
 
 
 def fly_rows(
@@ -80,9 +133,7 @@ def fly_rows(
 def in_threads(
     work: Callable[[Item], Result], items: Iterable[Item], workers: int | None = None
 ) -> Iterator[Result]:
-    """``map`` over threads: results in order, items read only a little ahead, nothing left running when the
-    caller stops.
-    """
+    """``map`` over threads: in order, read a little ahead, nothing left running when the caller stops."""
     count = workers or available_cores()
     waiting: deque[Future[Result]] = deque()
     pool = ThreadPoolExecutor(count, thread_name_prefix="edl6dof")
@@ -103,9 +154,7 @@ def available_cores() -> int:
 
 
 def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
-    """Cases in the portions that threads take: first single ones, so that a few cases keep all workers
-    busy.
-    """
+    """Cases as threads take them: first single ones, so that a few cases keep all workers busy."""
     cases = iter(cases)
     for count in chain(repeat(1, _BATCH * workers), repeat(_BATCH)):
         if not (some := list(islice(cases, count))):
@@ -113,15 +162,8 @@ def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
         yield some
 
 
-class Ready(NamedTuple):
-    """A case that may fly, with the changes that are truly in it, as columns of its row."""
-
-    variant: Variant
-    changes: dict[str, Any]
-
-
-def _reason(error: Exception) -> str:
-    return " ".join(str(error).split())
+#: A case that may fly, with the changes that are truly in it, as columns of its row.
+Ready = tuple[Variant, dict[str, Any]]
 
 
 class CaseRunner:
@@ -155,24 +197,22 @@ class CaseRunner:
         """Return what flies, or why it cannot."""
         try:
             variant = self.variants.build(case)
-            return Ready(variant, variant.applied(case))
+            return variant, variant.applied(case)
         except _UNFLYABLE as error:
-            return _reason(error)
+            return " ".join(str(error).split())
 
     def _flown(self, case: Case, ready: Ready | str) -> Row:
         if isinstance(ready, str):
             return failed_row(case, ready)
-        loaded, parts = ready.variant.loaded, ready.variant.parts
+        variant, changes = ready
         try:
-            flight = fly(loaded, parts=parts, log=self._log(log_rows(loaded)))
+            flight = fly(variant.loaded, parts=variant.parts, log=self._log(log_rows(variant.loaded)))
         except _UNFLYABLE as error:
-            return failed_row(case, _reason(error))
-        return flown_row(case, ready.changes, flight, self.collect)
+            return failed_row(case, " ".join(str(error).split()))
+        return flown_row(case, changes, flight, self.collect)
 
     def _log(self, rows: int) -> np.ndarray:
-        """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of
-        it.
-        """
+        """Telemetry rows that are used again: fresh pages for each flight cost 3 % of it."""
         if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
             self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
         return self._buffers.log

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.rows import Collect
+from edl6dof.campaign.executor import Collect
 from edl6dof.interface.thrusters import ThrusterFailure
 from edl6dof.metrics.diagnosis import failed_thrusters
 from edl6dof.scenario.schema import Scenario
@@ -75,15 +75,12 @@ def collected(plan: Plan) -> Collect | None:
 def isolations(flight: Flight) -> list[Isolation]:
     """Whom the flight computer named, in the order of time."""
     found = [
-        Isolation(Failure("thruster", one.thruster, one.kind.replace(" ", "_")), one.t_s)
+        (Failure("thruster", one.thruster, one.kind.replace(" ", "_")), one.t_s)
         for one in flight.isolated_faults
     ]
-    found += [
-        Isolation(Failure(one.component, one.instrument, None), one.t_s)
-        for one in flight.exclusions
-        if not one.back
-    ]
-    return sorted(found, key=lambda one: one.t_s)
+    lost = [one for one in flight.exclusions if not one.back]
+    found += [(Failure(one.component, one.instrument, None), one.t_s) for one in lost]
+    return sorted((Isolation(*one) for one in found), key=lambda one: one.t_s)
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
@@ -101,6 +98,13 @@ def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
     """Every thruster that a fault makes fail."""
     names = failed_thrusters(fault, truth.components, truth.branches)
     return [Failure("thruster", name, failure_of(fault.kind)) for name in names]
+
+
+#: Columns of :func:`fault_response`, in their order.
+_COLUMNS = (
+    *("fault_s", "first_use_s", "used_s", "regime", "named", "name_right", "kind_right", "isolation_s"),
+    *("isolation_from_use_s", "wrongly_named", "sound_named", "peak_attitude_error_deg"),
+)
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
@@ -124,33 +128,18 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     ]
     wrong = [one for one in named if not _is_right(one, true)]
     end = flight.metrics.get("touchdown_s", flight.time_s)
-    row: dict[str, Any] = {
-        "fault_s": None,
-        "first_use_s": None,
-        "used_s": None,
-        "regime": NOT_BEGUN_YET,
-        "named": _list(named),
-        "name_right": False,
-        "kind_right": False,
-        "isolation_s": None,
-        "isolation_from_use_s": None,
-        "wrongly_named": _list(wrong),
-        "sound_named": _list(one for one in wrong if not _has_failed(one, true)),
-        "peak_attitude_error_deg": None,
-    }
+    sound = [one for one in wrong if not _has_failed(one, true)]
+    row: dict[str, Any] = dict.fromkeys(_COLUMNS) | {"regime": NOT_BEGUN_YET}
+    row |= {"name_right": False, "kind_right": False}
+    for column, some in (("named", named), ("wrongly_named", wrong), ("sound_named", sound)):
+        row[column] = ", ".join(one.label for one in some) or None
     if any(since == NOT_BEGUN or since >= end for _, since in failed):
         return row
     return row | _columns(flight, [_response(flight, *one, end, named) for one in failed], end)
 
 
-def _list(isolations: Iterable[Isolation]) -> str | None:
-    return ", ".join(one.label for one in isolations) or None
-
-
 def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Return whether an isolation says what has failed by then; that all gyros saturate isolates none of
-    them.
-    """
+    """Return whether an isolation says what has failed; that all gyros saturate isolates none."""
     return isolation.failure.component == "inertial_unit" or any(
         isolation.failure == failure and isolation.t_s >= since for failure, since in true
     )
@@ -170,12 +159,8 @@ def _response(
     about = [one for one in named if one.names(failure) and one.t_s >= since]
     right = [one for one in about if one.failure == failure]
     isolation = next(iter([*right, *about]), None)
-    return _Response(since, first, float(used.sum()) * _step(t), isolation, bool(right))
-
-
-def _step(t: np.ndarray) -> float:
-    """Time between rows of telemetry, s."""
-    return float(t[1] - t[0]) if len(t) > 1 else 0.0
+    step = float(t[1] - t[0]) if len(t) > 1 else 0.0
+    return _Response(since, first, float(used.sum()) * step, isolation, bool(right))
 
 
 def _columns(flight: Flight, found: Sequence[_Response], end: float) -> dict[str, Any]:

@@ -15,8 +15,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.executor import Progress, fly_rows
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Progress, Row, fly_rows
 from edl6dof.metrics.figures import FIGURES
 from edl6dof.metrics.published import Published, published_figures
 from edl6dof.scenario.initial import InitialState
@@ -29,9 +28,7 @@ FLIGHTS = 30
 
 
 class SampleMean(NamedTuple):
-    """A figure over several flights: mean, standard deviation (``nan`` of a single one), and how many flights
-    reached it.
-    """
+    """Mean, standard deviation (``nan`` of a single flight), and how many flights reached a figure."""
 
     mean: float
     deviation: float
@@ -61,9 +58,7 @@ def fly_neighbours(
     belief: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Fly neighbours and return their rows; ``belief`` changes all of them, by dotted path, and the truth
-    with it.
-    """
+    """Fly neighbours; ``belief`` changes all of them, by dotted path, and the truth with it."""
     cases = [
         Case(case.index, case.truth, dict(belief or {}), case.profile)
         for case in neighbours(loaded, count, step_m_s)

@@ -1,27 +1,35 @@
-"""Fly a campaign into its folder: begin, go on, stop early, finish."""
+"""Fly a campaign into its folder: begin, go on, stop early, finish; and fly one of its cases again."""
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import islice
 
 import pyarrow as pa
 import pyarrow.compute as pc
 
 import edl6dof
-from edl6dof.campaign.design.case import MATRIX, A, B
+from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B
 from edl6dof.campaign.design.plan import Plan, parse_plan
+from edl6dof.campaign.documents import Cause, Identity, Info, Summary
 from edl6dof.campaign.engines import Engine
-from edl6dof.campaign.fault_figures import fault_figures
-from edl6dof.campaign.rows import table_of
+from edl6dof.campaign.executor import table_of
+from edl6dof.campaign.fault_response import collected
+from edl6dof.campaign.faults import fault_figures
+from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
+from edl6dof.campaign.parts import PART
 from edl6dof.campaign.statistics import Proportion, Until
-from edl6dof.campaign.storage.documents import Cause, Identity, Info, Summary
-from edl6dof.campaign.storage.identity import changed_files, compared, differences, identity
-from edl6dof.campaign.storage.parts import PART
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
+from edl6dof.config.document.overrides import with_values
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import check_document
+from edl6dof.scenario.schema import Scenario
+from edl6dof.sim.flight import Flight
 
 
 @dataclass
@@ -65,7 +73,7 @@ def resumed_plan(store: Store) -> Plan:
             stand in one table.
     """
     recorded, text = store.info.identity, store.plan_text
-    _require_same(store, differences(recorded, text))
+    _require_same(store, differences_from(recorded, text))
     plan = parse_plan(text, str(store.folder / "campaign.yaml"))
     _require_same(store, compared(recorded, identity(plan)))
     return plan
@@ -92,16 +100,13 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     info, parts = store.info, store.parts
     until = Until.parse(info.until) if info.until else None
     ranges = [(first, min(first + PART, plan.count)) for first in range(0, plan.count, PART)]
-    kept = {
-        k: good
-        for k, (first, last) in enumerate(ranges)
-        if (good := parts.successes(k, first, last)) is not None
-    }
+    found = {k: parts.successes(k, *cases) for k, cases in enumerate(ranges)}
+    kept = {k: good for k, good in found.items() if good is not None}
     tally, done = Tally(plan.count), 0
     flown = engine.rows(plan, (cases for k, cases in enumerate(ranges) if k not in kept))
-    for index, (_, last) in enumerate(ranges):
+    for index, (first, last) in enumerate(ranges):
         if index not in kept:
-            rows = next(flown)
+            rows = list(islice(flown, last - first))
             _require_unchanged(store, info.identity)
             parts.write(index, table_of(rows))
             tally.here += len(rows)
@@ -113,15 +118,8 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
             break
     if hasattr(flown, "close"):
         flown.close()
-    ended = summary(plan, tally, causes(parts.table(range(done), ["cause"])), str(engine))
-    if plan.fault_matrix is not None:
-        faults = fault_figures(parts.table(range(done)).to_pylist())
-        ended = ended.model_copy(update={"faults": faults})
-    if plan.swaps is not None:
-        success = independent_success(parts.table(range(done), ["success", MATRIX]))
-        update = {"p_success": success.value, "p_success_95": list(success.interval)}
-        ended = ended.model_copy(update=update)
-    store.finish(done, ended)
+    columns = None if plan.fault_matrix is not None else ["cause", "success", MATRIX]
+    store.finish(done, _summary(plan, tally, parts.table(range(done), columns), str(engine)))
     return tally
 
 
@@ -131,30 +129,72 @@ def _require_unchanged(store: Store, recorded: Identity) -> None:
         raise _refused(store, words)
 
 
-def summary(plan: Plan, tally: Tally, causes: list[Cause], engine: str) -> Summary:
-    """Outcome of a campaign."""
+def _summary(plan: Plan, tally: Tally, table: pa.Table, engine: str) -> Summary:
+    """Outcome of a campaign; of Sobol designs, of those flights that share nothing with another."""
+    success = tally.success
+    if plan.swaps is not None:
+        success = Proportion.of(
+            table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))["success"].to_pylist()
+        )
+    causes = Counter(cause for cause in table["cause"].to_pylist() if cause)
     return Summary(
         name=plan.name,
         cases=tally.flown,
         cases_planned=plan.count,
         successes=tally.successes,
-        p_success=tally.success.value,
-        p_success_95=list(tally.success.interval),
-        causes=causes,
+        p_success=success.value,
+        p_success_95=list(success.interval),
+        causes=[Cause(cause=cause, cases=number) for cause, number in causes.most_common()],
         edl6dof_version=edl6dof.__version__,
         engine=engine,
         flown_in_this_run=tally.here,
         flights_per_second=tally.rate,
+        faults=fault_figures(table.to_pylist()) if plan.fault_matrix is not None else None,
     )
 
 
-def independent_success(table: pa.Table) -> Proportion:
-    """Share of successes among those flights of a design of Sobol indices that share nothing with another."""
-    rows = table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))
-    return Proportion(sum(rows["success"].to_pylist()), len(rows))
+def case_scenario(plan: Plan, number: int) -> LoadedScenario:
+    """The scenario of a case, checked like a file.
+
+    Raises:
+        ConfigError: there is no such case, or its values are not allowed.
+    """
+    if not 0 <= number < plan.count:
+        raise ConfigError([Problem("case", 0, 0, "", f"must be 0 .. {plan.count - 1} (got {number})")])
+    case = next(plan.cases(number, number + 1))
+    changes = {**case.changes(plan.loaded.scenario.truth), "name": f"{plan.name}_case{number}"}
+    return check_document(with_values(plan.loaded.document, changes, Scenario))
 
 
-def causes(table: pa.Table) -> list[Cause]:
-    """Causes of failures with the number of cases, the most frequent first."""
-    counted = Counter(cause for cause in table["cause"].to_pylist() if cause)
-    return [Cause(cause=cause, cases=number) for cause, number in counted.most_common()]
+def differences(table: pa.Table, place: object, plan: Plan, number: int, flight: Flight) -> list[str]:
+    """Columns in which a flight differs from its row, by as much as one bit; ``place`` is whose table it is.
+
+    Raises:
+        ConfigError: the case has no row yet.
+    """
+    found = table["case"].to_pylist()
+    if number not in found:
+        raise ConfigError([Problem(str(place), 0, 0, "", f"case {number} has not flown yet")])
+    row = table.slice(found.index(number), 1).to_pylist()[0]
+    mine = {
+        "success": flight.success,
+        "cause": flight.cause,
+        "outcome": flight.outcome,
+        "end_s": flight.time_s,
+        **flight.metrics,
+        **(collect(flight) if (collect := collected(plan)) else {}),
+    }
+    case = next(plan.cases(number, number + 1))
+    changed = (*(TRUTH + path for path in case.truth), *(BELIEF + path for path in case.belief))
+    known = {"case", "profile", *mine, *case.label, *changed}
+    extra = [name for name, value in row.items() if name not in known and value is not None]
+    return [name for name, value in mine.items() if not _same(value, row.get(name))] + extra
+
+
+def _same(value: object, stored: object) -> bool:
+    both_missing = (
+        isinstance(value, float)
+        and math.isnan(value)
+        and (stored is None or isinstance(stored, float) and math.isnan(stored))
+    )
+    return both_missing or value == stored

@@ -13,7 +13,7 @@ from edl6dof.api.campaign import EngineChoice, Watch, fly_new
 from edl6dof.api.campaign import go_on as go_on_with
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.run import Report, Tally
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.cli.campaign_tables import show
 from edl6dof.cli.exit_status import INTERRUPTED, refuse
 from edl6dof.cli.fault_tables import show_matrix

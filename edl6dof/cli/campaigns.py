@@ -67,7 +67,7 @@ def campaign(
     with _keeping("campaign", scenario, out, resume):
         from edl6dof.api.campaign import EngineChoice, check_until
         from edl6dof.campaign.design.plan import load_plan
-        from edl6dof.campaign.storage.store import Store
+        from edl6dof.campaign.store import Store
         from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
 
         flying = EngineChoice(engine, workers, cluster)
@@ -118,7 +118,7 @@ def refly(
     from edl6dof.api.campaign import refly_case
     from edl6dof.api.flight import flown_into
     from edl6dof.campaign.run import resumed_plan
-    from edl6dof.campaign.storage.store import Store
+    from edl6dof.campaign.store import Store
     from edl6dof.runs.folder import default_folder
 
     target = out or default_folder(f"{folder.resolve().name}_case{case}", force)
@@ -217,8 +217,8 @@ def faults(
     with _keeping("faults", scenario, out, resume):
         from edl6dof.api.campaign import EngineChoice
         from edl6dof.api.fault_matrix import matrix_of
-        from edl6dof.campaign.fault_kinds import matrix_plan
-        from edl6dof.campaign.storage.store import Store
+        from edl6dof.campaign.faults import matrix_plan
+        from edl6dof.campaign.store import Store
         from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
         from edl6dof.cli.progress import announce_compiling
         from edl6dof.scenario.loading import load_scenario
@@ -284,13 +284,11 @@ def covariance(
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
     """
     activate(campaign)
-    from edl6dof.campaign.covariance.event_figures import ending_at_deployment, figures_at
-    from edl6dof.campaign.covariance.mirrored_pairs import fly_covariance
-    from edl6dof.campaign.covariance.one_at_a_time import fly_alone
-    from edl6dof.campaign.covariance.sample_covariance import flown
+    from edl6dof.campaign.covariance_estimate import flown, fly_alone, fly_covariance
+    from edl6dof.campaign.covariance_flights import ending_at_deployment, figures_at
     from edl6dof.campaign.design.plan import load_plan
     from edl6dof.campaign.run import resumed_plan
-    from edl6dof.campaign.storage.store import Store
+    from edl6dof.campaign.store import Store
     from edl6dof.cli.covariance_tables import show, show_alone, write_budget
     from edl6dof.cli.progress import count_runs
     from edl6dof.runs.files import atomic_file, refuse_existing_file

@@ -17,9 +17,9 @@ from edl6dof.cli.exit_status import refuse
 from edl6dof.cli.progress import announce_compiling
 from edl6dof.config.wording import counted, nearest
 from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.verify.case import Result
 from edl6dof.verify.check import CASES, Report, draw, run_case
 from edl6dof.verify.golden import difference, golden_names, read_golden, traced
-from edl6dof.verify.outcome import Result
 
 
 def run_cases(names: Sequence[str], as_json: bool, plots: Path | None, force: bool = False) -> int:

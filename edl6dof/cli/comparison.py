@@ -12,7 +12,7 @@ from rich.markup import escape
 
 from edl6dof.api.reports import write_page
 from edl6dof.campaign.compare import Comparison, Difference, compare
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Table, Text, as_cell
 from edl6dof.report.flight.overlay import comparison_report

@@ -12,14 +12,11 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from edl6dof.campaign.covariance.estimate import Spread
-from edl6dof.campaign.covariance.event_figures import EventFigures
-from edl6dof.campaign.covariance.mirrored_pairs import Covariance
-from edl6dof.campaign.covariance.one_at_a_time import Alone
-from edl6dof.campaign.covariance.sample_covariance import Sampled, along_axes
+from edl6dof.campaign.covariance_estimate import Alone, Covariance, Sampled, Spread, along_axes
+from edl6dof.campaign.covariance_flights import EventFigures
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import print_whole
 
 #: Figures beside each other in the budget on a terminal.

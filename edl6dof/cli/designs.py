@@ -104,16 +104,16 @@ def design_landing(
 
     It is that of the rigid lander, from the true state of the scenario's own flight where the engine lights
     to rest at its powered target, by successive convexification; shown beside what the scenario's own law
-    flies. Needs clarabel: pip install 'edl6dof[design]'.
+    flies. Needs cvxpy: pip install 'edl6dof[design]'.
 
     Exit status: 0 designed, 1 no landing within the limits or one that breaks them on its way, 2 bad input,
-    69 clarabel is missing, 130 interrupted.
+    69 cvxpy is missing, 130 interrupted.
     """
     activate(scenario)
     _refuse_file(out, (".csv",), force)
     _refuse_file(figure, (".png", ".pdf", ".svg"), force)
-    if find_spec("clarabel") is None:
-        message = "design landing needs clarabel, which is not installed; try: pip install 'edl6dof[design]'"
+    if find_spec("cvxpy") is None:
+        message = "design landing needs cvxpy, which is not installed; try: pip install 'edl6dof[design]'"
         print(message, file=sys.stderr)
         return UNAVAILABLE
     from edl6dof.cli.landing_tables import design_landing_of

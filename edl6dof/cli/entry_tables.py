@@ -12,8 +12,7 @@ from edl6dof.config.document.extends import EXTENDS
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.scalars import write_scalar
 from edl6dof.config.errors import refusal
-from edl6dof.design.entry_plan import Plan
-from edl6dof.design.entry_profile import Design, Goal
+from edl6dof.design.entry_profile import Design, Goal, Plan
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import check_document

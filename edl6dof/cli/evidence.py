@@ -95,8 +95,7 @@ def validate(
     activate(*(names or []))
     from edl6dof.cli.figure_tables import show_missions
     from edl6dof.cli.progress import count_runs
-    from edl6dof.missions.comparison import compare, reached_goal
-    from edl6dof.missions.mission import load_mission, shipped_missions
+    from edl6dof.missions.mission import compare, load_mission, reached_goal, shipped_missions
     from edl6dof.missions.write import to_json, write_validation
     from edl6dof.runs.folder import atomic_folder, default_folder
 

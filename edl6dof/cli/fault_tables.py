@@ -12,9 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from edl6dof.api.reports import report_of, write_page
-from edl6dof.campaign.fault_figures import can_be_known, is_right
-from edl6dof.campaign.rows import Row
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.faults import can_be_known, is_right
+from edl6dof.campaign.store import Store
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.base import stated
 from edl6dof.config.document.jsontext import json_text

@@ -12,14 +12,14 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.campaign.executor import Row
 from edl6dof.campaign.neighbours import SPEED_STEP_M_S, SampleMean
-from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.manifest import listed
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.missions.comparison import Compared, inside, reached_goal
-from edl6dof.missions.words import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
-from edl6dof.report.numbers import significant
+from edl6dof.missions.mission import Compared, inside, reached_goal
+from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import comparison, open_table, published_table
 from edl6dof.scenario.loaded import LoadedScenario
 

@@ -11,11 +11,18 @@ from rich.table import Table
 
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.errors import refusal
-from edl6dof.design.landing.landing_figures import TOLERANCE, Excess, LandingFigures, excesses, figures_of
-from edl6dof.design.landing.powered_start import landing_of, powered_rows, states_of
-from edl6dof.design.landing.rigid_body import RigidLanding, tilt_of
-from edl6dof.design.landing.successive import Converged, land
-from edl6dof.design.landing.transcription import propagate
+from edl6dof.design.convex_step import propagate
+from edl6dof.design.powered_start import landing_of, powered_rows, states_of
+from edl6dof.design.rigid_landing import (
+    TOLERANCE,
+    Excess,
+    LandingFigures,
+    RigidLanding,
+    excesses,
+    figures_of,
+    tilt_of,
+)
+from edl6dof.design.successive import Converged, land
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import GREY
@@ -121,7 +128,7 @@ def _solution(found: Converged) -> str:
 
 
 def write_states(path: Path, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> None:
-    """Write states and controls as CSV; axes of rates and torques are S (:mod:`...landing.rigid_body`)."""
+    """Write states and controls as CSV; axes of rates and torques are S (:mod:`...rigid_landing`)."""
     rows = np.column_stack([t, x[:, :11], np.degrees(x[:, 11:]), u, np.degrees(tilt_of(x))])
     np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=",".join(COLUMNS), comments="")
 

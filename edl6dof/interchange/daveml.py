@@ -19,20 +19,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.daveml_checks import check_own_data
-from edl6dof.interchange.daveml_model import OPERATORS, Function, Model, Variable
+from edl6dof.interchange.daveml_model import OPERATORS, Function, Model, Variable, check_own_data
 from edl6dof.interchange.xmlfile import line_of, local_name, read_xml, refused, text_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
 _IGNORED = {
-    "fileHeader",
-    "description",
-    "provenance",
-    "provenanceRef",
-    "uncertainty",
-    "modificationRef",
+    *("fileHeader", "description", "provenance", "provenanceRef", "uncertainty", "modificationRef"),
 }
 _MARKS = {"isInput", "isControl", "isDisturbance", "isState", "isStateDeriv", "isOutput", "isStdAIAA"}
 
@@ -46,11 +40,8 @@ def read_daveml(path: Path) -> Model:
     """
     root = read_xml(path)
     if local_name(root) != "DAVEfunc":
-        raise refused(
-            path,
-            line_of(root),
-            f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>",
-        )
+        words = f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>"
+        raise refused(path, line_of(root), words)
     model, reader = Model(path), _Reader(path)
     for element in root:
         kind = local_name(element)
@@ -60,9 +51,8 @@ def read_daveml(path: Path) -> Model:
                 raise refused(path, variable.line, f"variable {variable.id!r} is defined twice")
             model.variables[variable.id] = variable
         elif kind == "breakpointDef":
-            reader.breakpoints[reader.need(element, "bpID")] = reader.ascending(
-                reader.child(element, "bpVals")
-            )
+            values = reader.ascending(reader.child(element, "bpVals"))
+            reader.breakpoints[reader.need(element, "bpID")] = values
         elif kind == "griddedTableDef":
             reader.tables[reader.need(element, "gtID")] = reader.gridded(element)
         elif kind == "function":
@@ -97,24 +87,21 @@ class _Reader:
         self.breakpoints: dict[str, np.ndarray] = {}
         self.tables: dict[str, tuple[tuple[np.ndarray, ...], np.ndarray]] = {}
 
+    def refused(self, element: _Element, words: str) -> ConfigError:
+        return refused(self.path, line_of(element), f"<{local_name(element)}> {words}")
+
     def unsupported(self, element: _Element, words: str = "is not supported") -> ConfigError:
-        text = (
-            "supported are constants, calculations with "
-            + ", ".join(OPERATORS)
-            + ", piecewise, and gridded tables with linear interpolation"
-        )
-        return refused(self.path, line_of(element), f"<{local_name(element)}> {words} ({text})")
+        text = f"constants, calculations with {', '.join(OPERATORS)}, piecewise, and gridded tables"
+        return self.refused(element, f"{words} (supported are {text} with linear interpolation)")
 
     def need(self, element: _Element, attribute: str) -> str:
         if (value := element.get(attribute)) is None:
-            raise refused(
-                self.path, line_of(element), f"<{local_name(element)}> needs the attribute {attribute!r}"
-            )
+            raise self.refused(element, f"needs the attribute {attribute!r}")
         return value.strip()
 
     def child(self, element: _Element, name: str) -> _Element:
         if (found := element.find(f"{{*}}{name}")) is None:
-            raise refused(self.path, line_of(element), f"<{local_name(element)}> needs a <{name}>")
+            raise self.refused(element, f"needs a <{name}>")
         return found
 
     def number(self, element: _Element, text: str | None) -> float:
@@ -123,22 +110,17 @@ class _Reader:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise refused(
-                self.path,
-                line_of(element),
-                f"<{local_name(element)}> must hold a finite number (got {(text or '')[:40]!r})",
-            )
+            raise self.refused(element, f"must hold a finite number (got {(text or '')[:40]!r})")
         return value
 
     def numbers(self, element: _Element) -> np.ndarray:
-        return np.array(
-            [self.number(element, word) for word in (element.text or "").replace(",", " ").split()]
-        )
+        words = (element.text or "").replace(",", " ").split()
+        return np.array([self.number(element, word) for word in words])
 
     def ascending(self, element: _Element) -> np.ndarray:
         values = self.numbers(element)
         if len(values) == 0 or np.any(np.diff(values) <= 0.0):
-            raise refused(self.path, line_of(element), f"<{local_name(element)}> must hold ascending numbers")
+            raise self.refused(element, "must hold ascending numbers")
         return values
 
     def variable(self, element: _Element) -> Variable:
@@ -195,13 +177,12 @@ class _Reader:
         if kinds[-1:] == ["otherwise"]:
             kinds.pop()
         if set(kinds) != {"piece"}:
-            words = "<piecewise> must hold <piece>, and last perhaps <otherwise>"
-            raise refused(self.path, line_of(node), words)
+            raise self.refused(node, "must hold <piece>, and last perhaps <otherwise>")
         for child in node:
             wanted = 2 if local_name(child) == "piece" else 1
             if len(child) != wanted:
                 words = "a value" if wanted == 1 else "a value and a condition"
-                raise refused(self.path, line_of(child), f"<{local_name(child)}> must hold {words}")
+                raise self.refused(child, f"must hold {words}")
             for part in child:
                 self.check_formula(part)
 
@@ -217,30 +198,24 @@ class _Reader:
     def shaped(self, element: _Element, axes: Sequence[np.ndarray]) -> np.ndarray:
         values, shape = self.numbers(element), tuple(map(len, axes))
         if values.size != math.prod(shape):
-            words = (
-                f"<{local_name(element)}> holds {values.size} numbers, its breakpoints ask for "
-                f"{math.prod(shape)}"
-            )
-            raise refused(self.path, line_of(element), words)
+            words = f"holds {values.size} numbers, its breakpoints ask for {math.prod(shape)}"
+            raise self.refused(element, words)
         return values.reshape(shape)
 
     def function(self, element: _Element) -> tuple[str, Function]:
-        """Output variable and table of a ``function``, whose points stand inside it or in a table it refers
-        to.
-        """
+        """Output variable and table of a ``function``; its points stand inside it or are referred to."""
         inputs = list(self.independent(element))
         names = tuple(self.need(item, "varID") for item in inputs)
         if inputs and local_name(inputs[0]) == "independentVarPts":
             axes = tuple(self.ascending(item) for item in inputs)
             points = self.child(element, "dependentVarPts")
-            return self.need(points, "varID"), Function(
-                line_of(element), names, axes, self.shaped(points, axes)
-            )
+            table = Function(line_of(element), names, axes, self.shaped(points, axes))
+            return self.need(points, "varID"), table
         output = self.need(self.child(element, "dependentVarRef"), "varID")
         axes, values = self.table(self.child(element, "functionDefn"))
         if len(axes) != len(names):
-            words = f"<function> has {len(names)} independent variables, its table {len(axes)}"
-            raise refused(self.path, line_of(element), words)
+            words = f"has {len(names)} independent variables, its table {len(axes)}"
+            raise self.refused(element, words)
         for item, axis in zip(inputs, axes, strict=True):
             low, high = item.get("min"), item.get("max")
             if (low is not None and self.number(item, low) > axis[0]) or (
@@ -253,14 +228,9 @@ class _Reader:
         for child in element:
             kind = local_name(child)
             if kind in ("independentVarRef", "independentVarPts"):
-                if child.get("interpolate", "linear") != "linear":
-                    raise self.unsupported(
-                        child, f"with interpolate={child.get('interpolate')!r} is not supported"
-                    )
-                if child.get("extrapolate", "neither") != "neither":
-                    raise self.unsupported(
-                        child, f"with extrapolate={child.get('extrapolate')!r} is not supported"
-                    )
+                for name, known in (("interpolate", "linear"), ("extrapolate", "neither")):
+                    if (given := child.get(name, known)) != known:
+                        raise self.unsupported(child, f"with {name}={given!r} is not supported")
                 yield child
             elif kind not in {*_IGNORED, "dependentVarRef", "dependentVarPts", "functionDefn"}:
                 raise self.unsupported(child)
@@ -276,4 +246,4 @@ class _Reader:
                 return self.gridded(child)
             if kind not in _IGNORED:
                 raise self.unsupported(child)
-        raise refused(self.path, line_of(element), "<functionDefn> holds no table")
+        raise self.refused(element, "holds no table")

@@ -76,21 +76,17 @@ def settings(model: Model, inputs: Mapping[str, float], flow: tuple[str, ...]) -
     Raises:
         ConfigError: something that it depends on is not given.
     """
-    given = {}
-    for name, value in inputs.items():
-        if (variable := model.named(name)) is not None:
-            given[variable.id] = value
+    given = {found.id: x for name, x in inputs.items() if (found := model.named(name)) is not None}
     for output in _outputs(model).values():
         for identifier in sorted(model.inputs_of(output.id)):
             variable = model.variables[identifier]
             if variable.name in flow or identifier in given:
                 continue
             if variable.value is None:
-                raise model.error(
-                    variable.line,
-                    f"is not given: write it under vehicle.daveml_inputs, in {variable.units or 'no unit'}",
-                    variable.name,
+                words = (
+                    f"is not given: write it under vehicle.daveml_inputs, in {variable.units or 'no unit'}"
                 )
+                raise model.error(variable.line, words, variable.name)
             given[identifier] = variable.value
     return given
 
@@ -111,9 +107,8 @@ def factor(model: Model, variable: Variable, kind: str) -> float:
     found, value = UNITS.get(variable.units, ("", 0.0))
     if found != kind:
         allowed = ", ".join(unit for unit, (of, _) in UNITS.items() if of == kind and unit)
-        raise model.error(
-            variable.line, f"unit {variable.units!r} is not one of {kind} (known: {allowed})", variable.name
-        )
+        words = f"unit {variable.units!r} is not one of {kind} (known: {allowed})"
+        raise model.error(variable.line, words, variable.name)
     return value
 
 
@@ -192,11 +187,10 @@ def _damping(
         fast = {**at, BETA: 0.5 * beta[-1], SPEED: 2.0 * _V}
         again = _at(model, given, {**fast, rate: 3.0 * _RATE}) - _at(model, given, fast)
         if np.max(np.abs(again - 1.5 * change)) > 1e-9 * max(1.0, float(np.max(np.abs(change)))):
-            raise model.error(
-                1,
-                f"damping by {rate} must be linear in its rate times length over speed, and the same at all "
-                "angles of sideslip",
+            words = (
+                "must be linear in its rate times length over speed, and the same at all angles of sideslip"
             )
+            raise model.error(1, f"damping by {rate} {words}")
         if not np.any(change):
             continue
         if length is None:

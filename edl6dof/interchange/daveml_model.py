@@ -1,4 +1,5 @@
-"""A DAVE-ML model as read: its variables, formulas and tables, and their values in the file's own units.
+"""A DAVE-ML model as read: its variables, formulas and tables, their values in the file's own units, and the
+check data that the file carries of itself.
 
 Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference.
 """
@@ -8,14 +9,15 @@ from __future__ import annotations
 import functools
 import math
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.errors import ConfigError
+from edl6dof.config.document.locate import shown
+from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.interchange.xmlfile import line_of, local_name, refused, text_of
 from edl6dof.spatial import arrays
 
@@ -202,3 +204,63 @@ def interpolate(table: Function, point: Sequence[Number]) -> Number:
         low = values[rows, i]
         values = low + share.reshape(-1, *(1 for _ in low.shape[1:])) * (values[rows, i + 1] - low)
     return values if any(np.ndim(x) for x in point) else float(values[0])
+
+
+#: Share of the value (of one, where it is smaller) that counts as equal where a file gives no tolerance, a
+#: choice of this software.
+_DEFAULT_TOLERANCE = 1e-6
+
+
+def check_own_data(model: Model, check_data: _Element) -> None:
+    """Evaluate each static shot of a file: inputs, and the outputs that its author computed.
+
+    A model that does not come to them was damaged on its way, or is read here otherwise than its author meant
+    it; to fly it would be worse than to refuse it.
+
+    Source: ANSI/AIAA S-119-2011, ``checkData``; the tolerance is absolute.
+
+    Raises:
+        ConfigError: with every output that is not within its tolerance, and every signal that is not a number
+            or not of the model.
+    """
+    problems = [problem for shot in check_data.iterfind("{*}staticShot") for problem in _of_shot(model, shot)]
+    if problems:
+        raise ConfigError(problems)
+
+
+def _of_shot(model: Model, shot: _Element) -> Iterator[Problem]:
+    given = {
+        identifier: value
+        for signal in shot.iterfind("{*}checkInputs/{*}signal")
+        for identifier, value in [_signal(model, signal)]
+    }
+    for signal in shot.iterfind("{*}checkOutputs/{*}signal"):
+        identifier, wanted = _signal(model, signal)
+        tolerance = _number(model, signal, "tol", _DEFAULT_TOLERANCE * max(1.0, abs(wanted)))
+        found = model.evaluate(identifier, given)
+        if not abs(found - wanted) <= tolerance:
+            message = (
+                f"check case {shot.get('name', '')!r} of the file itself is not met: {found:.9g}, "
+                f"not {wanted:.9g} (tolerance {tolerance:.3g})"
+            )
+            yield Problem(shown(model.path), line_of(signal), 1, identifier, message)
+
+
+def _signal(model: Model, signal: _Element) -> tuple[str, float]:
+    """Variable and value of a signal, which is named by its variable or by the variable's name."""
+    words = [text_of(part) for tag in ("varID", "signalName") for part in signal.iterfind(f"{{*}}{tag}")]
+    name = words[0] if words else ""
+    variable = model.named(name)
+    if variable is None:
+        raise refused(model.path, line_of(signal), f"check data of an unknown variable {name!r}")
+    return variable.id, _number(model, signal, "signalValue", None)
+
+
+def _number(model: Model, signal: _Element, tag: str, default: float | None) -> float:
+    part = signal.find(f"{{*}}{tag}")
+    if part is None and default is not None:
+        return default
+    try:
+        return float("" if part is None else text_of(part))
+    except ValueError:
+        raise refused(model.path, line_of(signal), f"<signal> needs a number in <{tag}>") from None

@@ -14,7 +14,6 @@ evaluating it; a file that says more than the vehicle can carry is refused, neve
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
@@ -27,11 +26,18 @@ from edl6dof.config.document.source import Mark
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml import read_daveml
 from edl6dof.interchange.daveml_aero import (
+    ALPHA,
     AREAS,
     CHORDS,
+    DRAG,
     FLOW,
     FORCES,
+    LIFT,
+    MACH,
+    MOMENTS,
+    RATES,
     SPANS,
+    SPEED,
     factor,
     is_sampled,
     length_of,
@@ -39,11 +45,9 @@ from edl6dof.interchange.daveml_aero import (
 )
 from edl6dof.interchange.daveml_model import Model
 
-DRAG, LIFT, SIDE = "totalCoefficientOfDrag", "totalCoefficientOfLift", "aeroBodyForceCoefficient_Y"
-ROLL, PITCH, YAW = (f"aeroBodyMomentCoefficient_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
-SPEED, MACH, ALPHA = "trueAirspeed", "mach", "angleOfAttack"
-RATES = tuple(f"bodyAngularRate_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
-AREA, SPAN, CHORD = "referenceWingArea", "referenceWingSpan", "referenceWingChord"
+SIDE = FORCES[1]
+ROLL, PITCH, YAW = MOMENTS
+AREA, SPAN, CHORD = AREAS[0], SPANS[0], CHORDS[0]
 MASS = "totalMass"
 INERTIA = tuple(f"bodyMomentOfInertia_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
 PRODUCTS = tuple(f"bodyProductOfInertia_{axes}" for axes in ("ZX", "XY", "YZ"))
@@ -63,23 +67,13 @@ _PROBES = (
 )
 
 
-@dataclass
-class Part:
-    """Values below ``vehicle`` in the form of the YAML file, each with the line of a ``.dml`` file it came
-    from.
-    """
+#: Values by dotted path below ``vehicle``, as in YAML, each with its place in a ``.dml`` file.
+Part = dict[str, tuple[Any, Mark]]
 
-    data: dict[str, Any] = field(default_factory=dict)
-    lines: dict[tuple[str, ...], tuple[Path, int]] = field(default_factory=dict)
 
-    def put(self, path: str, value: Any, model: Model, line: int) -> None:
-        """Set a value at a dotted path."""
-        node: Any = self.data
-        keys = path.split(".")
-        for key in keys[:-1]:
-            node = node.setdefault(key, {})
-        node[keys[-1]] = value
-        self.lines[tuple(keys)] = (model.path, line)
+def _put(part: Part, model: Model, line: int, values: Mapping[str, Any]) -> None:
+    """Add values that stand in a line of the file of a model."""
+    part.update((path, (value, Mark(str(model.path), line, 1))) for path, value in values.items())
 
 
 def expand_daveml(document: Document) -> Document:
@@ -100,10 +94,8 @@ def expand_daveml(document: Document) -> Document:
     paths = [folder / name for name in names]
     for index, path in enumerate(paths):
         if not path.is_file():
-            problem = document.problem(
-                ("vehicle", "daveml", index), f"no such file (got {names[index]!r}; looked for {path})"
-            )
-            raise ConfigError([problem])
+            words = f"no such file (got {names[index]!r}; looked for {path})"
+            raise ConfigError([document.problem(("vehicle", "daveml", index), words)])
     inputs = vehicle.get("daveml_inputs")
     numbers = inputs.values() if isinstance(inputs, dict) else ()
     if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
@@ -111,26 +103,26 @@ def expand_daveml(document: Document) -> Document:
     part = vehicle_part(paths, {str(name): float(x) for name, x in inputs.items()} if inputs else {})
     document.forget(("vehicle", "daveml"))
     vehicle["daveml"] = []
-    for keys, (path, line) in part.lines.items():
-        _adopt(document, keys, part.data, Mark(str(path), line, 1))
+    for name, (value, place) in part.items():
+        _adopt(document, ("vehicle", *name.split(".")), value, place)
     document.files += tuple(paths)
     return document
 
 
-def _adopt(document: Document, keys: tuple[str, ...], data: Any, mark: Mark) -> None:
-    node = document.data["vehicle"]
-    for depth, key in enumerate(keys[:-1]):
-        data = data[key]
+def _adopt(document: Document, keys: tuple[str, ...], value: Any, mark: Mark) -> None:
+    """Put a value in the document unless it is there."""
+    node = document.data
+    for depth, key in enumerate(keys[:-1], start=1):
         if key not in node:
             node[key] = {}
-            document.marks["vehicle", *keys[: depth + 1]] = mark
+            document.marks[keys[:depth]] = mark
         node = node[key]
         if not isinstance(node, dict):
             return  # for the validation to refuse
     if keys[-1] not in node:
-        node[keys[-1]] = data[keys[-1]]
-        document.marks["vehicle", *keys] = mark
-        document.sources[".".join(("vehicle", *keys))] = Path(mark.file).name
+        node[keys[-1]] = value
+        document.marks[keys] = mark
+        document.sources[".".join(keys)] = Path(mark.file).name
 
 
 def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = None) -> Part:
@@ -143,7 +135,8 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
     Raises:
         ConfigError: a file cannot be read, says what a vehicle cannot carry, or no file has such an input.
     """
-    part, unused, inputs = Part(), set(inputs or ()), inputs or {}
+    part: Part = {}
+    unused, inputs = set(inputs or ()), inputs or {}
     model = None
     for path in paths:
         model = read_daveml(path)
@@ -162,42 +155,31 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
 
 def _mass(model: Model, part: Part, inputs: Mapping[str, float]) -> None:
     mass, line = _constant(model, MASS, "mass", inputs)
-    part.put("mass.entry_kg", mass, model, line)
-    part.put(
-        "mass.entry_inertia_kg_m2",
-        [_constant(model, name, "inertia", inputs)[0] for name in INERTIA],
-        model,
-        _line(model, INERTIA[0]),
-    )
+    inertia = [_constant(model, name, "inertia", inputs)[0] for name in INERTIA]
     centre = [_constant(model, name, "length", inputs)[0] if model.named(name) else 0.0 for name in CENTRE]
     if model.named(CENTRE[0]) is None and model.named(STATION) is not None:
         centre[0] = -_constant(model, STATION, "length", inputs)[0]
-    part.put("mass.entry_centre_m", centre, model, line)
+    _put(part, model, line, {"mass.entry_kg": mass, "mass.entry_centre_m": centre})
+    _put(part, model, _line(model, INERTIA[0]), {"mass.entry_inertia_kg_m2": inertia})
     zx, xy, yz = (
         _constant(model, name, "inertia", inputs)[0] if model.named(name) else 0.0 for name in PRODUCTS
     )
     if zx or xy or yz:
-        part.put("mass.entry_products_kg_m2", [xy, zx, yz], model, _line(model, PRODUCTS[0]))
+        _put(part, model, _line(model, PRODUCTS[0]), {"mass.entry_products_kg_m2": [xy, zx, yz]})
 
 
 def _aerodynamics(model: Model, part: Part, given: Mapping[str, float]) -> None:
     if is_sampled(model):
         _body(model, part, given)
         return
-    outputs = [
-        variable
-        for name in (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
-        if (variable := model.named(name)) is not None
-    ]
+    names = (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
+    outputs = [variable for name in names if (variable := model.named(name)) is not None]
     inputs = {model.variables[i].name for output in outputs for i in model.inputs_of(output.id)}
     if unknown := inputs - {SPEED, MACH, ALPHA, *RATES}:
         name = sorted(unknown)[0]
         known = ", ".join((SPEED, MACH, ALPHA, *RATES))
-        raise model.error(
-            _line(model, name),
-            f"aerodynamics that depend on {name} are not supported (known: {known})",
-            name,
-        )
+        words = f"aerodynamics that depend on {name} are not supported (known: {known})"
+        raise model.error(_line(model, name), words, name)
     if inputs & {MACH, ALPHA}:
         _table(model, part)
     else:
@@ -216,26 +198,23 @@ def _constants(model: Model, part: Part) -> None:
         unit = [1.0 if k == axis else 0.0 for k in range(3)]
         moment = _probe(model, name, 100.0, *unit) if model.named(name) else 0.0
         if moment != 0.0 and length is None:
-            raise model.error(
-                _line(model, name), f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless", name
-            )
+            words = f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless"
+            raise model.error(_line(model, name), words, name)
         damping[name] = moment * 200.0 / length if length else 0.0
         expected[name] = lambda v, *w, a=axis, d=damping[name], b=length: d * w[a] * (b or 0.0) / (2.0 * v)
     for name, law in expected.items():
+        near = 1e-9 * max(abs(damping.get(name, 0.0)), abs(drag), 1e-3)
         for probe in _PROBES if model.named(name) else ():
-            if abs(_probe(model, name, *probe) - law(*probe)) > 1e-9 * max(
-                abs(damping.get(name, 0.0)), abs(drag), 1e-3
-            ):
+            if abs(_probe(model, name, *probe) - law(*probe)) > near:
                 raise model.error(_line(model, name), f"is not of a supported form: {_SUPPORTED}", name)
     line_of = {name: _line(model, name) if model.named(name) else line for name in expected}
-    part.put("aero.model", "constant", model, line)
-    part.put("aero.constant.reference_area_m2", area, model, line)
-    part.put("aero.constant.drag_coefficient", drag, model, line_of[DRAG])
-    for key, length in (("span_m", span), ("chord_m", chord)):
+    _put(part, model, line, {"aero.model": "constant", "aero.constant.reference_area_m2": area})
+    _put(part, model, line_of[DRAG], {"aero.constant.drag_coefficient": drag})
+    for key, length, name in (("span_m", span, SPAN), ("chord_m", chord, CHORD)):
         if length is not None:
-            part.put(f"aero.constant.{key}", length, model, _line(model, SPAN if key == "span_m" else CHORD))
+            _put(part, model, _line(model, name), {f"aero.constant.{key}": length})
     for key, name in (("roll_damping", ROLL), ("pitch_damping", PITCH), ("yaw_damping", YAW)):
-        part.put(f"aero.constant.{key}", damping[name], model, line_of[name])
+        _put(part, model, line_of[name], {f"aero.constant.{key}": damping[name]})
 
 
 def _body(model: Model, part: Part, given: Mapping[str, float]) -> None:
@@ -245,22 +224,22 @@ def _body(model: Model, part: Part, given: Mapping[str, float]) -> None:
         raise model.error(1, f"lacks the reference area ({' or '.join(AREAS)})")
     area, line = _constant(model, named.name, "area", {})
     settings(model, given, FLOW)
-    part.put("aero.model", "body", model, line)
-    part.put("aero.body.file", str(model.path.resolve()), model, line)
-    part.put("aero.body.inputs", {k: v for k, v in given.items() if model.named(k) is not None}, model, line)
-    part.put("aero.body.reference_area_m2", area, model, line)
-    for key, names in (("chord_m", CHORDS), ("span_m", SPANS)):
-        if (length := length_of(model, names)) is not None:
-            part.put(f"aero.body.{key}", length, model, line)
+    lengths = {"chord_m": length_of(model, CHORDS), "span_m": length_of(model, SPANS)}
+    values = {
+        "file": str(model.path.resolve()),
+        "inputs": {k: v for k, v in given.items() if model.named(k) is not None},
+        "reference_area_m2": area,
+        **{key: length for key, length in lengths.items() if length is not None},
+    }
+    _put(part, model, line, {"aero.model": "body"} | {f"aero.body.{key}": x for key, x in values.items()})
 
 
 def _table(model: Model, part: Part) -> None:
     """Tables over Mach and angle of attack: the capsule's static table is read from the same file."""
     area, line = _constant(model, AREA, "area")
     static_table(model.path)
-    part.put("aero.model", "capsule", model, line)
-    part.put("aero.capsule.static_table", str(model.path.resolve()), model, line)
-    part.put("aero.capsule.diameter_m", 2.0 * sqrt(area / pi), model, line)
+    values = {"static_table": str(model.path.resolve()), "diameter_m": 2.0 * sqrt(area / pi)}
+    _put(part, model, line, {"aero.model": "capsule"} | {f"aero.capsule.{k}": x for k, x in values.items()})
 
 
 def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -277,11 +256,8 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             raise model.error(1, f"a table of aerodynamics needs {name}")
         inputs = {model.variables[identifier].name for identifier in model.inputs_of(variable.id)}
         if not inputs <= {MACH, ALPHA}:
-            raise model.error(
-                variable.line,
-                f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})",
-                name,
-            )
+            words = f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})"
+            raise model.error(variable.line, words, name)
         coefficients.append(variable)
     for function in model.functions.values():
         for identifier, axis in zip(function.inputs, function.axes, strict=True):
@@ -292,14 +268,14 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     mach, alpha = (np.array(sorted(grids[name])) for name in (MACH, ALPHA))
     if len(mach) < 2 or len(alpha) < 2:
         raise model.error(1, f"has no table over {MACH} and {ALPHA}")
-    given = {variable.id: variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None}
+    given = [variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None]
     table = np.empty((len(mach), len(alpha), 3))
     for i, j in np.ndindex(len(mach), len(alpha)):
         point = {
-            key: float(mach[i])
+            v.id: float(mach[i])
             if v.name == MACH
             else float(alpha[j]) * pi / 180.0 / factor(model, v, "angle")
-            for key, v in given.items()
+            for v in given
         }
         table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
     return mach, alpha, table
@@ -307,10 +283,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
     """A coefficient that the model has, at an airspeed (m/s) and body rates (rad/s)."""
-    values: Mapping[str, tuple[float, str]] = {
-        SPEED: (speed, "speed"),
-        **dict(zip(RATES, ((r, "rate") for r in rates), strict=True)),
-    }
+    values = {SPEED: (speed, "speed")} | {name: (r, "rate") for name, r in zip(RATES, rates, strict=True)}
     given = {
         v.id: value / factor(model, v, kind)
         for key, (value, kind) in values.items()
@@ -324,25 +297,15 @@ def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
 def _constant(
     model: Model, name: str, kind: str, inputs: Mapping[str, float] | None = None
 ) -> tuple[float, int]:
-    """SI value and line of a variable that depends on nothing but ``inputs``, by name, and on inputs that
-    have an initial value.
-    """
+    """SI value and line of a variable that depends on nothing but ``inputs`` and initial values."""
     if (variable := model.named(name)) is None:
         raise model.error(1, f"lacks the variable {name}")
-    given = {
-        found.id: value for key, value in (inputs or {}).items() if (found := model.named(key)) is not None
-    }
-    unknown = sorted(
-        identifier
-        for identifier in model.inputs_of(variable.id)
-        if identifier not in given and model.variables[identifier].value is None
-    )
-    if unknown:
-        raise model.error(
-            variable.line,
-            f"depends on {', '.join(unknown)}: give a value under vehicle.daveml_inputs",
-            name,
-        )
+    own = (inputs or {}).items()
+    given = {found.id: value for key, value in own if (found := model.named(key)) is not None}
+    needed = model.inputs_of(variable.id) - given.keys()
+    if unknown := sorted(one for one in needed if model.variables[one].value is None):
+        words = f"depends on {', '.join(unknown)}: give a value under vehicle.daveml_inputs"
+        raise model.error(variable.line, words, name)
     return model.evaluate(variable.id, given) * factor(model, variable, kind), variable.line
 
 

@@ -1,24 +1,131 @@
-"""The folder of a validation: the table as Markdown, CSV and JSON, every flight as Parquet, one picture."""
+"""The table of missions in words, the same on the terminal, on the page and in files, and the folder of a
+validation: the table as Markdown, CSV and JSON, every flight as Parquet, one picture.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from math import floor, isfinite, isinf, log10
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pyarrow.parquet as pq
 
 from edl6dof import __version__
-from edl6dof.campaign.rows import Row, table_of
+from edl6dof.campaign.executor import Row, table_of
+from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.document.jsontext import json_text
-from edl6dof.missions.comparison import WITHIN, Compared, Predicted, inside, reached_goal
-from edl6dof.missions.words import HEADS, causes, cells, failures, heading, outcome
+from edl6dof.config.wording import counted
+from edl6dof.metrics.published import Evidence
+from edl6dof.missions.mission import GOAL, WITHIN, Compared, Predicted, inside, reached_goal
+from edl6dof.report.document import significant
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import BLUE, PHASES, SKY, VERMILION
+
+HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "")
+_LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}
+#: What stands in the last column: not predicted; no prediction, as the scenario was calibrated on it.
+OUTSIDE, FITTED = "outside", "fitted"
+
+
+def cells(one: Predicted) -> tuple[str, ...]:
+    """A row of the table under :data:`HEADS`."""
+    return (
+        one.figure.meaning + (f" ({one.figure.unit.label})" if one.figure.unit.label else ""),
+        predicted(one),
+        "" if one.published.planned else published(one),
+        published(one) if one.published.planned else "",
+        f"[{_LETTERS[one.status]}]" if one.status in _LETTERS else "",
+        sigmas(one),
+        remark(one),
+    )
+
+
+def predicted(one: Predicted) -> str:
+    """Mean and spread, with as many decimals as the spread has two digits."""
+    if not one.flights:
+        return "not reached"
+    if not one.deviation > 0.0:
+        return f"{significant(one.mean)} +- 0"
+    places = max(1 - floor(log10(one.deviation)), 0)
+    return f"{one.mean:.{places}f} +- {one.deviation:.{places}f}"
+
+
+def published(one: Predicted) -> str:
+    """The published value with what it is known to."""
+    known = "" if one.published.sigma is None else f" +- {one.published.sigma:g}"
+    return f"{one.published.bound} {one.published.number:.10g}{known}".strip()
+
+
+def sigmas(one: Predicted) -> str:
+    """The difference in standard deviations; of a requirement and of a plan nothing."""
+    if one.published.required or one.published.planned or not one.flights:
+        return ""
+    return ("-inf" if one.sigmas < 0.0 else "+inf") if isinf(one.sigmas) else f"{one.sigmas:+.1f}"
+
+
+def remark(one: Predicted) -> str:
+    """Say if the flown value is predicted, or why it does not count; how many keep a requirement."""
+    if one.published.required:
+        return f"{100.0 * one.below:.3g} % keep" if isfinite(one.below) else "not reached"
+    if one.counted:
+        words = [] if one.inside else [OUTSIDE]
+    else:
+        words = [one.published.evidence]
+    return ", ".join(words + ([FITTED] if one.fitted else []))
+
+
+def heading(mission: Compared) -> tuple[str, ...]:
+    """The row of a mission above those of its figures: how many flights, and how much of it is predicted."""
+    share = inside(mission.predicted)
+    return (
+        mission.name,
+        counted(mission.flights, "flight"),
+        *("", "", "", ""),
+        f"{share.successes} of {share.trials}",
+    )
+
+
+def failures(mission: Compared) -> list[str]:
+    """Why flights did not end within limits, and how many."""
+    return [
+        f"{mission.name}: {counted(number, 'flight')}: {cause}" for cause, number in mission.causes.items()
+    ]
+
+
+def causes(mission: Compared) -> list[str]:
+    """Every flown value that counts and is not predicted, with its cause."""
+    return [
+        f"{mission.name}, {one.figure.meaning}: {one.published.because or 'no cause is known'}"
+        for one in mission.counted
+        if not one.inside
+    ]
+
+
+def outcome(missions: Sequence[Compared]) -> str:
+    """All missions in a line."""
+    every = [one for mission in missions for one in mission.predicted]
+    share, own = inside(every), inside([one for one in every if not one.fitted])
+    if not share.trials:
+        return "no flown value counts" + _not_counted(every)
+    words = f"{share.successes} of {counted(share.trials, 'flown value')} within {WITHIN:g} sigma, "
+    words += f"{100.0 * share.value:.0f} %; goal {100.0 * GOAL:.0f} %"
+    if own.trials < share.trials:
+        words += f" (of those not calibrated on {own.successes} of {own.trials}, {100.0 * own.value:.0f} %)"
+    return words + _not_counted(every)
+
+
+def _not_counted(predicted: Sequence[Predicted]) -> str:
+    """How many values are shown and not counted, by what they are; nothing where there are none."""
+    found = Counter(one.published.evidence for one in predicted if not one.published.required)
+    told = ", ".join(f"{found[kind]} {kind}" for kind in get_args(Evidence)[1:] if found[kind])
+    return f"; not counted: {told}" if told else ""
+
 
 #: Columns of the CSV, a row for each published figure.
 COLUMNS = (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.interchange.mesh_file import read_mesh_file
+from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.poses import Motion

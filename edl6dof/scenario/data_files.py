@@ -26,7 +26,7 @@ from edl6dof.environment.landing_area.dtm_file import dtm_path
 from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
 from edl6dof.environment.wind import require_winds
-from edl6dof.interchange.mesh_file import read_mesh_file
+from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
 from edl6dof.vehicle.aerodynamics.table import (

@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import pyarrow as pa
 
 import edl6dof
-from edl6dof.campaign.rows import Collect, Row, table_of
+from edl6dof.campaign.executor import Collect, Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.units import split_unit
 
@@ -55,18 +56,19 @@ class Finding:
 
     @property
     def holds(self) -> bool | None:
-        """Whether the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
-        if self.published is None or not (self.bound or self.within is not None):
+        """True if the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
+        if self.published is None:
             return None
         if self.bound:
-            return bool(
-                self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
-            )
-        return bool(abs(self.computed - self.published) <= (self.within or 0.0) * abs(self.published))
+            higher = self.computed >= self.published
+            return bool(higher if self.bound == ">=" else self.computed <= self.published)
+        if self.within is None:
+            return None
+        return bool(abs(self.computed - self.published) <= self.within * abs(self.published))
 
     @property
     def ok(self) -> bool:
-        """Whether the figure is as the study says; one that could not be formed is not."""
+        """True if the figure is as the study says; one that could not be formed is not."""
         return self.holds is None or (isfinite(self.computed) and self.holds != bool(self.why))
 
     @property
@@ -126,7 +128,7 @@ SQUARE = {"aspect": "equal"}
 
 @dataclass(frozen=True)
 class Report:
-    """What a study found.
+    """Findings of a study, and all that is shown with them.
 
     Attributes:
         findings: computed beside published.
@@ -146,7 +148,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether every figure is as the study says."""
+        """True if every figure is as the study says."""
         return all(finding.ok for finding in self.findings)
 
 
@@ -221,20 +223,17 @@ class Study:
 
 def to_json(study: Study, report: Report) -> str:
     """Findings as JSON text; what could not be formed is null."""
-    return json_text({
-        "study": study.name,
-        "title": study.title,
-        "source": study.source,
-        "runs": report.runs,
-        "ok": report.ok,
+    grids = [
+        {"title": title, "rows": [dict(zip(heads, row, strict=True)) for row in rows]}
+        for title, heads, rows in report.grids
+    ]
+    found = {
+        **{"study": study.name, "title": study.title, "source": study.source},
+        **{"runs": report.runs, "ok": report.ok},
         "findings": [{**vars(one), "ok": one.ok, "result": one.result} for one in report.findings],
-        "grids": [
-            {"title": g.title, "rows": [dict(zip(g.heads, row, strict=True)) for row in g.rows]}
-            for g in report.grids
-        ],
-        "remarks": list(report.remarks),
-        "edl6dof_version": edl6dof.__version__,
-    })  # fmt: skip
+        **{"grids": grids, "remarks": list(report.remarks), "edl6dof_version": edl6dof.__version__},
+    }
+    return json_text(found)
 
 
 def write_study(study: Study, report: Report, folder: Path) -> None:
@@ -242,17 +241,21 @@ def write_study(study: Study, report: Report, folder: Path) -> None:
     import pyarrow.parquet as pq
 
     (folder / "summary.json").write_text(to_json(study, report), encoding="utf-8")
-    table = table_of(report.rows)
-    schema = table.schema
-    for index, one in enumerate(schema):
-        unit = split_unit(one.name.rpartition(".")[2])[1].label
-        schema = schema.set(index, one.with_metadata({"unit": unit}))
-    schema = schema.with_metadata(
-        {"study": study.name, "source": study.source, "edl6dof_version": edl6dof.__version__}
-    )
+    table, about = table_of(report.rows), {"study": study.name, "source": study.source}
+    units = (split_unit(one.name.rpartition(".")[2])[1].label for one in table.schema)
+    fields = [one.with_metadata({"unit": unit}) for one, unit in zip(table.schema, units, strict=True)]
+    schema = pa.schema(fields, {**about, "edl6dof_version": edl6dof.__version__})
     pq.write_table(table.cast(schema), folder / "runs.parquet", compression="zstd")
     for name, panels in (report.pictures or {}).items():
         _write_picture(panels, folder / f"{name}.png")
+
+
+#: How matplotlib draws a curve of each kind.
+_STYLES: dict[str, dict[str, Any]] = {
+    "line": {"linewidth": 1.2},
+    "dots": {"linestyle": "", "marker": "."},
+    "reference": {"linestyle": "--", "color": "k", "linewidth": 1.0},
+}
 
 
 def _write_picture(panels: Sequence[Panel], path: Path) -> None:
@@ -265,19 +268,10 @@ def _write_picture(panels: Sequence[Panel], path: Path) -> None:
         figure = Figure(figsize=(6.0 * across, 4.0 * down), dpi=100, layout="constrained")
         for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
             for curve in panel.curves:
-                _draw(axes, curve)
+                x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)
+                axes.plot(x, y, label=curve.label, **_STYLES[curve.kind])
             axes.set(title=panel.title, xlabel=panel.x_label, ylabel=panel.y_label, **panel.options)
             axes.grid(alpha=0.4)
             if any(curve.label for curve in panel.curves):
                 axes.legend(fontsize="small")
         figure.savefig(path)
-
-
-def _draw(axes: Any, curve: Curve) -> None:
-    x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)
-    if curve.kind == "dots":
-        axes.plot(x, y, ".", label=curve.label)
-    elif curve.kind == "reference":
-        axes.plot(x, y, "k--", linewidth=1.0, label=curve.label)
-    else:
-        axes.plot(x, y, linewidth=1.2, label=curve.label)

@@ -13,7 +13,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from math import cos, degrees, inf, isfinite, nan, radians, sin
 from typing import Any, NamedTuple
 
@@ -22,8 +21,8 @@ import numpy as np
 import edl6dof
 from edl6dof import Case, LoadedScenario, fly_rows
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.quantiles import percent
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.statistics import percent
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import counted
 from edl6dof.fsw.guidance.command import GUIDE
@@ -71,9 +70,7 @@ Calls = dict[tuple[str, str], float]
 
 
 def run(session: Session) -> Report:
-    """Fly the laws: dispersed entries, and a twentieth of that in each condition; then with lift up the
-    entries that all laws missed.
-    """
+    """Fly dispersed entries and conditions by all laws; with lift up the entries that all laws missed."""
     flights, rows = session.flights, []
     calls: Calls = {}
     each = [len(cases(vehicle, vehicle.load().scenario, "", flights)) for vehicle in VEHICLES]
@@ -85,23 +82,16 @@ def run(session: Session) -> Report:
             calls[vehicle.name, law] = call_time(loaded)
     far = [row for vehicle in VEHICLES if vehicle.dispersions for row in lift_up(vehicle, rows, flights)]
     beyond = {vehicle.name: out_of_reach(pick(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
-    return Report(
-        list(findings(rows, calls, beyond)),
-        [*rows, *far],
-        session.total + len(far),
-        list(_grids(rows, calls)),
-        REMARKS,
-        _pictures(pick(rows, condition=DISPERSED)),
-    )
+    found, grids = list(findings(rows, calls, beyond)), list(_grids(rows, calls))
+    pictures = _pictures(pick(rows, condition=DISPERSED))
+    return Report(found, [*rows, *far], session.total + len(far), grids, REMARKS, pictures)
 
 
 # ---- vehicles and laws ---------------------------------------------------------------------------------
 
 
 class Vehicle(NamedTuple):
-    """An entry by the name of its scenario, with ``--set`` texts that this comparison adds, and the campaign
-    whose dispersions it is flown with, too, if any.
-    """
+    """An entry: its scenario, added ``--set`` texts, and the campaign that disperses it, if any."""
 
     name: str
     changes: tuple[str, ...] = ()
@@ -130,13 +120,9 @@ _WITH_LAW = {"fnpeg": (f"{ENTRY}.reversal.logic=own_sign",)}
 
 def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     """The entry flown by a law; the open-loop law flies the bank angle that was planned."""
-    planned = vehicle.load(f"{ENTRY}.reference_bank.fit_range=true")
-    return vehicle.load(
-        "simulation.log_every=5",
-        f"{ENTRY}.law={law}",
-        *_WITH_LAW.get(law, ()),
-        f"{ENTRY}.bank_profile={json.dumps({'points': planned_bank(planned)})}",
-    )
+    points = planned_bank(vehicle.load(f"{ENTRY}.reference_bank.fit_range=true"))
+    profile = f"{ENTRY}.bank_profile={json.dumps({'points': points})}"
+    return vehicle.load("simulation.log_every=5", f"{ENTRY}.law={law}", *_WITH_LAW.get(law, ()), profile)
 
 
 def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
@@ -155,28 +141,13 @@ def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
 #: What every flight has besides; each has its own waves of density, gusts and copies of the instruments.
 WAVES_AND_GUSTS: Values = {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}
 _ANGLE = "initial.flight_path_angle_deg"
-_TRACKING, _NAVIGATION = "sensors.ground_tracking", "sensors.navigation_error"
 _SLOW_DEG_S, _WIND_M_S = 5.0, 60.0
 #: How much worse than believed the state is that the ground sends up.
 _WORSE_TRACKING = 3.0
 
 
-def _nothing(scenario: Scenario, flight: int) -> Values:
-    return {}
-
-
-def _density(factor: float, scenario: Scenario, flight: int) -> Values:
-    return {"atmosphere.density_factor": factor}
-
-
-def _entry_angle(more_deg: float, scenario: Scenario, flight: int) -> Values:
-    return {_ANGLE: value_at(scenario, _ANGLE) + more_deg}
-
-
 def _less_lift(scenario: Scenario, flight: int) -> Values:
-    """A fifth of the lift-to-drag ratio gone: of a capsule by its centre of mass, a third of whose offset
-    makes that of the trim angle.
-    """
+    """A fifth of the lift-to-drag ratio gone, of a capsule by a third of its centre's offset."""
     rigid = scenario.dynamics == "six_dof"
     path = "vehicle.mass.entry_centre_m.2" if rigid else "vehicle.aero.lift_drag.lift_to_drag"
     return {path: (2.0 / 3.0 if rigid else 0.8) * value_at(scenario, path)}
@@ -200,20 +171,16 @@ def _slow_bank(scenario: Scenario, flight: int) -> Values:
 
 
 def _poor_navigation(scenario: Scenario, flight: int) -> Values:
-    """Errors of the state that the ground sends up, three times those believed; a point mass has them all the
-    way.
-    """
-    if scenario.dynamics == "six_dof":
-        worse = _of_each_axis(_TRACKING, scenario.sensors.ground_tracking)
-        return {path: _WORSE_TRACKING * sigma for path, sigma in worse}
-    draws, sigmas = np.random.default_rng((SEED, flight)), _of_each_axis(_NAVIGATION, GroundTrackingParams())
-    return {path: _WORSE_TRACKING * sigma * draws.standard_normal() for path, sigma in sigmas}
-
-
-def _of_each_axis(section: str, tracking: GroundTrackingParams) -> Iterator[tuple[str, float]]:
+    """State errors three times those believed, sent up by the ground; of a point mass all the way."""
+    rigid, draws = scenario.dynamics == "six_dof", np.random.default_rng((SEED, flight))
+    tracking = scenario.sensors.ground_tracking if rigid else GroundTrackingParams()
+    found = {}
     for axis in range(3):
-        yield f"{section}.position_m.{axis}", tracking.position_m[axis]
-        yield f"{section}.velocity_m_s.{axis}", tracking.velocity_m_s[axis]
+        for name, sigmas in (("position_m", tracking.position_m), ("velocity_m_s", tracking.velocity_m_s)):
+            error = 1.0 if rigid else draws.standard_normal()
+            section = "sensors.ground_tracking" if rigid else "sensors.navigation_error"
+            found[f"{section}.{name}.{axis}"] = _WORSE_TRACKING * sigmas[axis] * error
+    return found
 
 
 def _navigation_with_errors(scenario: Scenario, flight: int) -> Values:
@@ -221,18 +188,22 @@ def _navigation_with_errors(scenario: Scenario, flight: int) -> Values:
     return {} if rigid else {"sensors.carried": ["perfect", "imu", "navigation_error"]}
 
 
+#: Values by dotted path, of the scenario and the number of the flight.
+Change = Callable[[Scenario, int], Values]
+
+
 class Condition(NamedTuple):
     """One thing that is other than planned.
 
     Attributes:
         name: as it stands in the table.
-        truth: what is so, of the scenario and the number of the flight, and the flight computer is not told.
-        belief: what it is told.
+        truth: what is so, and the flight computer does not know.
+        belief: what it knows.
     """
 
     name: str
-    truth: Callable[[Scenario, int], Values] = _nothing
-    belief: Callable[[Scenario, int], Values] = _nothing
+    truth: Change = lambda scenario, flight: {}
+    belief: Change = lambda scenario, flight: {}
 
     def case(self, index: int, scenario: Scenario, flight: int, label: Values) -> Case:
         """Case number ``index``: the condition's flight number ``flight``."""
@@ -243,12 +214,12 @@ class Condition(NamedTuple):
 
 CONDITIONS = (
     Condition("nominal"),
-    Condition("density -40 %", partial(_density, 0.6)),
-    Condition("density +40 %", partial(_density, 1.4)),
+    Condition("density -40 %", lambda scenario, flight: {"atmosphere.density_factor": 0.6}),
+    Condition("density +40 %", lambda scenario, flight: {"atmosphere.density_factor": 1.4}),
     Condition("L/D -20 %", _less_lift),
     Condition("bank 5 deg/s", belief=_slow_bank),
-    Condition("entry -0.3 deg", partial(_entry_angle, -0.3)),
-    Condition("entry +0.3 deg", partial(_entry_angle, 0.3)),
+    Condition("entry -0.3 deg", lambda scenario, flight: {_ANGLE: value_at(scenario, _ANGLE) - 0.3}),
+    Condition("entry +0.3 deg", lambda scenario, flight: {_ANGLE: value_at(scenario, _ANGLE) + 0.3}),
     Condition("wind 60 m/s", wind),
     Condition("navigation", _poor_navigation, _navigation_with_errors),
 )
@@ -287,9 +258,7 @@ _LIFT_UP = (
 
 
 def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
-    """Rows of the entries of a vehicle that all laws missed, of ``flights`` drawn ones, with lift up; the
-    others are in reach by what was flown.
-    """
+    """Rows, flown with lift up, of those of ``flights`` drawn entries that all laws missed."""
     best: dict[int, float] = {}
     own = pick(rows, vehicle=vehicle.name, condition=DISPERSED)
     for row, miss in zip(own, misses(own), strict=True):
@@ -300,10 +269,8 @@ def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
     loaded = vehicle.load("simulation.log_every=5", *_LIFT_UP)
     truths = entries(vehicle.dispersions, flights)
     about = {"vehicle": vehicle.name, "condition": "lift up", "law": "constant_bank"}
-    planned = [
-        Case(i, {**truths[number], **WAVES_AND_GUSTS}, profile=number, label=about)
-        for i, number in enumerate(missed)
-    ]
+    flown = [(number, {**truths[number], **WAVES_AND_GUSTS}) for number in missed]
+    planned = (Case(i, truth, profile=number, label=about) for i, (number, truth) in enumerate(flown))
     return list(fly_rows(loaded, planned))
 
 
@@ -316,9 +283,7 @@ def out_of_reach(rows: Sequence[Row]) -> set[int]:
 
 
 def of_flight(flight: Flight) -> dict[str, float]:
-    """Control effort, saturation and tracking of one flight, in the phase of lift control above the alignment
-    speed.
-    """
+    """Control effort, saturation and tracking in lift control above the alignment speed."""
     rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     lift = flight.during(LIFT)
     steered = lift & (rows["truth.speed_m_s"] > max(entry.align_speed_m_s, entry.heading_below_m_s))
@@ -348,9 +313,7 @@ def _repeat(law, onboards, navs, memories, work, outs, repeats):
 
 
 def call_time(loaded: LoadedScenario) -> float:
-    """Mean processor time of one guidance call (us), the compiled law alone, over states of the nominal
-    flight, steering and air data included.
-    """
+    """Mean processor time (us) of a call of the compiled law, steering and air data included."""
     onboard, saved = build_records(loaded).onboard, moments_at(loaded, TIMED_AT)
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
@@ -371,10 +334,12 @@ def misses(rows: Sequence[Row]) -> np.ndarray:
 
 def best_first(rows: Sequence[Row]) -> list[str]:
     """The laws of some rows, that first of which the next to last hundredth of the misses is smallest."""
-    return sorted(
-        kinds(rows, "law"),
-        key=lambda law: np.quantile(misses(pick(rows, law=law)), 0.99, method="higher"),
-    )
+    return sorted(kinds(rows, "law"), key=lambda law: _worst_hundredth(pick(rows, law=law)))
+
+
+def _worst_hundredth(rows: Sequence[Row]) -> float:
+    """Least of the largest hundredth of the misses, km."""
+    return float(np.quantile(misses(rows), 0.99, method="higher"))
 
 
 def unflown(rows: Sequence[Row]) -> list[Row]:
@@ -383,9 +348,7 @@ def unflown(rows: Sequence[Row]) -> list[Row]:
 
 
 def _grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
-    """For each vehicle: the largest miss in each condition, quantiles of the dispersed entries, and what the
-    flights cost.
-    """
+    """For each vehicle: largest miss in each condition, quantiles of dispersed entries, and cost."""
     for vehicle in kinds(rows, "vehicle"):
         flown = pick(rows, vehicle=vehicle)
         yield _conditions(vehicle, flown)
@@ -397,11 +360,8 @@ def _grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
 
 
 def _conditions(vehicle: str, rows: Sequence[Row]) -> Grid:
-    counts = {
-        name: len(own) // len(kinds(rows, "law"))
-        for name in (*(c.name for c in CONDITIONS), DISPERSED)
-        if (own := pick(rows, condition=name))
-    }
+    names, laws = (*(one.name for one in CONDITIONS), DISPERSED), len(kinds(rows, "law"))
+    counts = {name: len(own) // laws for name in names if (own := pick(rows, condition=name))}
     lines: list[Line] = []
     for law in best_first(rows):
         miss = [misses(pick(rows, law=law, condition=name)) for name in counts]
@@ -433,9 +393,7 @@ def _effort(vehicle: str, rows: Sequence[Row], calls: Calls) -> Grid:
 
 
 def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) -> Iterator[Finding]:
-    """The best laws of the dispersed entries, flights that failed, and the time of a call; ``beyond`` are the
-    entries of each vehicle that are out of reach.
-    """
+    """Best laws, failed flights, times of a call; ``beyond``: entries of each vehicle out of reach."""
     dispersed = pick(rows, condition=DISPERSED)
     for vehicle in kinds(dispersed, "vehicle"):
         yield from _best_law(vehicle, pick(dispersed, vehicle=vehicle), beyond.get(vehicle, set()))
@@ -444,20 +402,20 @@ def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) 
     label = "flights that did not reach the mortar"
     yield Finding(label, "", float(len(failed)), 0.0, "<=", why=why)
     first = rows[0]["vehicle"]  # others may fly reversals that are found by flying ahead
-    for label, bound, predicts in (
-        (f"{first}: longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),
-        (f"{first}: longest guidance call of the others", CALL_US, False),
+    for which, bound, ahead in (
+        ("laws that fly ahead", PREDICTOR_CALL_US, True),
+        ("the others", CALL_US, False),
     ):
-        own = {law: us for (vehicle, law), us in calls.items() if vehicle == first}
-        if timed := [(us, law) for law, us in own.items() if (law in PREDICTORS) == predicts]:
-            us, law = max(timed)
-            yield Finding(label, "us", us, bound, "<=", law)
+        own = [
+            (us, law) for (name, law), us in calls.items() if name == first and (law in PREDICTORS) == ahead
+        ]
+        if own:
+            us, law = max(own)
+            yield Finding(f"{first}: longest guidance call of {which}", "us", us, bound, "<=", law)
 
 
 def _best_law(vehicle: str, flown: Sequence[Row], beyond: set[int]) -> Iterator[Finding]:
-    """Misses of the best law, of all entries and of those in reach, and how often it keeps the deployment
-    box.
-    """
+    """Misses of the best law, of all entries and of those in reach, and its deployment box."""
     best = best_first(flown)[0]
     mine = pick(flown, law=best)
     share, words = 100.0 * len(beyond) / len(mine), f"{vehicle}: {percent(TARGET_SHARE)} of misses"
@@ -483,21 +441,14 @@ def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
         own = pick(dispersed, vehicle=vehicle)
         order = best_first(own)
         curves = [distribution(misses(pick(own, law=law)), law) for law in order]
-        limit = 3.0 * float(np.quantile(misses(pick(own, law=order[0])), 0.99, method="higher"))
+        limit = 3.0 * _worst_hundredth(pick(own, law=order[0]))
         options = {"xlim": (0.0, max(2.0 * TARGET_KM, limit))} if isfinite(limit) else {}
-        panels.append(
-            Panel(f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)", curves, options)
-        )
+        labels = (f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)")
+        panels.append(Panel(*labels, curves, options))
     return {"comparison": panels}
 
 
+TITLE = "Entry laws on the same entries: other air, lift, wind and entry angle, slow bank, and all dispersed"
 STUDY = Study(
-    "guidance",
-    "Entry laws on the same entries: other air, lift, wind and entry angle, slow bank, and all dispersed",
-    "this simulator, 2026",
-    run,
-    runs=200,
-    quick_runs=20,
-    counted=True,
-    parts=LAWS,
+    "guidance", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
 )

@@ -17,7 +17,7 @@ from scipy.integrate import quad
 import edl6dof
 from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.metrics.footing import COUNTED, FOOTPRINT
@@ -63,16 +63,10 @@ def run(session: Session) -> Report:
 
 def over(abundance: float, way: str) -> LoadedScenario:
     """The landing one way over ground with that many rocks."""
-    return edl6dof.load(
-        SCENARIO,
-        [
-            "simulation.log_every=5",
-            "atmosphere.perturbation.enabled=true",
-            "wind.gust.enabled=true",
-            f"terrain.landing_area.rock_abundance={abundance:g}",
-            f"flight_software.hazard.detection={way}",
-        ],
-    )
+    air = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
+    ground = f"terrain.landing_area.rock_abundance={abundance:g}"
+    detection = f"flight_software.hazard.detection={way}"
+    return edl6dof.load(SCENARIO, ["simulation.log_every=5", *air, ground, detection])
 
 
 def cases(abundance: float, way: str, flights: int) -> list[Case]:
@@ -96,9 +90,7 @@ def blind_share(abundance: float) -> float:
 
 
 def on_a_rock(rows: list[Row]) -> float:
-    """Share (%) of flights that came down on a rock that counts; one that did not come down to stand counts
-    as one that did.
-    """
+    """Share (%) of flights that came down on a rock that counts, or did not come down to stand."""
     return percentage(column(rows, "rocks_under_lander", inf) > 0.0)
 
 
@@ -126,15 +118,12 @@ def _blind(rows: list[Row]) -> Iterator[Finding]:
 
 def _avoiding(way: str, rows: list[Row]) -> Iterator[Finding]:
     label = f"{100.0 * AT:g} %, {way}"
-    false, least = (
-        100.0 * mean(rows, "spot_false_safe"),
-        float(np.min(column(rows, "min_drift_distance_m", inf))),
-    )
+    false, least = 100.0 * mean(rows, "spot_false_safe"), np.min(column(rows, "min_drift_distance_m", inf))
     yield Finding(f"{label}: landings on a rock", "%", on_a_rock(rows), ON_A_ROCK_PCT, "<=")
     yield Finding(f"{label}: chosen as safe with a rock under it", "%", false, FALSE_SAFE_PCT, "<=")
     spot = Finding(f"{label}: 95 % of touchdowns from the spot", "m", nan, SPOT_M, "<=")
     yield with_quantile(spot, column(rows, "spot_miss_m", inf), 0.95)
-    yield Finding(f"{label}: least distance from backshell and canopy", "m", least, CLEAR_M, ">=")
+    yield Finding(f"{label}: least distance from backshell and canopy", "m", float(least), CLEAR_M, ">=")
 
 
 _HEADS = (
@@ -153,11 +142,10 @@ def _grids(rows: list[Row]) -> Iterator[Grid]:
         yield Grid(title, _HEADS, [(way, *_figures(some)) for way, some in flown.items()])
     for abundance in ABUNDANCES:
         flown = {way: pick(rows, abundance=abundance, way=way) for way in ways if way != BLIND}
-        if flown:
+        misses = {way: column(some, "spot_miss_m") for way, some in flown.items()}
+        if misses:
             title = f"rocks cover {100.0 * abundance:g} %: quantiles of touchdowns from the chosen spot, m"
-            yield quantile_grid(
-                title, "way", {way: column(some, "spot_miss_m") for way, some in flown.items()}
-            )
+            yield quantile_grid(title, "way", misses)
 
 
 def _figures(rows: list[Row]) -> tuple[float, ...]:
@@ -176,30 +164,18 @@ def _figures(rows: list[Row]) -> tuple[float, ...]:
 def _pictures(rows: list[Row]) -> dict[str, list[Panel]]:
     """Landings on a rock by abundance, and touchdowns from their spots."""
     ways, percent = kinds(rows, "way"), [100.0 * share for share in ABUNDANCES]
-    flown = [
-        Curve(percent, [on_a_rock(pick(rows, abundance=k, way=way)) for k in ABUNDANCES], way) for way in ways
-    ]
     known = Curve(percent, [100.0 * blind_share(k) for k in ABUNDANCES], f"{BLIND}: expected", "reference")
-    spots = [
-        distribution(column(pick(rows, abundance=AT, way=way), "spot_miss_m"), way)
-        for way in ways
-        if way != BLIND
-    ]
-    return {
-        "comparison": [
-            Panel("landings on a rock >= 0.5 m", "rocks, % of the ground", "%", [*flown, known]),
-            Panel("touchdown from the chosen spot", "distance (m)", "flights within (%)", spots),
-        ]
-    }
+    flown, spots = [known], []
+    for way in ways:
+        flown.append(Curve(percent, [on_a_rock(pick(rows, abundance=k, way=way)) for k in ABUNDANCES], way))
+        if way != BLIND:
+            spots.append(distribution(column(pick(rows, abundance=AT, way=way), "spot_miss_m"), way))
+    panels = [Panel("landings on a rock >= 0.5 m", "rocks, % of the ground", "%", flown)]
+    panels.append(Panel("touchdown from the chosen spot", "distance (m)", "flights within (%)", spots))
+    return {"comparison": panels}
 
 
+TITLE = "Landings among rocks with and without hazard avoidance, at rock abundances of 4, 10 and 20 %"
 STUDY = Study(
-    "hazards",
-    "Landings among rocks with and without hazard avoidance, at rock abundances of 4, 10 and 20 %",
-    "this simulator, 2026",
-    run,
-    runs=200,
-    quick_runs=10,
-    counted=True,
-    parts=WAYS,
+    "hazards", TITLE, "this simulator, 2026", run, runs=200, quick_runs=10, counted=True, parts=WAYS
 )

@@ -16,12 +16,12 @@ from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import State
-from edl6dof.campaign.executor import in_threads
+from edl6dof.campaign.executor import Row, in_threads
 from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
-from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.control.frames import goal_attitude
 from edl6dof.interface.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
@@ -64,9 +64,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the nominal and its neighbours, dispersed starts of the powered descent with either formulation,
-    and the single experiments.
-    """
+    """Fly the nominal and its neighbours, dispersed powered descents, and the single experiments."""
     nominal = edl6dof.fly(SCENARIO, [_PERFECT])
     around = min(FLIGHTS, max(2, session.flights))
     release = state_at(nominal.metrics["backshell_s"] + AFTER_RELEASE_S)
@@ -74,7 +72,8 @@ def run(session: Session) -> Report:
     starts = [(number, entry, way) for number, entry in enumerate(entries) for way in FORMULATIONS]
     before = avoidance_starts(session.flights)
     cases = list(avoidance_cases(before, nominal.scenario))
-    session.expect(1 + around + len(starts) + len(AGAINST_STEP) + len(cases) + len(WING))
+    single = len(AGAINST_STEP) + len(WING)
+    session.expect(1 + around + len(starts) + len(cases) + single)
     means = sample_means(fly_neighbours(nominal.loaded, around), nominal.scenario.published)
     session.step(1 + around)
     rows: list[Row] = []
@@ -86,20 +85,11 @@ def run(session: Session) -> Report:
         session.step()
     rows += [step_row(name, flight) for name, flight in torque_steps(nominal).items()]
     rows += [wing_row(name, flight) for name, flight in failed_wings().items()]
-    session.step(len(AGAINST_STEP) + len(WING))
-    return Report(
-        [
-            *_of_the_flight(nominal, means),
-            _lateral_force(nominal),
-            *_of_entries(pick(rows, experiment="entry")),
-            *_of_experiments(rows),
-        ],
-        rows,
-        session.total,
-        _avoidance_grids(nominal, pick(rows, experiment="avoidance")),
-        REMARKS,
-        _pictures(nominal, before),
-    )
+    session.step(single)
+    findings = [*_of_the_flight(nominal, means), _lateral_force(nominal)]
+    findings += [*_of_entries(pick(rows, experiment="entry")), *_of_experiments(rows)]
+    grids = _avoidance_grids(nominal, pick(rows, experiment="avoidance"))
+    return Report(findings, rows, session.total, grids, REMARKS, _pictures(nominal, before))
 
 
 def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
@@ -114,9 +104,7 @@ def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
 def carry_on(
     state: State, changes: Sequence[str] = (), truth: Mapping[str, Any] | None = None, until_s: float = 900.0
 ) -> Flight:
-    """Fly on from a state under changed settings, and under a truth of which the flight computer is not
-    told.
-    """
+    """Fly on from a state under changed settings, and a truth that the flight computer does not know."""
     overrides = [*changes, f"simulation.time_limit_s={until_s}"]
     if truth:
         overrides.append(f"truth={json.dumps(dict(truth))}")
@@ -125,13 +113,8 @@ def carry_on(
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
     """First columns of a row."""
-    return {
-        "experiment": experiment,
-        "variant": variant,
-        "case": index,
-        "landed": bool(flight.landed),
-        "outcome": flight.outcome,
-    }
+    head = {"experiment": experiment, "variant": variant, "case": index}
+    return {**head, "landed": bool(flight.landed), "outcome": flight.outcome}
 
 
 def last_time(t: np.ndarray, outside: np.ndarray) -> float:
@@ -171,11 +154,9 @@ def _of_the_flight(nominal: Flight, means: Mapping[str, SampleMean]) -> Iterator
     """Mean and spread of every published figure beside its published value."""
     published = {name: entry for name, entry in nominal.scenario.published.items() if name in _FLIGHT}
     for figure, entry in published_figures(published):
-        own = means.get(figure.name, SampleMean(nan, nan, 0))
-        yield Finding(
-            figure.meaning, figure.unit.label, entry.of(own.mean), entry.number, entry.bound,
-            _FLIGHT[figure.name], own.deviation,
-        )  # fmt: skip
+        own, note = means.get(figure.name, SampleMean(nan, nan, 0)), _FLIGHT[figure.name]
+        label, unit, computed = figure.meaning, figure.unit.label, entry.of(own.mean)
+        yield Finding(label, unit, computed, entry.number, entry.bound, note, own.deviation)
 
 
 def _lateral_force(flight: Flight) -> Finding:
@@ -198,9 +179,7 @@ FOUND_DEG, WATCHED_S = 5.0, 12.0
 
 
 class Entry(NamedTuple):
-    """How the lander hangs when the powered descent begins: roll error, tilt towards an azimuth of the body,
-    body rate.
-    """
+    """Roll error, tilt towards an azimuth of the body, and body rate where powered descent begins."""
 
     roll_deg: float
     tilt_deg: float
@@ -209,14 +188,13 @@ class Entry(NamedTuple):
 
 
 def draw_entries(count: int, seed: int) -> list[Entry]:
-    """Dispersed starts of the powered descent: any roll up to 120 deg, tilts of 10 to 40 deg, rates of 5
-    deg/s (1 sigma).
-    """
-    rng, found = np.random.default_rng(seed), []
+    """Draw starts: roll up to 120 deg, tilts of 10 to 40 deg, rates of 5 deg/s (1 sigma)."""
+    rng = np.random.default_rng(seed)
+    ranges = ((-120.0, 120.0), (10.0, 40.0), (0.0, 360.0))
+    found = []
     for _ in range(count):
-        roll, tilt, towards = rng.uniform(-120.0, 120.0), rng.uniform(10.0, 40.0), rng.uniform(0.0, 360.0)
-        rate = 5.0 * rng.standard_normal(3)
-        found.append(Entry(float(roll), float(tilt), float(towards), tuple(map(float, rate))))
+        roll, tilt, towards = (float(rng.uniform(*ends)) for ends in ranges)
+        found.append(Entry(roll, tilt, towards, tuple((5.0 * rng.standard_normal(3)).tolist())))
     return found
 
 
@@ -255,23 +233,16 @@ def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row
 def thrust_error_deg(flight: Flight) -> np.ndarray:
     """Angle between thrust axis and commanded thrust direction, by row of telemetry."""
     rows = flight.telemetry
-    spin = flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
-    latitude, longitude = (
-        np.radians(rows["truth.latitude_deg"]),
-        np.radians(rows["truth.longitude_deg"]) + spin,
+    east_of_I = rows["truth.longitude_deg"] + np.degrees(
+        flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
     )
-    sl, cl, so, co = np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
-    north, east = np.stack([-sl * co, -sl * so, cl]), np.stack([-so, co, np.zeros_like(so)])
-    down = -np.stack([cl * co, cl * so, sl])
-    wanted = sum(
-        rows[f"guide.thrust_direction_{name}"] * axis
-        for name, axis in (("north", north), ("east", east), ("down", down))
-    )
-    w, x, y, z = (rows[f"truth.q_I2B_{c}"] for c in "wxyz")
-    thrust = -np.stack([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)])
-    return np.degrees(
-        np.arctan2(np.linalg.norm(np.cross(thrust, wanted, axis=0), axis=0), np.sum(thrust * wanted, axis=0))
-    )
+    turns = np.column_stack([east_of_I, -rows["truth.latitude_deg"] - 90.0])  # that turn I north, east, down
+    asked = np.stack([rows[f"guide.thrust_direction_{axis}"] for axis in ("north", "east", "down")], axis=1)
+    wanted = Rotation.from_euler("ZY", turns, degrees=True).apply(asked)
+    attitude = np.stack([rows[f"truth.q_I2B_{c}"] for c in "wxyz"], axis=1)
+    thrust = Rotation.from_quat(attitude, scalar_first=True).apply([-1.0, 0.0, 0.0])
+    across = np.linalg.norm(np.cross(thrust, wanted), axis=1)
+    return np.degrees(np.arctan2(across, np.sum(thrust * wanted, axis=1)))
 
 
 def _of_entries(rows: list[Row]) -> Iterator[Finding]:
@@ -298,9 +269,7 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
     # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9,
     # lambda 8
     "equal PID": (
-        INTEGRAL,
-        f"{_PITCH_YAW}.proportional=16.6",
-        f"{_PITCH_YAW}.integral=11.2",
+        *(INTEGRAL, f"{_PITCH_YAW}.proportional=16.6", f"{_PITCH_YAW}.integral=11.2"),
         f"{_PITCH_YAW}.derivative=9.9",
     ),
 }
@@ -308,15 +277,13 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
 STEP_AFTER_S, STEP_WATCHED_S = 11.0, 25.0
 #: Attitude error below which a torque step counts as settled: above the limit cycle of the thrusters.
 SETTLED_DEG = 0.5
-#: Whether thrusters hold the angle of attack after the wing failed, or it is left to trim.
+#: Thrusters hold the angle of attack after the wing failed, or it is left to trim.
 HELD = "alpha held"
 WING = {HELD: True, "left to trim": False}
 
 
 def torque_steps(flight: Flight) -> dict[str, Flight]:
-    """The hover with the engine suddenly off the centre of mass, so that it turns the vehicle about z of
-    B.
-    """
+    """Fly the hover with the engine suddenly off the centre of mass, which turns about z of B."""
     start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
@@ -394,9 +361,7 @@ _ENTRIES_FOR_A_START = 33
 
 
 class Avoidance(NamedTuple):
-    """One avoidance: from which start, under which control, and which thruster dies; none where it is
-    empty.
-    """
+    """One avoidance: its start, its control, and the thruster that dies; none where it is empty."""
 
     start: int
     control: str
@@ -417,9 +382,7 @@ def avoidance_starts(entries: int) -> list[State]:
 
 
 def avoidance_cases(states: list[State], scenario: Scenario) -> Iterator[Avoidance]:
-    """Every control with all thrusters sound, and with each horizontal one dead at every moment, diagnosed
-    and not; and the slower estimators.
-    """
+    """Every control with all thrusters sound, and each horizontal one dead; slower estimators."""
     for start in range(len(states)):
         for control in CONTROL:
             yield Avoidance(start, control, True)
@@ -432,18 +395,20 @@ def avoidance_cases(states: list[State], scenario: Scenario) -> Iterator[Avoidan
 
 
 def pushes(scenario: Scenario) -> dict[str, tuple[float, float]]:
-    """Direction north and east in which each horizontal thruster pushes the upright lander, whose y axis
-    points south and whose z axis west.
-    """
-    thrusters = scenario.vehicle.rcs.thrusters
-    return {
-        one.name: (-one.direction[1], -one.direction[2]) for one in thrusters if one.group == "horizontal"
-    }
+    """North and east parts of each horizontal push on the upright lander: y points south, z west."""
+    horizontal = [one for one in scenario.vehicle.rcs.thrusters if one.group == "horizontal"]
+    return {one.name: (-one.direction[1], -one.direction[2]) for one in horizontal}
+
+
+def spot(scenario: Scenario, case: Avoidance) -> tuple[float, float]:
+    """Way north and east to the safe spot, m."""
+    north, east = pushes(scenario)[case.thruster or SHOWN]
+    return WAY_M * north, WAY_M * east
 
 
 def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
     """Fly an avoidance."""
-    north, east = pushes(scenario)[case.thruster or SHOWN]
+    north, east = spot(scenario, case)
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     when = f"{{phase: {phase}, plus_s: {case.moment_s}}}"
     dead = f"faults=[{{thruster: {case.thruster}, kind: stuck_off, at: {when}}}]"
@@ -452,26 +417,23 @@ def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
         *CONTROL[case.control],
         *DIAGNOSED[case.diagnosed],
         *((dead,) if case.thruster else ()),
-        f"{terminal}.safe_spot_north_m={WAY_M * north}",
-        f"{terminal}.safe_spot_east_m={WAY_M * east}",
+        f"{terminal}.safe_spot_north_m={north}",
+        f"{terminal}.safe_spot_east_m={east}",
         f"flight_software.estimation.first_order.torque_pole_rad_s={case.pole_rad_s}",
     )
     return carry_on(states[case.start], changes)
 
 
 def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> Row:
-    """What an avoidance does to the roll axis, and how far from the safe spot it ends."""
+    """Effect of an avoidance on the roll axis, and its distance from the safe spot at the end."""
     flight = avoid(states, scenario, case)
     table, rows = flight.telemetry, np.flatnonzero(flight.during(HAZARD_AVOIDANCE))
-    north, east = (WAY_M * part for part in pushes(scenario)[case.thruster or SHOWN])
+    north, east = spot(scenario, case)
     places = [table[f"truth.site_{axis}_m"] for axis in ("north", "east")]
     way = [place[rows[-1]] - place[rows[0]] for place in places]
     return {
         **_head("avoidance", case.control, flight, case.start),
-        "thruster": case.thruster,
-        "moment_s": case.moment_s,
-        "diagnosed": case.diagnosed,
-        "pole_rad_s": case.pole_rad_s,
+        **{name: getattr(case, name) for name in ("thruster", "moment_s", "diagnosed", "pole_rad_s")},
         "named": [one.thruster for one in flight.isolated_faults] == [case.thruster],
         "peak_error_deg": float(np.max(np.abs(table["control.error_roll_deg"][rows]))),
         "peak_rate_deg_s": float(np.max(np.abs(table["truth.rate_p_deg_s"][rows]))),
@@ -519,18 +481,9 @@ def _avoidance_grids(nominal: Flight, avoided: list[Row]) -> list[Grid]:
         (f"{row['pole_rad_s']:g}", foreseen_deg(scenario, inertia, row["pole_rad_s"]), row["peak_error_deg"])
         for row in pick(avoided, variant=FLOWN, thruster=SHOWN, moment_s=0.0, diagnosed=False, case=0)
     ]
-    return [
-        Grid(
-            f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {each} each",
-            heads,
-            lines,
-        ),
-        Grid(
-            f"{SHOWN} dead, undiagnosed, {FLOWN}",
-            ("lambda (rad/s)", "foreseen (deg)", "flown (deg)"),
-            slower,
-        ),
-    ]
+    title = f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {each} each"
+    foreseen = ("lambda (rad/s)", "foreseen (deg)", "flown (deg)")
+    return [Grid(title, heads, lines), Grid(f"{SHOWN} dead, undiagnosed, {FLOWN}", foreseen, slower)]
 
 
 def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> list[Row]:
@@ -540,9 +493,7 @@ def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> lis
 
 
 def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
-    """Fig. 7: roll in hazard avoidance with the thruster of the paper's figure dead from the start; Fig. 11:
-    the disturbance torque that is estimated in the powered descent.
-    """
+    """Fig. 7: roll with the paper's thruster dead from the start; Fig. 11: estimated torque."""
     roll, table = [], nominal.telemetry
     for control in CONTROL:
         for diagnosed in DIAGNOSED:
@@ -561,12 +512,5 @@ def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
     }
 
 
-STUDY = Study(
-    "hu2022",
-    "Attitude control of Tianwen-1 from entry to touchdown",
-    "Hu et al. 2022",
-    run,
-    runs=100,
-    quick_runs=6,
-    counted=True,
-)
+TITLE = "Attitude control of Tianwen-1 from entry to touchdown"
+STUDY = Study("hu2022", TITLE, "Hu et al. 2022", run, runs=100, quick_runs=6, counted=True)

@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from math import hypot, inf, isfinite, nan, sqrt
-from typing import Any
 
 import numpy as np
 
 import edl6dof
 from edl6dof import Case, LoadedScenario
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
@@ -30,7 +29,7 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.underway import moments_at
-from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.studies.samples import (
     column,
     distribution,
@@ -51,20 +50,12 @@ DIVERTS, _PER_DIVERT = (0.0, 300.0, 600.0), 10
 #: low for any law to stop.
 LATE_RELEASES = (300.0, 325.0, 350.0, 400.0, 450.0, 500.0, 550.0, 600.0, 800.0)
 #: Faults of the engine in flights that are not dispersed: when after backshell release (s), and which.
-ENGINE_FAULTS: dict[str, tuple[float, dict[str, Any]]] = {
-    **{
-        f"{100.0 * left:g} % thrust": (
-            0.0, {"kind": "engine_shortfall", "engine_shortfall": {"thrust_factor": left}},
-        )
-        for left in (0.8, 0.7, 0.6)
-    },
-    **{
-        f"{late:g} s late": (0.0, {"kind": "ignition_delay", "ignition_delay": {"delay_s": late}})
-        for late in (2.0, 4.0)
-    },
-    **{f"stuck {after:g} s": (after, {"kind": "throttle_stuck"}) for after in (5.0, 20.0, 35.0)},
-    "dead 20 s": (20.0, {"kind": "engine_dead"}),
-}  # fmt: skip
+ENGINE_FAULTS: dict[str, tuple[float, str, dict[str, float]]] = {
+    **{f"{100.0 * x:g} % thrust": (0.0, "engine_shortfall", {"thrust_factor": x}) for x in (0.8, 0.7, 0.6)},
+    **{f"{late:g} s late": (0.0, "ignition_delay", {"delay_s": late}) for late in (2.0, 4.0)},
+    **{f"stuck {after:g} s": (after, "throttle_stuck", {}) for after in (5.0, 20.0, 35.0)},
+    "dead 20 s": (20.0, "engine_dead", {}),
+}
 #: The law that the others are compared with, and the ones that solve an optimisation problem in flight.
 REFERENCE, OPTIMISERS = "polynomial", ("convex",)
 #: The law that plans nothing, and by how much (m/s) another may come down faster after a late release.
@@ -89,9 +80,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the laws: dispersed landings each, a tenth of that on each divert, and one with each late release
-    and each fault of the engine.
-    """
+    """Fly dispersed landings, diverts, late releases and faults of the engine by every law."""
     rows: list[Row] = []
     calls: dict[str, float] = {}
     truths = dispersed(session.flights)
@@ -101,14 +90,8 @@ def run(session: Session) -> Report:
         session.expect(len(session.parts) * len(planned))
         rows += session.fly(loaded, planned, of_flight)
         calls[law] = call_time(loaded)
-    return Report(
-        list(_findings(rows, calls)),
-        rows,
-        session.total,
-        list(_grids(rows, calls)),
-        REMARKS,
-        _pictures(rows),
-    )
+    found, grids = list(_findings(rows, calls)), list(_grids(rows, calls))
+    return Report(found, rows, session.total, grids, REMARKS, _pictures(rows))
 
 
 # ---- what is flown -------------------------------------------------------------------------------------
@@ -145,9 +128,10 @@ def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
     ]
     ends = f"mission.phases.{names[PARACHUTE]}.until.value"
     planned += [(release(h), i, {}, {ends: h}, 0) for i, h in enumerate(LATE_RELEASES)]
-    for i, (name, (after, fault)) in enumerate(ENGINE_FAULTS.items()):
+    for i, (name, (after, kind, values)) in enumerate(ENGINE_FAULTS.items()):
         at = {"phase": names[POWERED_DECELERATION], "plus_s": after}
-        planned.append((name, i, {"faults": [{"engine": "main", "at": at, **fault}]}, {}, 0))
+        fault = {"engine": "main", "at": at, "kind": kind, **({kind: values} if values else {})}
+        planned.append((name, i, {"faults": [fault]}, {}, 0))
     return [
         Case(i, truth, belief, profile, {"law": law, "condition": condition, "flight": flight})
         for i, (condition, flight, truth, belief, profile) in enumerate(planned)
@@ -175,11 +159,11 @@ def of_flight(flight: Flight) -> dict[str, float]:
     """
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
+    found: dict[str, float] = {"came_down": flight.landed}
     if not len(burning):
-        return {"came_down": flight.landed}
+        return found
     start, hover = burning[0], np.flatnonzero(flight.during(HOVER_IMAGING))
-    found = {
-        "came_down": flight.landed,
+    found |= {
         "ignition_height_m": float(rows["truth.height_m"][start]),
         "ignition_descent_m_s": float(rows["truth.v_down_m_s"][start]),
         "ignition_drift_m_s": hypot(rows["truth.v_north_m_s"][start], rows["truth.v_east_m_s"][start]),
@@ -261,15 +245,10 @@ def call_time(loaded: LoadedScenario) -> float:
         raise ValueError(f"the nominal flight is over before {times[len(moments)]:g} s")
     longest = 0.0
     for before, after in zip(moments[::2], moments[1::2], strict=True):
-        given = [
-            np.array([record[0]], dtype)
-            for record, dtype in (
-                (after.fsw["vehicle"], VEHICLE_STATE),
-                (after.fsw["nav"], NAV),
-                (before.fsw["guidance"]["target"], POWERED_TARGET),
-                (before.fsw["guidance"]["powered"], POWERED_LAWS.memory),
-            )
-        ]
+        guidance = before.fsw["guidance"]
+        records = (after.fsw["vehicle"], after.fsw["nav"], guidance["target"], guidance["powered"])
+        dtypes = (VEHICLE_STATE, NAV, POWERED_TARGET, POWERED_LAWS.memory)
+        given = [np.array([one[0]], dtype) for one, dtype in zip(records, dtypes, strict=True)]
         given += [np.zeros(1, POWERED_LAWS.memory), np.zeros(1, GUIDE)]
         call = partial(_repeat, law, onboard, *given, REPEATS)
         longest = max(longest, quickest_us(call, BLOCKS))
@@ -285,7 +264,7 @@ def of(rows: Sequence[Row], law: str, condition: str = DISPERSED) -> list[Row]:
 
 
 def reached(row: Row) -> bool:
-    """Whether hover began at the target."""
+    """Return whether hover began at the target."""
     return (
         row.get("target_miss_m", inf) <= MISS_M
         and row["hover_speed_m_s"] <= SPEED_M_S
@@ -294,14 +273,12 @@ def reached(row: Row) -> bool:
 
 
 def came_down(rows: Sequence[Row]) -> list[bool]:
-    """Whether each flight landed."""
+    """Return whether each flight landed."""
     return [row.get("came_down", False) for row in rows]
 
 
 def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
-    """Mean of a figure less that of the reference in the same flights, and half of its 95 % interval; no
-    numbers without a pair.
-    """
+    """Mean of a figure less the reference's in the same flights, and half of its 95 % interval."""
     ours, theirs = ({row["flight"]: row.get(name, nan) for row in of(rows, one)} for one in (law, REFERENCE))
     pairs = np.array([ours[flight] - theirs[flight] for flight in ours.keys() & theirs.keys()], float)
     pairs = pairs[np.isfinite(pairs)]
@@ -321,10 +298,11 @@ def _grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
     flights = f"{len(of(rows, laws[0]))} dispersed landings"
     fuels = ("hover_fuel_kg", "ground_fuel_kg")
     heads = ("law", *(f"{to}: {what}" for to in ("hover", "ground") for what in ("kg", "less kg", "95 % +-")))
-    yield Grid(f"{flights}: propellant to hover and to the ground, less {REFERENCE}", heads, [
-        (law, *(x for fuel in fuels for x in (mean(of(rows, law), fuel), *difference(rows, law, fuel))))
-        for law in laws
-    ])  # fmt: skip
+    lines: list[Line] = []
+    for law in laws:
+        used = [(mean(of(rows, law), fuel), *difference(rows, law, fuel)) for fuel in fuels]
+        lines.append((law, *used[0], *used[1]))
+    yield Grid(f"{flights}: propellant to hover and to the ground, less {REFERENCE}", heads, lines)
     for name, words in (("target_miss_m", "of the target"), ("navigated_miss_m", "as navigated")):
         title = f"{flights}: quantiles of the miss {words}, m"
         yield quantile_grid(title, "law", {law: column(of(rows, law), name, inf) for law in laws})
@@ -336,16 +314,16 @@ def _grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
     each = counted(len(of(rows, laws[0], divert(DIVERTS[0]))), "flight")
     words = "propellant to hover, largest miss as navigated, share not reached"
     yield Grid(f"diverts, {each} each: {words}", heads, lines)
-    yield Grid(
-        "backshell released late: descent rate at the ground, m/s",
-        ("law", *(f"{height:g} m" for height in LATE_RELEASES)),
-        [(law, *(ground_speed(rows, law, release(height)) for height in LATE_RELEASES)) for law in laws],
+    late, speed = (
+        {f"{height:g} m": release(height) for height in LATE_RELEASES},
+        "descent rate at the ground, m/s",
     )
-    yield Grid(
-        "engine fails, s after backshell release: descent rate at the ground, m/s; -: lost before",
-        ("law", *ENGINE_FAULTS),
-        [(law, *(ground_speed(rows, law, name) for name in ENGINE_FAULTS)) for law in laws],
-    )
+    for title, conditions in (
+        (f"backshell released late: {speed}", late),
+        (f"engine fails, s after backshell release: {speed}; -: lost before", {n: n for n in ENGINE_FAULTS}),
+    ):
+        lines = [(law, *(ground_speed(rows, law, one) for one in conditions.values())) for law in laws]
+        yield Grid(title, ("law", *conditions), lines)
 
 
 def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
@@ -369,9 +347,7 @@ def ground_speed(rows: Sequence[Row], law: str, condition: str) -> float:
 
 
 def _findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Finding]:
-    """Landings of every law, the longest divert, late releases, fuel against the reference, and the time of a
-    call.
-    """
+    """Landings, the longest divert, late releases, fuel against the reference, times of a call."""
     laws, longest = kinds(rows, "law"), divert(DIVERTS[-1])
     for law in laws:
         share = percentage(came_down(of(rows, law)))
@@ -409,22 +385,13 @@ def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
     ):
         curves = [distribution(column(of(rows, law), name), law) for law in laws]
         panels.append(Panel(title, label, "flights within (%)", curves, options))
-    cost = [
-        Curve(DIVERTS, [mean(of(rows, law, divert(m)), "hover_fuel_kg") for m in DIVERTS], law)
-        for law in laws
-    ]
-    return {
-        "comparison": [*panels, Panel("cost of a divert", "divert (m)", "propellant to hover (kg)", cost)]
-    }
+    fuel = {law: [mean(of(rows, law, divert(m)), "hover_fuel_kg") for m in DIVERTS] for law in laws}
+    cost = [Curve(DIVERTS, values, law) for law, values in fuel.items()]
+    panels.append(Panel("cost of a divert", "divert (m)", "propellant to hover (kg)", cost))
+    return {"comparison": panels}
 
 
+TITLE = "Powered guidance laws from the same dispersed ignitions: fuel, miss, tilt, diverts, engine faults"
 STUDY = Study(
-    "landing",
-    "Powered guidance laws from the same dispersed ignitions: fuel, miss, tilt, diverts, engine faults",
-    "this simulator, 2026",
-    run,
-    runs=200,
-    quick_runs=20,
-    counted=True,
-    parts=LAWS,
+    "landing", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
 )

@@ -15,7 +15,7 @@ theta, its Riccati solution and the range along the profile are tested in tests/
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import asin, cos, exp, log, pi, radians, sin
 from typing import Any, NamedTuple
@@ -60,26 +60,19 @@ START_ERROR = 2.0
 #: What steers a trial, in the order of the columns; constant bank angles in deg.
 FREE, LIMITED = "law, free lift", "law, own lift"
 BANKS = {"bank 20 deg": 20.0, "bank 100 deg": 100.0}
+_PATH = "point_mass.disturbance"
 #: Flights: settings, and true values of which the flight computer is not told.
 FLIGHTS: dict[str, tuple[tuple[str, ...], dict[str, float]]] = {
     "flown": (FLOWN, {}),
     "flown, lift 10 % low": (FLOWN, {"vehicle.aero.lift_drag.lift_to_drag": 0.216}),
     "flown, density 10 % high": (FLOWN, {"atmosphere.density_factor": 1.1}),
-    "flown, path disturbed": (
-        FLOWN,
-        {
-            "point_mass.disturbance.amplitude_rad_s": 0.0005,
-            "point_mass.disturbance.frequency_rad_s": 0.3,
-        },
-    ),
+    "flown, path disturbed": (FLOWN, {f"{_PATH}.amplitude_rad_s": 0.0005, f"{_PATH}.frequency_rad_s": 0.3}),
     "as printed": (AS_PRINTED, {}),
     **{
-        f"bank {bank} deg": (
-            (*FLOWN, f"{ENTRY}.law=constant_bank", f"{ENTRY}.constant_bank.bank_deg={bank}"), {},
-        )
-        for bank in (20, 100)
+        name: ((*FLOWN, f"{ENTRY}.law=constant_bank", f"{ENTRY}.constant_bank.bank_deg={bank:g}"), {})
+        for name, bank in BANKS.items()
     },
-}  # fmt: skip
+}
 REMARKS = (
     "as printed: rho = 1, lambda = 2 (the print says above 1) and epsilon = 20 m2/s3; flown: rho = 625, "
     "lambda = 40.  As printed the drag loop is faster than any capsule banks.",
@@ -99,10 +92,8 @@ def run(session: Session) -> Report:
         changes = ", ".join(f"{path}: {value}" for path, value in truth.items())
         flights[name] = measured(edl6dof.fly(SCENARIO, [*overrides, f"truth={{{changes}}}"]))
         session.step()
-    ratios = {f"{t.settings}, {t.errors}, {t.steering}": t.ratio for t in trials}
-    ratios |= {
-        f"flight, {name}": flight.response.over_bound(flight.design) for name, flight in flights.items()
-    }
+    ratios = {f"{t.settings}, {t.errors}, {t.steering}": t.response.over_bound for t in trials}
+    ratios |= {f"flight, {name}": response.over_bound for name, (response, _) in flights.items()}
     return Report(
         [*_of_trials(trials), *_of_flights(flights)],
         [{"case": case, "error_over_bound": ratio} for case, ratio in ratios.items()],
@@ -118,7 +109,7 @@ def run(session: Session) -> Report:
 
 @dataclass(frozen=True)
 class Design:
-    """What the controller is told.
+    """Settings of the controller, and the planet that it believes in.
 
     Attributes:
         gain, weight, energy: lambda (s2), rho (s4) and epsilon (m2/s3) of the law.
@@ -135,54 +126,47 @@ class Design:
     @classmethod
     def of(cls, onboard: np.ndarray) -> Design:
         """Settings of the law as it flies; the air that is believed is exponential."""
-        law, planet, air = (
-            onboard[0]["guidance"]["entry"]["adaptive_hinf"],
-            onboard[0]["planet"],
-            onboard[0]["atmosphere"],
-        )
-        radius = float(planet["equatorial_radius"])
-        return cls(
-            float(law["disturbance_gain"]), float(law["control_weight"]), float(law["adaptation_energy"]),
-            float(planet["mu"]) / radius**2, radius,
-            float(-air["spacing"] / (air["ln_density"][1] - air["ln_density"][0])),
-        )  # fmt: skip
+        own, air = onboard[0]["guidance"]["entry"]["adaptive_hinf"], onboard[0]["atmosphere"]
+        law = (own[name] for name in ("disturbance_gain", "control_weight", "adaptation_energy"))
+        radius, mu = (onboard[0]["planet"][name] for name in ("equatorial_radius", "mu"))
+        scale_height = -air["spacing"] / (air["ln_density"][1] - air["ln_density"][0])
+        return cls(*map(float, (*law, mu / radius**2, radius, scale_height)))
 
     def dynamics(self, drag: float, rate: float, speed: float) -> Any:
         """D'' at this state: what is known, the regressor of theta, and what u adds."""
         return uncertain_drag(drag, rate, speed, self.gravity, self.radius, scale_height=self.scale_height)
 
-    def state_energy(self, error: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """z' P z of drag errors (m/s2) and their rates (m/s3)."""
-        p11, p12, p22 = riccati(self.gain, self.weight)
-        return p11 * error**2 + 2.0 * p12 * error * rate + p22 * rate**2
-
 
 @dataclass(frozen=True)
 class Response:
-    """One integration or flight; every array has shape (rows,).
+    """One integration or flight, shape (rows,): time (s), drag error (m/s2), its rate (m/s3) and w (m/s4)."""
 
-    Attributes:
-        t, error, disturbance: time (s), drag error (m/s2) and w (m/s4).
-        state_energy: z' P z, m2/s3.
-    """
-
+    design: Design
     t: np.ndarray
     error: np.ndarray
+    rate: np.ndarray
     disturbance: np.ndarray
-    state_energy: np.ndarray
 
     @property
     def error_energy(self) -> float:
         """Integral of e^2, m2/s3."""
         return float(np.trapezoid(self.error**2, self.t))
 
-    def disturbance_energy(self, design: Design) -> float:
+    @property
+    def disturbance_energy(self) -> float:
         """lambda^2 int w^2, m2/s3."""
-        return float(design.gain**2 * np.trapezoid(self.disturbance**2, self.t))
+        return float(self.design.gain**2 * np.trapezoid(self.disturbance**2, self.t))
 
-    def over_bound(self, design: Design) -> float:
+    @property
+    def state_energy(self) -> np.ndarray:
+        """z' P z, m2/s3."""
+        p11, p12, p22 = riccati(self.design.gain, self.design.weight)
+        return p11 * self.error**2 + 2.0 * p12 * self.error * self.rate + p22 * self.rate**2
+
+    @property
+    def over_bound(self) -> float:
         """Error energy over what the theorem allows: lambda^2 int w^2 + epsilon + z(0)' P z(0)."""
-        allowed = self.disturbance_energy(design) + design.energy + self.state_energy[0]
+        allowed = self.disturbance_energy + self.design.energy + self.state_energy[0]
         return self.error_energy / float(allowed)
 
 
@@ -190,16 +174,17 @@ class Response:
 
 #: Rate (s) at which the law is called, and rows after which a trial that does not slow down is given up.
 CALL_S, MOST_ROWS = 0.1, 6000
-#: Height (m) of one wave of the density, and below which a wind grows with height.
-WAVE_M = 40e3
+#: Height (m) of one wave of the density, and below which a wind grows with height; half the time (s) over
+#: which a rate of drag is measured.
+WAVE_M, _NUDGE_S = 40e3, 1e-3
 #: (height, speed, flight-path angle): m, m/s, rad.
 State = tuple[float, float, float]
 NAV = np.dtype([("flight_path_angle", "f8"), ("gravity", "f8"), ("speed", "f8"), ("radius", "f8")])
 
 
 class Errors(NamedTuple):
-    """What the law is not told: amplitude of a wave of ln(density) over height, head wind (m/s) at the height
-    ``WAVE_M`` and in proportion below, relative error of L/D.
+    """Errors that the law does not know: amplitude of a wave of ln(density) over height, head wind (m/s) at
+    the height ``WAVE_M`` and in proportion below, relative error of L/D.
     """
 
     density: float = 0.0
@@ -210,13 +195,6 @@ class Errors(NamedTuple):
         """ln(rho / rho_model) + 2 ln(V_air / V)."""
         air = 1.0 + self.wind_m_s * height / WAVE_M / speed
         return self.density * sin(2.0 * pi * height / WAVE_M) + 2.0 * log(air)
-
-    def excess_rate(self, height: float, speed: float, climb: float, speed_rate: float) -> float:
-        """Its derivative by time (1/s), at a rate of climb (m/s) and of speed (m/s2)."""
-        head = self.wind_m_s * height / WAVE_M
-        wave = 2.0 * pi / WAVE_M
-        air_rate = head / speed * (climb / max(height, 1.0) - speed_rate / speed)
-        return self.density * wave * cos(wave * height) * climb + 2.0 * air_rate / (1.0 + head / speed)
 
 
 ERRORS = {
@@ -236,11 +214,8 @@ class Motion:
     def __init__(self, loaded: LoadedScenario, errors: Errors):
         self.record, self.errors = build_onboard(loaded.scenario)[0], errors
         self.design = Design.of(np.array([self.record]))
-        self.law, self.profile = (
-            self.record["guidance"]["entry"]["adaptive_hinf"],
-            self.record["plan"]["adaptive_hinf"],
-        )
-        vehicle = self.record["vehicle"]
+        self.law = self.record["guidance"]["entry"]["adaptive_hinf"]
+        self.profile, vehicle = self.record["plan"]["adaptive_hinf"], self.record["vehicle"]
         self.full_lift = float(vehicle["lift_to_drag"])
         self._per_pressure = float(vehicle["drag_area"] / vehicle["entry_mass"])
         self._surface_density = stated(loaded.scenario.atmosphere.exponential).density_kg_m3
@@ -259,8 +234,10 @@ class Motion:
         height, speed, path = state
         drag = self.drag(height, speed)
         climb, speed_rate = speed * sin(path), -drag - self.gravity(height) * sin(path)
-        relative = -climb / self.design.scale_height + 2.0 * speed_rate / speed
-        return drag, drag * (relative + self.errors.excess_rate(height, speed, climb, speed_rate))
+        before, after = (
+            self.drag(height + dt * climb, speed + dt * speed_rate) for dt in (-_NUDGE_S, _NUDGE_S)
+        )
+        return drag, (after - before) / (2.0 * _NUDGE_S)
 
     def start(self) -> State:
         """The state on the profile but for ``START_ERROR`` of drag."""
@@ -281,17 +258,8 @@ class Motion:
         goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
         error, error_rate = drag - goal, rate - goal_rate
         dynamics = self.design.dynamics(drag, rate, speed)
-        u = track(
-            self.law,
-            memory,
-            dt,
-            flown,
-            error,
-            error_rate=error_rate,
-            dynamics=dynamics,
-            goal_free=goal_free,
-            goal_per_u=goal_per_u,
-        )
+        wanted = {"goal_free": goal_free, "goal_per_u": goal_per_u}
+        u = track(self.law, memory, dt, flown, error, error_rate=error_rate, dynamics=dynamics, **wanted)
         return error, error_rate, u
 
     def step(self, state: State, u: float) -> State:
@@ -306,11 +274,10 @@ class Motion:
         def ahead(dt: float, by: State) -> State:
             return state[0] + dt * by[0], state[1] + dt * by[1], state[2] + dt * by[2]
 
-        a = rates(*state)
-        b = rates(*ahead(0.5 * CALL_S, a))
-        c = rates(*ahead(0.5 * CALL_S, b))
-        d = rates(*ahead(CALL_S, c))
-        x, y, z = (p + 2.0 * (q + r) + s for p, q, r, s in zip(a, b, c, d, strict=True))
+        slopes = [rates(*state)]
+        for dt in (0.5 * CALL_S, 0.5 * CALL_S, CALL_S):
+            slopes.append(rates(*ahead(dt, slopes[-1])))
+        x, y, z = (p + 2.0 * (q + r) + s for p, q, r, s in zip(*slopes, strict=True))
         return ahead(CALL_S / 6.0, (x, y, z))
 
 
@@ -336,22 +303,14 @@ def fly_free(
         u = u if limit is None else min(max(u, -limit), limit)
         rows.append((*state[:2], drag, error, error_rate, u))
         state = motion.step(state, u)
-    table = np.array(rows)
-    height, speed, drags, error, error_rate, inputs = table.T
-    t = CALL_S * np.arange(len(table))
+    height, speed, drags, error, rate, inputs = np.array(rows).T
+    t = CALL_S * np.arange(len(rows))
     excess = np.array([motion.errors.excess(h, v) for h, v in zip(height, speed, strict=True)])
     w = disturbance_of(motion.design, t, drags, speed, excess, motion.errors.lift * inputs)
-    return Response(t, error, w, motion.design.state_energy(error, error_rate)), inputs
+    return Response(motion.design, t, error, rate, w), inputs
 
 
-def disturbance_of(
-    design: Design,
-    t: np.ndarray,
-    drag: np.ndarray,
-    speed: np.ndarray,
-    excess: np.ndarray,
-    lift_error: np.ndarray,
-) -> np.ndarray:
+def disturbance_of(design: Design, *columns: np.ndarray) -> np.ndarray:
     """The disturbance w of eq. 12 (m/s4) from errors that are given before the flight, shape (rows,).
 
     With D = k rho V_air^2 the relative rate of the drag exceeds that of the model by delta = d/dt (ln(rho /
@@ -362,10 +321,10 @@ def disturbance_of(
 
     Args:
         design: for gravity, radius and scale height.
-        t, drag, speed: s, m/s2, m/s over the ground.
-        excess: ln(rho / rho_model) + 2 ln(V_air / V).
-        lift_error: true less believed (L/D) cos(bank).
+        columns: time (s), drag (m/s2), speed (m/s) over the ground, ln(rho / rho_model) + 2 ln(V_air / V),
+            and true less believed (L/D) cos(bank), each of shape (rows,).
     """
+    t, drag, speed, excess, lift_error = columns
     rate = np.gradient(excess, t)
     potential = design.gravity * design.scale_height
     path = drag**2 / speed * (speed**2 - 4.0 * potential) / (speed**2 + 2.0 * potential)
@@ -374,13 +333,12 @@ def disturbance_of(
 
 
 class Trial(NamedTuple):
-    """Settings, errors, what steers, the response, the claimed ratio, and the inputs over L/D."""
+    """Settings, errors, what steers, the response, and the inputs over L/D."""
 
     settings: str
     errors: str
     steering: str
     response: Response
-    ratio: float
     effort: np.ndarray
 
 
@@ -394,8 +352,7 @@ def _trials(settings: str, session: Session) -> list[Trial]:
         ways |= {name: {"constant": full * cos(radians(bank))} for name, bank in BANKS.items()}
         for steering, way in ways.items():
             response, inputs = fly_free(motion, **way)
-            ratio = response.over_bound(motion.design)
-            found.append(Trial(settings, errors, steering, response, ratio, inputs / full))
+            found.append(Trial(settings, errors, steering, response, inputs / full))
             session.step()
     return found
 
@@ -404,73 +361,63 @@ LIMIT = "the theorem has no limit of u; with free lift it is kept"
 NO_LAW = "nothing tracks: the bound is one that can be broken"
 
 
-def _of_trials(trials: list[Trial]) -> list[Finding]:
+def _of_trials(trials: list[Trial]) -> Iterator[Finding]:
     """The claim for what keeps it, at its largest ratio; and at its least for what must break it."""
     what = "error energy over its bound"
-
-    def ratios(steering: str, *settings: str) -> list[float]:
-        return [t.ratio for t in trials if t.steering == steering and t.settings in (settings or SETTINGS)]
-
+    ratios = {
+        (settings, way): [
+            t.response.over_bound for t in trials if (t.settings, t.steering) == (settings, way)
+        ]
+        for settings in SETTINGS
+        for way in (FREE, LIMITED, *BANKS)
+    }
+    for one in SETTINGS:
+        yield Finding(f"{one}, free lift: largest {what}", "", max(ratios[one, FREE]), 1.0, "<=")
     most = max(float(np.abs(t.effort).max()) for t in trials if (t.settings, t.steering) == ("flown", FREE))
-    return [
-        *(
-            Finding(f"{one}, free lift: largest {what}", "", max(ratios(FREE, one)), 1.0, "<=")
-            for one in SETTINGS
-        ),
-        Finding("free lift: largest |u| over L/D, flown", "", most, note="1 is all the vehicle has"),
-        Finding(f"own lift: least {what}", "", min(ratios(LIMITED)), 1.0, "<=", why=LIMIT),
-        *(
-            Finding(f"constant {bank}: least {what}", "", min(ratios(bank)), 1.0, "<=", why=NO_LAW)
-            for bank in BANKS
-        ),
-    ]
+    yield Finding("free lift: largest |u| over L/D, flown", "", most, note="1 is all the vehicle has")
+    for way, name, why in (
+        (LIMITED, "own lift", LIMIT),
+        *((one, f"constant {one}", NO_LAW) for one in BANKS),
+    ):
+        least = min(min(ratios[one, way]) for one in SETTINGS)
+        yield Finding(f"{name}: least {what}", "", least, 1.0, "<=", why=why)
 
 
 def _trial_grid(trials: list[Trial]) -> Grid:
     """Ratios: a line for settings and errors, a column for what steers."""
-    ways = (FREE, LIMITED, *BANKS)
-    ratio = {(trial.settings, trial.errors, trial.steering): trial.ratio for trial in trials}
-    lines = [
-        (f"{settings}, {errors}", *(ratio[settings, errors, way] for way in ways))
-        for settings in SETTINGS
-        for errors in ERRORS
-    ]
-    return Grid(
-        "Error energy over lambda^2 int w^2 + epsilon + z(0)'P z(0)", ("settings, error", *ways), lines
-    )
+    lines: dict[str, list[float]] = {}
+    for t in trials:
+        lines.setdefault(f"{t.settings}, {t.errors}", []).append(t.response.over_bound)
+    title = "Error energy over lambda^2 int w^2 + epsilon + z(0)'P z(0)"
+    rows = [(name, *ratios) for name, ratios in lines.items()]
+    return Grid(title, ("settings, error", FREE, LIMITED, *BANKS), rows)
 
 
 # ---- flights of the simulator, whose bank angle has limits ---------------------------------------------
 
 
 class Flown(NamedTuple):
-    """One flight from the beginning of the profile to its end, and the share of it with the bank angle at a
-    limit.
-    """
+    """One flight along the profile, and the share of it with the bank angle at a limit."""
 
-    design: Design
     response: Response
     at_limit: float
 
 
 def measured(flight: Flight) -> Flown:
     """Drag error of a flight at the rate of guidance, and the disturbance that its given errors are."""
-    entry, every = (
-        flight.scenario.flight_software.guidance.entry,
-        flight.scenario.flight_software.rates.entry_guidance_every,
-    )
-    onboard, begun = build_onboard(flight.scenario), entry.adaptive_hinf.start_drag_m_s2
+    software, onboard = flight.scenario.flight_software, build_onboard(flight.scenario)
+    entry, every = software.guidance.entry, software.rates.entry_guidance_every
     rows = {name: values[::every] for name, values in flight.telemetry.items()}
-    kept = flight.during(LIFT)[::every] & (np.cumsum(rows["nav.drag_m_s2"] >= begun) > 0)
+    begun = rows["nav.drag_m_s2"] >= entry.adaptive_hinf.start_drag_m_s2
+    kept = flight.during(LIFT)[::every] & (np.cumsum(begun) > 0)
     rows = {name: values[kept] for name, values in rows.items()}
     t, speed, drag = rows["t_s"], rows["truth.speed_m_s"], rows["nav.drag_m_s2"]
     design, profile = Design.of(onboard), onboard[0]["plan"]["adaptive_hinf"]
     error = drag - np.array([profile_drag(profile, v)[0] for v in speed])
-    bank, limits = np.abs(rows["guide.bank_deg"]), (entry.bank_min_deg, entry.bank_max_deg)
     w = disturbance_of(design, t, drag, speed, _excess(flight, rows), _lift_error(flight, rows))
+    bank, limits = np.abs(rows["guide.bank_deg"]), (entry.bank_min_deg, entry.bank_max_deg)
     at_limit = np.min([np.abs(bank - limit) for limit in limits], axis=0) < 0.01
-    energy = design.state_energy(error, np.gradient(error, t))
-    return Flown(design, Response(t, error, w, energy), float(np.mean(at_limit)))
+    return Flown(Response(design, t, error, np.gradient(error, t), w), float(np.mean(at_limit)))
 
 
 def _excess(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -491,49 +438,39 @@ def _lift_error(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarray:
     return lift + push * rows["truth.speed_m_s"] / rows["nav.drag_m_s2"]
 
 
-def _of_flights(flights: Mapping[str, Flown]) -> list[Finding]:
-    return [
-        Finding(
-            f"flight, {name}: error energy over its bound", "", flight.response.over_bound(flight.design),
-            1.0, "<=", why=NO_LAW if name.startswith("bank") else LIMIT,
-        )
-        for name, flight in flights.items()
-    ]  # fmt: skip
+def _of_flights(flights: Mapping[str, Flown]) -> Iterator[Finding]:
+    for name, (response, _) in flights.items():
+        label, why = f"flight, {name}: error energy over its bound", NO_LAW if name in BANKS else LIMIT
+        yield Finding(label, "", response.over_bound, 1.0, "<=", why=why)
 
 
 def _flight_grid(flights: Mapping[str, Flown]) -> Grid:
     """Energies in m2/s3."""
     heads = ("flight", "error energy", "lambda^2 int w^2", "at start", "over bound", "bank at limit %")
-    lines = [
-        (
-            name, response.error_energy, response.disturbance_energy(design),
-            float(response.state_energy[0]) + design.energy, response.over_bound(design), 100.0 * at_limit,
-        )
-        for name, (design, response, at_limit) in flights.items()
-    ]  # fmt: skip
+    lines = []
+    for name, (one, at_limit) in flights.items():
+        start = float(one.state_energy[0]) + one.design.energy
+        energies = (one.error_energy, one.disturbance_energy, start, one.over_bound)
+        lines.append((name, *energies, 100.0 * at_limit))
     return Grid("Flights with the limits of the bank angle", heads, lines)
 
 
 def _pictures(trials: list[Trial], flights: Mapping[str, Flown]) -> dict[str, list[Panel]]:
     """Drag errors of the trials with every error at once, and of the flights under the law."""
-    panels = []
-    for way in (FREE, LIMITED):
-        own = [trial for trial in trials if (trial.errors, trial.steering) == ("all three", way)]
-        panels.append((way, [(trial.settings, trial.response) for trial in own]))
-    panels.append(("flights", [(k, f.response) for k, f in flights.items() if not k.startswith("bank")]))
+    own: dict[str, dict[str, Response]] = {FREE: {}, LIMITED: {}}
+    for trial in trials:
+        if trial.errors == "all three" and trial.steering in own:
+            own[trial.steering][trial.settings] = trial.response
+    own["flights"] = {name: flight.response for name, flight in flights.items() if name not in BANKS}
     return {
         "drag_errors": [
-            Panel(title, "time (s)", "D - D_r (m/s2)", [Curve(r.t, r.error, name) for name, r in some])
-            for title, some in panels
+            Panel(
+                title, "time (s)", "D - D_r (m/s2)", [Curve(r.t, r.error, name) for name, r in some.items()]
+            )
+            for title, some in own.items()
         ]
     }
 
 
-STUDY = Study(
-    "lu_bayard",
-    "Adaptive H-infinity tracking of a drag-velocity profile",
-    "Lu & Bayard",
-    run,
-    runs=COUNT,
-    quick_runs=COUNT,
-)
+TITLE = "Adaptive H-infinity tracking of a drag-velocity profile"
+STUDY = Study("lu_bayard", TITLE, "Lu & Bayard", run, runs=COUNT, quick_runs=COUNT)

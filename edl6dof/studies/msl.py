@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from math import nan
-from typing import NamedTuple
 
 import numpy as np
 
 import edl6dof
+from edl6dof.campaign.executor import Row
 from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
-from edl6dof.campaign.rows import Row
 from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.frames import great_circle
@@ -28,47 +27,36 @@ ENTRY = "flight_software.guidance.entry"
 _BANK_80_30 = f"{ENTRY}.reference_bank={{points: [{{at: 1500, bank_deg: 30}}, {{at: 3500, bank_deg: 80}}]}}"
 
 
-class Change(NamedTuple):
-    """A row of a table: its name, and the overrides that make it."""
-
-    name: str
-    overrides: tuple[str, ...] = ()
-
-
-#: What the deployment hangs on.
-CHANGES = (
-    Change("as it is"),
-    Change("no wind", ("wind.scale=0",)),
-    Change("density +5 %", ("atmosphere.density_factor=1.05",)),
-    Change("axial force +3 %", ("vehicle.aero.capsule.axial_factor=1.03",)),
-    Change("bank 80/30 deg", (_BANK_80_30,)),
-    Change("target 1 km on", ("terrain.site_longitude_deg=137.4188",)),
-    Change("wind unexpected", (f"{ENTRY}.expected_wind.table_factor=0",)),
-)
+#: What the deployment hangs on: overrides, by the name of a row.
+CHANGES = {
+    "as it is": (),
+    "no wind": ("wind.scale=0",),
+    "density +5 %": ("atmosphere.density_factor=1.05",),
+    "axial force +3 %": ("vehicle.aero.capsule.axial_factor=1.03",),
+    "bank 80/30 deg": (_BANK_80_30,),
+    "target 1 km on": ("terrain.site_longitude_deg=137.4188",),
+    "wind unexpected": (f"{ENTRY}.expected_wind.table_factor=0",),
+}
 
 
-class Compared(NamedTuple):
-    """A figure of this study's own: its label, unit, published value, and what a reader must know."""
-
-    label: str
-    unit: str
-    published: float | None
-    note: str = ""
+def _figure(label: str, unit: str, published: float | None, note: str = "") -> Finding:
+    return Finding(label, unit, nan, published, note=note)
 
 
-#: By column; the reversals are the first ones of range control.
-COMPARED: Mapping[str, Compared] = {
-    "peak_load_s": Compared("peak load", "s", 80.33),
-    "reversals": Compared("reversals of range control", "", 3.0),
+#: Figures of this study's own by column, still to be computed; the reversals are the first ones of range
+#: control.
+COMPARED: Mapping[str, Finding] = {
+    "peak_load_s": _figure("peak load", "s", 80.33),
+    "reversals": _figure("reversals of range control", "", 3.0),
     **{
-        f"reversal_{k}_s": Compared(f"reversal {k}, through zero bank", "s", middle, "middle of the turn")
+        f"reversal_{k}_s": _figure(f"reversal {k}, through zero bank", "s", middle, "middle of the turn")
         for k, middle in ((1, 79.28), (2, 99.39), (3, 128.82))
     },
-    "heading_s": Compared("heading alignment", "s", 135.63),
-    "navigated_mach": Compared("Mach at mortar fire, as navigated", "", None, "by ground speed"),
-    "path_deg": Compared("flight-path angle at mortar fire", "deg", None),
-    "range_km": Compared("range flown to mortar fire", "km", None, "630 km to the target"),
-    "beyond_km": Compared("beyond the aim point", "km", 2.385, "the rover, from its target"),
+    "heading_s": _figure("heading alignment", "s", 135.63),
+    "navigated_mach": _figure("Mach at mortar fire, as navigated", "", None, "by ground speed"),
+    "path_deg": _figure("flight-path angle at mortar fire", "deg", None),
+    "range_km": _figure("range flown to mortar fire", "km", None, "630 km to the target"),
+    "beyond_km": _figure("beyond the aim point", "km", 2.385, "the rover, from its target"),
 }
 #: Speed (m/s) and height above ground (km) at the mortar, as predicted.
 PREDICTED = (np.array([405.0]), np.array([11.0]))
@@ -95,11 +83,9 @@ REMARKS = (
 
 
 def figures(flight: Flight) -> dict[str, float]:
-    """What this study looks at besides the figures of merit of one flight."""
-    t = flight.telemetry
-    time, bank = t["t_s"], t["truth.bank_deg"]
-    heading = flight.scenario.flight_software.guidance.entry.heading_below_m_s
-    slow = t["truth.speed_m_s"] < heading
+    """Figures of one flight that only this study looks at."""
+    t, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
+    time, bank, slow = t["t_s"], t["truth.bank_deg"], t["truth.speed_m_s"] < entry.heading_below_m_s
     steered = (time > flight.metrics["lift_start_s"]) & ~slow
     crossings = time[1:][(bank[1:] * bank[:-1] < 0.0) & steered[1:]]
     times = np.append(crossings[:3], [nan] * 3)
@@ -121,14 +107,14 @@ def run(session: Session) -> Report:
     """Fly neighbours of the scenario, and of it with each change."""
     session.expect(session.flights * len(CHANGES))
     rows: list[Row] = []
-    for change in CHANGES:
-        loaded = edl6dof.load(SCENARIO, change.overrides)
-        cases = [replace(case, label={"change": change.name}) for case in neighbours(loaded, session.flights)]
+    for change, overrides in CHANGES.items():
+        loaded = edl6dof.load(SCENARIO, overrides)
+        cases = [replace(case, label={"change": change}) for case in neighbours(loaded, session.flights)]
         rows += session.fly(loaded, cases, figures)
-    means = {change.name: means_of(pick(rows, change=change.name)) for change in CHANGES}
+    means = {change: means_of(pick(rows, change=change)) for change in CHANGES}
     lines = [(name, *(own[key].mean for _, key in COLUMNS)) for name, own in means.items()]
     grid = Grid("One change of the scenario", ("", *(head for head, _ in COLUMNS)), lines)
-    return Report(_beside(means[CHANGES[0].name]), rows, len(rows), [grid], REMARKS, _pictures())
+    return Report(_beside(means["as it is"]), rows, len(rows), [grid], REMARKS, _pictures())
 
 
 def means_of(rows: list[Row]) -> dict[str, SampleMean]:
@@ -143,14 +129,15 @@ def means_of(rows: list[Row]) -> dict[str, SampleMean]:
 
 def _beside(means: Mapping[str, SampleMean]) -> list[Finding]:
     """The scenario as it is beside what is published of it."""
-    nothing = SampleMean(nan, nan, 0)
+    published = published_figures(edl6dof.load(SCENARIO).scenario.published)
+    wanted = {
+        figure.name: Finding(figure.meaning, figure.unit.label, nan, entry.number, entry.bound)
+        for figure, entry in published
+    }
     found = []
-    for figure, entry in published_figures(edl6dof.load(SCENARIO).scenario.published):
-        own, unit = means.get(figure.name, nothing), figure.unit.label
-        found.append(Finding(figure.meaning, unit, own.mean, entry.number, entry.bound, spread=own.deviation))
-    for name, (label, unit, published, note) in COMPARED.items():
-        own = means.get(name, nothing)
-        found.append(Finding(label, unit, own.mean, published, note=note, spread=own.deviation))
+    for name, finding in [*wanted.items(), *COMPARED.items()]:
+        own = means.get(name, SampleMean(nan, nan, 0))
+        found.append(replace(finding, computed=own.mean, spread=own.deviation))
     return found
 
 
@@ -163,21 +150,13 @@ def _pictures() -> dict[str, list[Panel]]:
         Curve(t["truth.speed_m_s"], t["truth.height_m"] / 1e3, "flown"),
         Curve(*PREDICTED, "predicted deployment", "dots"),
     )
-    height, low = "height above ground (km)", {"ylim": (0.0, 60.0)}
-    return {
-        "bank_and_path": [
-            Panel("Bank angle", "time (s)", "bank angle (deg)", bank),
-            Panel("Path", "speed (m/s)", height, path, low),
-        ]
-    }
+    low = {"ylim": (0.0, 60.0)}
+    panels = [Panel("Bank angle", "time (s)", "bank angle (deg)", bank)]
+    panels.append(Panel("Path", "speed (m/s)", "height above ground (km)", path, low))
+    return {"bank_and_path": panels}
 
 
+TITLE = "Entry of MSL beside the published deployment"
 STUDY = Study(
-    "msl",
-    "Entry of MSL beside the published deployment",
-    "Karlgaard et al. 2014; Way et al. 2013",
-    run,
-    runs=FLIGHTS,
-    quick_runs=3,
-    counted=True,
+    "msl", TITLE, "Karlgaard et al. 2014; Way et al. 2013", run, runs=FLIGHTS, quick_runs=3, counted=True
 )

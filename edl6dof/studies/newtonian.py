@@ -7,6 +7,8 @@ sonic line, no separation.  What that costs is the table.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 import edl6dof
@@ -16,14 +18,9 @@ from edl6dof.vehicle.aerodynamics.newtonian import capsule_rings, newtonian_coef
 from edl6dof.vehicle.aerodynamics.table import read_static_table
 
 #: Shape of Phoenix: diameter 2.65 m, nose D/4, shoulder D/40 as printed; the afterbody is an estimate.
-PHOENIX = CapsuleParams(
-    coefficients="newtonian",
-    diameter_m=2.65,
-    nose_radius_m=0.6638,
-    shoulder_radius_m=0.0662,
-    backshell_break_radius_m=0.8,
-    backshell_base_radius_m=0.35,
-)
+_FRONT: dict[str, Any] = {"diameter_m": 2.65, "nose_radius_m": 0.6638, "shoulder_radius_m": 0.0662}
+_AFT: dict[str, Any] = {"backshell_break_radius_m": 0.8, "backshell_base_radius_m": 0.35}
+PHOENIX = CapsuleParams(coefficients="newtonian", **_FRONT, **_AFT)
 #: Axial force coefficient of Stardust's capsule at no angle, by computed flow.
 STARDUST_CA = ((10.5, 1.515), (12.2, 1.4992), (17.1, 1.4939), (24.7, 1.4816), (35.4, 1.4828), (40.0, 1.4959),
                (42.7, 1.464))  # fmt: skip
@@ -52,20 +49,11 @@ def run(session: Session) -> Report:
     shape = stardust.vehicle.aero.capsule.model_copy(update={"diameter_m": 0.813})
     earth = stardust.planet.gas.shock_layer_heat_capacity_ratio
     axial = newtonian_coefficients(capsule_rings(shape), np.zeros(1), others, earth, (0.813, 0.0))[:, 0, 0]
-    coefficients = (("published", published), ("newtonian", own))
-    rows = [
-        {
-            "mach": float(mach[m]),
-            "alpha_deg": float(alpha[a]),
-            **{
-                f"{of}_{name}": float(table[m, a, k])
-                for of, table in coefficients
-                for k, name in enumerate(("ca", "cn", "cm"))
-            },
-        }
-        for m in range(len(mach))
-        for a in range(len(alpha))
-    ]
+    names = [f"{of}_{name}" for of in ("published", "newtonian") for name in ("ca", "cn", "cm")]
+    both, rows = np.concatenate([published, own], axis=-1), []
+    for m, a in np.ndindex(both.shape[:2]):
+        about = {"mach": float(mach[m]), "alpha_deg": float(alpha[a])}
+        rows.append({**about, **dict(zip(names, both[m, a].tolist(), strict=True))})
     findings = [*_phoenix(mach, published, own), *_stardust(axial)]
     grids = [_grid(mach, alpha, published, own)]
     return Report(findings, rows, 1, grids, REMARKS, _pictures(mach, alpha, published, own))
@@ -103,27 +91,16 @@ def _grid(mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.nd
     return Grid(f"Phoenix: CA at no angle; CN and Cm per rad, mean to {ANGLE_DEG:g} deg", heads, rows)
 
 
-def _pictures(
-    mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.ndarray
-) -> dict[str, list[Panel]]:
+def _pictures(mach: np.ndarray, alpha: np.ndarray, *tables: np.ndarray) -> dict[str, list[Panel]]:
     """CA and Cm over Mach number, published and computed."""
-    end = int(np.flatnonzero(alpha == ANGLE_DEG)[0])
+    end, moment = int(np.flatnonzero(alpha == ANGLE_DEG)[0]), f"Pitching moment at {ANGLE_DEG:g} deg"
     panels = []
-    for title, label, angle, k in (
-        ("Axial force at no angle", "CA", 0, 0),
-        (f"Pitching moment at {ANGLE_DEG:g} deg", "Cm", end, 2),
-    ):
-        pair = (
-            Curve(mach, published[:, angle, k], "published", "dots"),
-            Curve(mach, own[:, angle, k], "Newtonian"),
-        )
+    for title, label, angle, k in (("Axial force at no angle", "CA", 0, 0), (moment, "Cm", end, 2)):
+        published, own = (table[:, angle, k] for table in tables)
+        pair = Curve(mach, published, "published", "dots"), Curve(mach, own, "Newtonian")
         panels.append(Panel(title, "Mach number", label, pair))
     return {"phoenix": panels}
 
 
-STUDY = Study(
-    "newtonian",
-    "Coefficients from the shape alone beside published ones",
-    "Edquist et al. 2008; Mitcheltree et al. 1997",
-    run,
-)
+TITLE = "Coefficients from the shape alone beside published ones"
+STUDY = Study("newtonian", TITLE, "Edquist et al. 2008; Mitcheltree et al. 1997", run)

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import flights_needed, percent, quantile
-from edl6dof.campaign.rows import Row
-from edl6dof.report.numbers import significant
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.statistics import flights_needed, percent, quantile
+from edl6dof.report.document import significant
 from edl6dof.studies.frame import Curve, Finding, Grid
 
 #: Quantiles of a table, where its flights can bound them.
@@ -28,9 +28,7 @@ class Spread(NamedTuple):
 
 
 def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, float]]:
-    """True values of ``runs`` flights by dotted path; the first flights of a longer series are those of a
-    shorter one.
-    """
+    """True values of ``runs`` flights by path; a longer series begins with the flights of a shorter."""
     normal = np.random.default_rng(seed).standard_normal((runs, len(spreads)))
     return [
         {s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)}
@@ -71,9 +69,7 @@ def percentage(kept: Iterable[bool]) -> float:
 
 
 def quickest_us(call: Callable[[], None], blocks: int) -> float:
-    """Processor time (us) of the quickest of some calls; the others were disturbed by whatever else the
-    machine does.
-    """
+    """Processor time (us) of the quickest of some calls; the machine disturbed the others."""
     call()
     times = []
     for _ in range(blocks):

@@ -9,15 +9,16 @@ different times, and one guard at a time is switched on.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import degrees, nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.outcome import LANDED, TIPPED_OVER
@@ -44,23 +45,17 @@ def _five_gyros() -> str:
     return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
 
 
-class Guard(NamedTuple):
-    """One way out: its name, and the overrides that switch it on."""
-
-    name: str
-    overrides: tuple[str, ...] = ()
-
-
-GUARDS = (
-    Guard("nothing"),
-    Guard("sign", (f"{_NAVIGATION}.guards.below_ground=true",)),  # a height below the ground
-    Guard("parity", (_five_gyros(),)),  # five gyros that check each other
-    Guard("consistency", (f"{_NAVIGATION}.guards.speed=true",)),  # speed against the beams
-    Guard("persistence", (f"{PERSISTENCE}=0.015",)),  # flag on for 15 ms
-    Guard("vertical", (f"{_NAVIGATION}.guards.vertical=true",)),  # echo from above the horizon
-    Guard("left out", (f"{_NAVIGATION}.saturation.left_out=true",)),  # flagged gyro not used
-    Guard("jump", (f"{_NAVIGATION}.guards.jump=true",)),  # height that jumps
-)
+#: Ways out, one at a time: the overrides that switch one on.
+GUARDS = {
+    "nothing": (),
+    "sign": (f"{_NAVIGATION}.guards.below_ground=true",),  # a height below the ground
+    "parity": (_five_gyros(),),  # five gyros that check each other
+    "consistency": (f"{_NAVIGATION}.guards.speed=true",),  # speed against the beams
+    "persistence": (f"{PERSISTENCE}=0.015",),  # flag on for 15 ms
+    "vertical": (f"{_NAVIGATION}.guards.vertical=true",),  # echo from above the horizon
+    "left out": (f"{_NAVIGATION}.saturation.left_out=true",),  # flagged gyro not used
+    "jump": (f"{_NAVIGATION}.guards.jump=true",),  # height that jumps
+}
 REMARKS = (
     "Nothing is made to fail: gyros meet the end of their range as the canopy swings the capsule faster.",
     "The phase of the nutation at entry, which decides how hard it swings, is drawn; 3 deg are an estimate.",
@@ -72,29 +67,22 @@ REMARKS = (
 def run(session: Session) -> Report:
     """Fly some phases of the nutation for each persistence, and with each guard."""
     session.expect(session.flights * (len(PERSISTENCES) + len(GUARDS)))
+    sweeps = [("persistence", "nothing", x, [f"{PERSISTENCE}={x}"]) for x in PERSISTENCES]
+    sweeps += [("guard", name, nan, list(overrides)) for name, overrides in GUARDS.items()]
     rows: list[Row] = []
-    for persistence in PERSISTENCES:
-        label = {"sweep": "persistence", "guard": "nothing", "persistence_s": persistence}
-        rows += session.fly(
-            edl6dof.load(SCENARIO, [f"{PERSISTENCE}={persistence}"]), phases(session.flights, label), swing
-        )
-    for guard in GUARDS:
-        label = {"sweep": "guard", "guard": guard.name, "persistence_s": nan}
-        rows += session.fly(edl6dof.load(SCENARIO, guard.overrides), phases(session.flights, label), swing)
+    for sweep, guard, persistence, overrides in sweeps:
+        label = {"sweep": sweep, "guard": guard, "persistence_s": persistence}
+        rows += session.fly(edl6dof.load(SCENARIO, overrides), phases(session.flights, label), swing)
     flight = edl6dof.fly(SCENARIO)
     grids = [_cliff(pick(rows, sweep="persistence")), _guards(pick(rows, sweep="guard"))]
-    return Report(_chain(flight), rows, session.total + 1, grids, REMARKS, _pictures(flight, rows))
+    return Report(list(_chain(flight)), rows, session.total + 1, grids, REMARKS, _pictures(flight, rows))
 
 
 def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
-    """Flights whose nutation has any phase at entry, each in gusts of its own; the first of a longer series
-    are those of a shorter one.
-    """
+    """Flights of any nutation phase in their own gusts; a longer series begins with a shorter one."""
     bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
-    return [
-        Case(k, truth={"initial.bank_deg": round(float(b), 3)}, profile=k, label=label)
-        for k, b in enumerate(bank)
-    ]
+    turned = ({"initial.bank_deg": round(float(b), 3)} for b in bank)
+    return [Case(k, truth=truth, profile=k, label=label) for k, truth in enumerate(turned)]
 
 
 # ---- one flight ----------------------------------------------------------------------------------------
@@ -124,30 +112,21 @@ def swing(flight: Flight) -> dict[str, float]:
 
 def vertical_error(flight: Flight, row: int) -> float:
     """Angle (deg) between the true vertical and the one on board, of the rotation between both attitudes."""
-    north, east, down = (
-        np.radians(flight.telemetry[f"nav.error_attitude_{axis}_deg"][row])
-        for axis in ("north", "east", "down")
-    )
-    angle = np.sqrt(north**2 + east**2 + down**2)
-    if angle < 1e-9:
-        return 0.0
-    across = np.hypot(north, east) / angle
-    return degrees(2.0 * np.arcsin(min(across * np.sin(0.5 * min(angle, np.pi)), 1.0)))
+    names = (f"nav.error_attitude_{axis}_deg" for axis in ("north", "east", "down"))
+    error = np.radians([flight.telemetry[name][row] for name in names])
+    down = Rotation.from_rotvec(error).apply([0.0, 0.0, 1.0])
+    return degrees(np.arctan2(np.hypot(down[0], down[1]), down[2]))
 
 
 # ---- what came out -------------------------------------------------------------------------------------
 
 
-def _chain(flight: Flight) -> list[Finding]:
+def _chain(flight: Flight) -> Iterator[Finding]:
     """The scenario as it is, one flight, beside what is published."""
-    found = []
     for figure, entry in published_figures(flight.scenario.published):
-        own = flight.metrics.get(figure.name, nan)
+        own, about = flight.metrics.get(figure.name, nan), (figure.meaning, figure.unit.label)
         within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None
-        found.append(
-            Finding(figure.meaning, figure.unit.label, own, entry.number, entry.bound, within=within)
-        )
-    return found
+        yield Finding(*about, own, entry.number, entry.bound, within=within)
 
 
 def saturated(rows: list[Row]) -> list[Row]:
@@ -173,8 +152,14 @@ def _cliff(rows: list[Row]) -> Grid:
         hit = saturated(own)
         counts = (len(own), len(hit), landed(hit), early(hit))
         lines.append((f"{persistence:g} s", *counts, mean(hit, "vertical_deg")))
-    heads = ("flag stays on", "flights", "beyond the range", "of these landed", "released early",
-             "vertical off deg")  # fmt: skip
+    heads = (
+        "flag stays on",
+        "flights",
+        "beyond the range",
+        "of these landed",
+        "released early",
+        "vertical off deg",
+    )
     return Grid("How long the flag stays on", heads, lines)
 
 
@@ -182,11 +167,11 @@ def _guards(rows: list[Row]) -> Grid:
     """A line for each guard."""
     lines: list[Line] = []
     for guard in GUARDS:
-        own = pick(rows, guard=guard.name)
+        own = pick(rows, guard=guard)
         hit = saturated(own)
         crashed = sum(bool(row["crashed"]) for row in hit)
         counts = (len(own), landed(own), len(hit), landed(hit), crashed, early(hit))
-        lines.append((guard.name, *counts, mean(pick(own, success=True), "propellant_used_kg")))
+        lines.append((guard, *counts, mean(pick(own, success=True), "propellant_used_kg")))
     heads = ("", "flights", "landings", "beyond the range", "of these landed", "crashed", "released early",
              "propellant kg")  # fmt: skip
     return Grid("One guard at a time", heads, lines)
@@ -203,20 +188,11 @@ def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
     for name, good in (("within limits", True), ("lost", False)):
         own = pick(rows, sweep="persistence", success=good)
         cliff.append(Curve(column(own, "swing_deg_s") / end, column(own, "persistence_s"), name, "dots"))
-    return {
-        "chain_and_cliff": [
-            Panel("Height above ground", "time after entry (s)", "height (km)", heights),
-            Panel("Landed and lost", "fastest swing over the gyros' range", "flag stays on (s)", cliff),
-        ]
-    }
+    panels = [Panel("Height above ground", "time after entry (s)", "height (km)", heights)]
+    panels.append(Panel("Landed and lost", "fastest swing over the gyros' range", "flag stays on (s)", cliff))
+    return {"chain_and_cliff": panels}
 
 
-STUDY = Study(
-    SCENARIO,
-    "The landing of Schiaparelli: the chain, the cliff and the guards",
-    "T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN, 2017",
-    run,
-    runs=40,
-    quick_runs=3,
-    counted=True,
-)
+TITLE = "The landing of Schiaparelli: the chain, the cliff and the guards"
+SOURCE = "T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN, 2017"
+STUDY = Study(SCENARIO, TITLE, SOURCE, run, runs=40, quick_runs=3, counted=True)

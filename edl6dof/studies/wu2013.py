@@ -11,14 +11,14 @@ and density.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT
@@ -110,15 +110,11 @@ _WITH_ERRORS = {"sensors.carried": ["perfect", "imu", "navigation_error"]}
 PRINTED = Experiment("as printed", {})
 ORDER = Experiment("as printed, K on [error, rate] as it stands", _ORDER, share=0.1)
 KEPT = Experiment("without the range update", _KEPT)
-MODEL_DRAG = Experiment(
-    "without the range update, drag not measured but of the onboard model",
-    {**_KEPT, **_WITH_ERRORS}, _drag_of_the_model, ("fl",), 0.1,
-)  # fmt: skip
+_MODEL = "without the range update, drag not measured but of the onboard model"
+MODEL_DRAG = Experiment(_MODEL, {**_KEPT, **_WITH_ERRORS}, _drag_of_the_model, ("fl",), 0.1)
 NAVIGATED = Experiment("as printed, with errors of navigation", _WITH_ERRORS, _navigation, share=0.1)
-FLOWN = Experiment(
-    "flown: this software's settings, with errors of navigation",
-    {**_WITH_ERRORS, **_for_both(settings="flown"), _FILTER: 1.0}, _navigation, share=0.1,
-)  # fmt: skip
+_OWN = {**_WITH_ERRORS, **_for_both(settings="flown"), _FILTER: 1.0}
+FLOWN = Experiment("flown: this software's settings, with errors of navigation", _OWN, _navigation, share=0.1)
 EXPERIMENTS = (PRINTED, ORDER, KEPT, MODEL_DRAG, NAVIGATED, FLOWN)
 #: Fewest runs of an experiment that flies a share.
 FEWEST = 20
@@ -167,19 +163,16 @@ def run(session: Session) -> Report:
     session.expect(len(cases))
     rows = session.fly(edl6dof.load(SCENARIO, AS_PRINTED), cases, figures)
     starts = {share: history(_nominal(share)) for share in STARTS}
-    findings: list[Finding] = []
+    findings = under(PRINTED.name, _convergence(starts))
     for experiment in EXPERIMENTS:
-        own = _convergence(starts) if experiment is PRINTED else []
         for law in experiment.laws:
-            own += _tracking(experiment, law, pick(rows, experiment=experiment.name, law=law))
-        findings += under(experiment.name, own)
+            own = _tracking(experiment, law, pick(rows, experiment=experiment.name, law=law))
+            findings += under(experiment.name, own)
     return Report(findings, rows, len(rows), (), REMARKS, _pictures(starts[STARTS[0]], rows))
 
 
 def all_cases(runs: int) -> list[Case]:
-    """The cases of all experiments, in their order and that of their laws; the entries of a share are the
-    first of the whole.
-    """
+    """Cases of all experiments, law by law; the entries of a share are the first of the whole."""
     truths = draw(SPREADS, runs, SEED)
     normal = np.random.default_rng(SEED + 1).standard_normal((runs, 7))
     found: list[Case] = []
@@ -208,9 +201,7 @@ def _nominal(share: float) -> Flight:
 
 
 def history(flight: Flight) -> dict[str, np.ndarray]:
-    """Curves of one flight at the guidance rate; the true drag rate follows from the true state and the drag
-    that the law is told.
-    """
+    """Curves of one flight at the guidance rate; the true drag rate follows from the true state."""
     every = flight.scenario.flight_software.rates.entry_guidance_every
     lift = flight.during(LIFT)[::every]
     rows = {name: values[::every][lift] for name, values in flight.telemetry.items()}
@@ -247,44 +238,30 @@ def converged_s(h: dict[str, np.ndarray], name: str) -> float:
 # ---- findings ------------------------------------------------------------------------------------------
 
 
-def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> list[Finding]:
+def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Finding]:
     """Largest miss of one law beside the published one, which is none of errors of navigation."""
-    miss = column(rows, "parachute_miss_m") / 1e3
+    miss, error = column(rows, "parachute_miss_m") / 1e3, column(rows, "rms_error_m_s2")
+    published = None if experiment in (NAVIGATED, FLOWN) else MISS_KM[law]
     why = CAUSES.get((experiment.name, law)) if len(miss) >= ENOUGH else None
-    return [
-        Finding(
-            f"{LAWS[law]}: largest miss", "km", float(np.max(miss)),
-            None if experiment in (NAVIGATED, FLOWN) else MISS_KM[law],
-            note=f"{len(miss)} entries",
-            within=None if why is None else MISS_WITHIN,
-            why=why or "",
-        ),
-        Finding(
-            f"{LAWS[law]}: RMS drag error", "m/s2", float(np.mean(column(rows, "rms_error_m_s2"))),
-            note="from 30 s, mean",
-        ),
-    ]  # fmt: skip
+    note, within = f"{len(miss)} entries", None if why is None else MISS_WITHIN
+    label, worst = f"{LAWS[law]}: largest miss", float(np.max(miss))
+    yield Finding(label, "km", worst, published, note=note, within=within, why=why or "")
+    yield Finding(f"{LAWS[law]}: RMS drag error", "m/s2", float(np.mean(error)), note="from 30 s, mean")
 
 
-def _convergence(starts: Mapping[float, dict[str, np.ndarray]]) -> list[Finding]:
+def _convergence(starts: Mapping[float, dict[str, np.ndarray]]) -> Iterator[Finding]:
     """Figure 3: when the estimates come to coincide with the truth; where they start is not printed."""
-    return [
-        Finding(
-            f"Fig. 3: within {100 * CLOSE:g} %, from {100 * share:g} % of the drag", "s",
-            max(converged_s(h, name) for name in ("drag", "rate")), CONVERGED_S,
-            within=TIME_WITHIN if share > 0.0 else None,
-        )
-        for share, h in starts.items()
-    ]  # fmt: skip
+    for share, h in starts.items():
+        label = f"Fig. 3: within {100 * CLOSE:g} %, from {100 * share:g} % of the drag"
+        converged = max(converged_s(h, name) for name in ("drag", "rate"))
+        yield Finding(label, "s", converged, CONVERGED_S, within=TIME_WITHIN if share > 0.0 else None)
 
 
 def _pictures(start: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel]]:
     """Figure 3, and the misses of figures 5 and 6 as printed and without the update."""
     t, estimates, misses = start["t_s"], [], []
     for name, label in (("drag", "drag (m/s2)"), ("rate", "drag rate (m/s3)")):
-        both = (
-            Curve(t, start[f"{name}_estimate"], "estimate"), Curve(t, start[name], "true", "reference")
-        )  # fmt: skip
+        both = Curve(t, start[f"{name}_estimate"], "estimate"), Curve(t, start[name], "true", "reference")
         estimates.append(Panel("", "time (s)", label, both, {"xlim": (0.0, 2.0)}))
     for experiment in (PRINTED, KEPT):
         for law, label in LAWS.items():
@@ -295,12 +272,5 @@ def _pictures(start: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[P
     return {"fig3_estimates": estimates, "fig5_fig6_misses": misses}
 
 
-STUDY = Study(
-    SCENARIO,
-    "Extended high-gain observer with feedback linearisation",
-    "Wu, Cui & Cui 2013",
-    run,
-    runs=2000,
-    quick_runs=20,
-    counted=True,
-)
+TITLE = "Extended high-gain observer with feedback linearisation"
+STUDY = Study(SCENARIO, TITLE, "Wu, Cui & Cui 2013", run, runs=2000, quick_runs=20, counted=True)

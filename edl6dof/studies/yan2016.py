@@ -10,6 +10,7 @@ Errors are those against the undisturbed nominal flight at equal time, as in the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache, partial
 from itertools import product
 from math import copysign, nan
@@ -19,7 +20,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Panel, Report, Session, Study, under
@@ -90,14 +91,11 @@ def run(session: Session) -> Report:
     cases = [case(number, *choice) for number, choice in enumerate(product(EXPERIMENTS, LAWS, CORNERS))]
     session.expect(len(cases))
     rows = session.fly(loaded, cases, partial(figures, nominal=nominal))
-    findings = []
-    for experiment in (PRINTED, WITHIN):
-        findings += under(experiment.name, _compared(rows, experiment, nominal))
-    findings += under(UNDISTURBED.name, _saturation(rows, UNDISTURBED))
     exponent = loaded.scenario.flight_software.guidance.entry.ftc_dob.exponent
-    findings += under(ALONE, _error_dynamics(rows, exponent))
-    for experiment in OTHERS:
-        findings += under(experiment.name, _with_other_gains(rows, experiment))
+    own = {one.name: _compared(rows, one, nominal) for one in (PRINTED, WITHIN)}
+    own |= {UNDISTURBED.name: _saturation(rows, UNDISTURBED), ALONE: _error_dynamics(rows, exponent)}
+    own |= {one.name: _with_other_gains(rows, one) for one in OTHERS}
+    findings = [finding for name, some in own.items() for finding in under(name, some)]
     return Report(findings, rows, len(rows), (), REMARKS, _pictures(nominal))
 
 
@@ -117,9 +115,7 @@ def case(number: int, experiment: Experiment, law: str, signs: tuple[float, ...]
 
 
 def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
-    """How far one flight is from the nominal, when its drag settles, how long its bank is saturated, and how
-    good its disturbance estimate is.
-    """
+    """Distance from the nominal, settling of drag, saturation of bank, error of the estimate."""
     rows, planned = flight.telemetry, nominal.telemetry
     shared = min(len(rows["t_s"]), len(planned["t_s"]))
     altitude = (rows["truth.altitude_m"][:shared] - planned["truth.altitude_m"][:shared]) / 1e3
@@ -152,9 +148,7 @@ def downrange_m(flight: Flight) -> np.ndarray:
 
 
 def _estimate_error(flight: Flight) -> float:
-    """Largest error of the estimated disturbance once the observer has settled, % of the amplitude; NaN where
-    there is none.
-    """
+    """Largest error of the settled disturbance estimate, % of the amplitude; NaN without one."""
     rows, guided, d = flight.telemetry, flight.during(LIFT), flight.loaded.truth.point_mass.disturbance
     t, estimate = rows["t_s"][guided], np.radians(rows["guide.path_disturbance_deg_s"][guided])
     true = d.amplitude_rad_s * np.sin(d.frequency_rad_s * t)
@@ -165,7 +159,7 @@ def _estimate_error(flight: Flight) -> float:
 # ---- findings ------------------------------------------------------------------------------------------
 
 
-def _compared(rows: list[Row], experiment: Experiment, nominal: Flight) -> list[Finding]:
+def _compared(rows: list[Row], experiment: Experiment, nominal: Flight) -> Iterator[Finding]:
     """One disturbance: what lift can do against it, and both laws; the ratio of their errors the paper says
     is below one, and PD, it says, brings drag to the nominal sooner.
     """
@@ -174,64 +168,43 @@ def _compared(rows: list[Row], experiment: Experiment, nominal: Flight) -> list[
     authority = lift_to_drag * table["nav.drag_m_s2"][guided] / table["truth.speed_m_s"][guided]  # L/V
     above = 100.0 * float(np.mean(authority > experiment.amplitude_rad_s))
     worst = max(float(np.max(_of(rows, experiment, law, "estimate_error_pct"))) for law in LAWS)
-    found = [
-        Finding("largest L/V", "rad/s", float(authority.max())),
-        Finding("flight in which L/V is above the amplitude", "%", above),
-        *_saturation(rows, experiment),
-        Finding(
-            "disturbance estimate, largest error", "%", worst, 4.0, "<=", f"after {OBSERVED_S:g} s"
-        ),
-    ]  # fmt: skip
+    note = f"after {OBSERVED_S:g} s"
+    yield Finding("largest L/V", "rad/s", float(authority.max()))
+    yield Finding("flight in which L/V is above the amplitude", "%", above)
+    yield from _saturation(rows, experiment)
+    yield Finding("disturbance estimate, largest error", "%", worst, 4.0, "<=", note)
     for name, label in ERRORS.items():
-        found += [
-            Finding(f"{label}, {title}", "km", _mean(rows, experiment, law, name))
-            for law, title in LAWS.items()
-        ]
+        for law, title in LAWS.items():
+            yield Finding(f"{label}, {title}", "km", _mean(rows, experiment, law, name))
         said = (1.0, "<=", "text: FTC is better") if name.startswith("rms") else (None, "<=", "")
-        found.append(Finding(f"{label}, FTC over PD", "", _ratio(rows, experiment, name), *said))
-    found += [
-        Finding(
-            f"drag settled, {title}",
-            "s",
-            _settled(rows, experiment, law),
-            note="2 % of the peak, all corners",
-        )
-        for law, title in LAWS.items()
-    ]
+        yield Finding(f"{label}, FTC over PD", "", _ratio(rows, experiment, name), *said)
+    for law, title in LAWS.items():
+        settled = _settled(rows, experiment, law)
+        yield Finding(f"drag settled, {title}", "s", settled, note="2 % of the peak, all corners")
     sooner = _sooner(rows, experiment)
-    return [*found, Finding(SOONER, "s", sooner, 0.0, "<=", "text: PD is sooner", why=UNPRINTED)]
+    yield Finding(SOONER, "s", sooner, 0.0, "<=", "text: PD is sooner", why=UNPRINTED)
 
 
-def _saturation(rows: list[Row], experiment: Experiment) -> list[Finding]:
-    return [
-        Finding(
-            f"bank saturated, {title}", "%", _mean(rows, experiment, law, "saturated_pct"),
-            note="of the flight",
-        )
-        for law, title in LAWS.items()
-    ]  # fmt: skip
+def _saturation(rows: list[Row], experiment: Experiment) -> Iterator[Finding]:
+    for law, title in LAWS.items():
+        share = _mean(rows, experiment, law, "saturated_pct")
+        yield Finding(f"bank saturated, {title}", "%", share, note="of the flight")
 
 
-def _with_other_gains(rows: list[Row], experiment: Experiment) -> list[Finding]:
-    ratios = [
-        Finding(f"{ERRORS[name]}, FTC over PD", "", _ratio(rows, experiment, name))
-        for name in ("rms_altitude_error_km", "rms_range_error_km")
-    ]
-    return [*ratios, Finding(SOONER, "s", _sooner(rows, experiment))]
+def _with_other_gains(rows: list[Row], experiment: Experiment) -> Iterator[Finding]:
+    for name in ("rms_altitude_error_km", "rms_range_error_km"):
+        yield Finding(f"{ERRORS[name]}, FTC over PD", "", _ratio(rows, experiment, name))
+    yield Finding(SOONER, "s", _sooner(rows, experiment))
 
 
-def _error_dynamics(rows: list[Row], exponent: float) -> list[Finding]:
+def _error_dynamics(rows: list[Row], exponent: float) -> Iterator[Finding]:
     """Settling of eq. 21 alone from the mean drag error at the start; ``exponent`` is alpha_1."""
     start = _mean(rows, PRINTED, "ftc_dob", "start_error_m_s2")
-    return [
-        Finding(
-            f"drag error below {100 * share:g} %, {title}", "s",
-            settled_s(start, GAINS, exponent if law == "ftc_dob" else 1.0, share),
-            note=f"from {start:.2g} m/s2",
-        )
-        for share in (0.01, 1e-6)
-        for law, title in LAWS.items()
-    ]  # fmt: skip
+    for share in (0.01, 1e-6):
+        for law, title in LAWS.items():
+            settled = settled_s(start, GAINS, exponent if law == "ftc_dob" else 1.0, share)
+            label, note = f"drag error below {100 * share:g} %, {title}", f"from {start:.2g} m/s2"
+            yield Finding(label, "s", settled, note=note)
 
 
 def _of(rows: list[Row], experiment: Experiment, law: str, name: str) -> np.ndarray:
@@ -279,9 +252,10 @@ def _errors(start: float, gains: tuple[float, float], exponent: float, steps: in
     powers = exponent, 2.0 * exponent / (1.0 + exponent)
 
     def acceleration(x: float, rate: float) -> float:
-        return -gains[0] * copysign(abs(x) ** powers[0], x) - gains[1] * copysign(
-            abs(rate) ** powers[1], rate
+        terms = (
+            k * copysign(abs(y) ** power, y) for k, y, power in zip(gains, (x, rate), powers, strict=True)
         )
+        return -sum(terms)
 
     errors, x, rate = np.empty(steps), start, 0.0
     for k in range(steps):
@@ -305,11 +279,5 @@ def _pictures(nominal: Flight) -> dict[str, list[Panel]]:
     return {"fig4_fig6": panels}
 
 
-STUDY = Study(
-    SCENARIO,
-    "Finite-time drag tracking against a sinusoidal disturbance",
-    "Yan, Sun & Guo 2016",
-    run,
-    runs=RUNS,
-    quick_runs=RUNS,
-)
+TITLE = "Finite-time drag tracking against a sinusoidal disturbance"
+STUDY = Study(SCENARIO, TITLE, "Yan, Sun & Guo 2016", run, runs=RUNS, quick_runs=RUNS)

@@ -14,7 +14,7 @@ drag that is planned once; the outer loop of section 2 has no method, and is flo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -22,7 +22,7 @@ import numpy as np
 
 import edl6dof
 from edl6dof import Case
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.executor import Row
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT
@@ -70,9 +70,8 @@ class Experiment(NamedTuple):
         """True values of one flight, of what was drawn for it."""
         truth: dict[str, Any] = {path: x for path, x in drawn.items() if self.factor or path != DENSITY}
         if self.correlation_m is not None:
-            truth["atmosphere.perturbation.enabled"] = True
-            truth["atmosphere.perturbation.sigma"] = 0.2 / 3.0
-            truth["atmosphere.perturbation.correlation_length_m"] = self.correlation_m
+            wave = {"enabled": True, "sigma": 0.2 / 3.0, "correlation_length_m": self.correlation_m}
+            truth |= {f"atmosphere.perturbation.{key}": value for key, value in wave.items()}
         return truth
 
 
@@ -120,35 +119,24 @@ def run(session: Session) -> Report:
     rows = session.fly(edl6dof.load(SCENARIO), cases, figures)
     shown = edl6dof.fly(SCENARIO, {**cases[0].told, "truth": dict(cases[0].truth)})
     printed = pick(rows, experiment=AS_PRINTED.name)
-    return Report(
-        [
-            *_against_the_print(AS_PRINTED, rows, NO_SUCH_DENSITY, THIN_AIR),
-            *_against_the_print(INFERRED, rows, "", ""),
-            *_flown(pick(rows, experiment=FLOWN.name)),
-            *_tracking(shown, printed),
-        ],
-        rows,
-        len(rows),
-        [_grid(rows)],
-        REMARKS,
-        _pictures(history(shown), rows),
-    )
+    findings = [
+        *_against_the_print(AS_PRINTED, rows, NO_SUCH_DENSITY, THIN_AIR),
+        *_against_the_print(INFERRED, rows, "", ""),
+        *_flown(pick(rows, experiment=FLOWN.name)),
+        *_tracking(shown, printed),
+    ]
+    return Report(findings, rows, len(rows), [_grid(rows)], REMARKS, _pictures(history(shown), rows))
 
 
 def all_cases(runs: int) -> list[Case]:
     """The same draws flown in each experiment, one experiment after the other."""
-    drawn = draw(SPREADS, runs, SEED)
-    return [
-        Case(
-            which * runs + number,
-            truth=experiment.truth(values),
-            belief=experiment.belief,
-            profile=number,
-            label={"experiment": experiment.name},
-        )
-        for which, experiment in enumerate(EXPERIMENTS)
-        for number, values in enumerate(drawn)
-    ]
+    flights = list(enumerate(draw(SPREADS, runs, SEED)))
+    found: list[Case] = []
+    for one in EXPERIMENTS:
+        for number, values in flights:
+            truth, label = one.truth(values), {"experiment": one.name}
+            found.append(Case(len(found), truth, one.belief, number, label))
+    return found
 
 
 # ---- one flight ----------------------------------------------------------------------------------------
@@ -156,21 +144,17 @@ def all_cases(runs: int) -> list[Case]:
 
 def figures(flight: Flight) -> dict[str, float]:
     """Tracking quality of one flight."""
-    rows = flight.telemetry
-    control = range_control(flight)
+    rows, control = flight.telemetry, range_control(flight)
     t, error = rows["t_s"][control], (rows["nav.drag_m_s2"] - rows["guide.reference_drag_m_s2"])[control]
-    virtual = np.abs(rows["guide.virtual_m_s3"][control])
-    surface = np.abs(rows["guide.surface_m_s3"][control])
-    settled = _first_calm(t, virtual)
-    return {
-        "control_start_s": float(t[0]),
-        "control_end_s": float(t[-1]),
-        "saturation_end_s": float(t[settled]),
-        "peak_error_m_s2": float(np.max(np.abs(error))),
-        "peak_error_settled_m_s2": float(np.max(np.abs(error[settled:]))),
-        "peak_surface_m_s3": float(np.max(surface)),
-        "peak_surface_settled_m_s3": float(np.max(surface[settled:])),
-    }
+    settled = _first_calm(t, np.abs(rows["guide.virtual_m_s3"][control]))
+    found = {"control_start_s": t[0], "control_end_s": t[-1], "saturation_end_s": t[settled]}
+    for name, unit, values in (
+        ("error", "m_s2", error),
+        ("surface", "m_s3", rows["guide.surface_m_s3"][control]),
+    ):
+        found[f"peak_{name}_{unit}"] = np.max(np.abs(values))
+        found[f"peak_{name}_settled_{unit}"] = np.max(np.abs(values[settled:]))
+    return {name: float(value) for name, value in found.items()}
 
 
 def _first_calm(t: np.ndarray, virtual: np.ndarray) -> int:
@@ -193,8 +177,7 @@ def history(flight: Flight) -> dict[str, np.ndarray]:
     That is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n from what is known on
     board.
     """
-    rows = flight.telemetry
-    control = range_control(flight)
+    rows, control = flight.telemetry, range_control(flight)
     drag, authority = rows["nav.drag_m_s2"], _authority(flight)
     acceleration = np.gradient(np.gradient(drag, rows["t_s"]), rows["t_s"])
     columns = {
@@ -247,30 +230,27 @@ def _grid(rows: list[Row]) -> Grid:
     return Grid("Dispersed entries, height above 3394.5 km", heads, [*lines, published])
 
 
-def _against_the_print(experiment: Experiment, rows: list[Row], dispersed: str, thin: str) -> list[Finding]:
+def _against_the_print(
+    experiment: Experiment, rows: list[Row], dispersed: str, thin: str
+) -> Iterator[Finding]:
     """One experiment; ``dispersed`` and ``thin`` say why the spreads and the levels are not met."""
     name, own = experiment.name, pick(rows, experiment=experiment.name)
     miss, altitude = _km(own, "miss"), _km(own, "altitude")
     middle, flights = float(np.median(altitude)), len(own)
     start, end = (float(np.mean(column(own, f"control_{moment}_s"))) for moment in ("start", "end"))
     near = percentage(np.abs(altitude - middle) <= BAND_KM)
-    return [
-        Finding(
-            f"{name}: RMS miss", "km", rms(miss), RMS, within=tolerance(flights, sqrt(0.5)), why=dispersed
-        ),
-        *(
-            Finding(
-                f"{name}: within {limit:g} km of the target", "%", percentage(miss <= limit), share,
-                within=tolerance(flights, sqrt(100.0 / share - 1.0)), why=dispersed,
-            )
-            for limit, share in ((3.0, SHARE_3), (5.0, SHARE_5))
-        ),
-        Finding(f"{name}: altitudes in a band of 0.1 km", "%", near, 50.0, ">=", why=dispersed),
-        Finding(f"{name}: median altitude", "km", middle, ALTITUDE, within=HEIGHT, why=thin),
-        Finding(f"{name}: lowest altitude", "km", float(altitude.min()), 7.0, ">=", why=thin),
-        Finding(f"{name}: range control begins", "s", start, 42.0, within=TIME, why=thin),
-        Finding(f"{name}: range control ends", "s", end, 136.0, within=TIME, why=thin),
-    ]  # fmt: skip
+    yield Finding(
+        f"{name}: RMS miss", "km", rms(miss), RMS, within=tolerance(flights, sqrt(0.5)), why=dispersed
+    )
+    for limit, share in ((3.0, SHARE_3), (5.0, SHARE_5)):
+        within = tolerance(flights, sqrt(100.0 / share - 1.0))
+        label, inside = f"{name}: within {limit:g} km of the target", percentage(miss <= limit)
+        yield Finding(label, "%", inside, share, within=within, why=dispersed)
+    yield Finding(f"{name}: altitudes in a band of 0.1 km", "%", near, 50.0, ">=", why=dispersed)
+    yield Finding(f"{name}: median altitude", "km", middle, ALTITUDE, within=HEIGHT, why=thin)
+    yield Finding(f"{name}: lowest altitude", "km", float(altitude.min()), 7.0, ">=", why=thin)
+    yield Finding(f"{name}: range control begins", "s", start, 42.0, within=TIME, why=thin)
+    yield Finding(f"{name}: range control ends", "s", end, 136.0, within=TIME, why=thin)
 
 
 def tolerance(runs: int, sampling: float) -> float | None:
@@ -291,26 +271,22 @@ def _flown(rows: list[Row]) -> list[Finding]:
 # ---- tracking: figures 3 to 5 ------------------------------------------------------------------
 
 
-def _tracking(shown: Flight, printed: list[Row]) -> list[Finding]:
+def _tracking(shown: Flight, printed: list[Row]) -> Iterator[Finding]:
     """One flight of the dispersed ones as printed, and the worst of them."""
     one, curves = figures(shown), history(shown)
     calm = slice(int(np.searchsorted(curves["t_s"], one["saturation_end_s"])), -2)
     true, off = curves["disturbance"][calm], (curves["estimate"] - curves["disturbance"])[calm]
     worst = float(column(printed, "peak_error_settled_m_s2").max())
-    return [
-        Finding("run shown: saturation over", "s", one["saturation_end_s"], 75.0, within=HEIGHT),
-        Finding("run shown: peak drag error", "m/s2", one["peak_error_settled_m_s2"], 0.2, "<=", "settled"),
-        Finding("worst run: peak drag error", "m/s2", worst, 0.2, "<=", "settled"),
-        Finding("run shown: peak |s|", "m/s3", one["peak_surface_settled_m_s3"], 0.1, "<=", "settled; c_s"),
-        Finding(
-            "run shown: peak |s| from the start", "m/s3", one["peak_surface_m_s3"], 0.05, within=STATISTIC,
-            why="the reference is tabulated 22 m/s apart: 0.16 m/s2 off at the start, |s| 0.33 undispersed",
-        ),
-        Finding(
-            "run shown: disturbance estimate, RMS error over RMS", "%", 100.0 * rms(off) / rms(true),
-            note="settled",
-        ),
-    ]  # fmt: skip
+    start = "the reference is tabulated 22 m/s apart: 0.16 m/s2 off at the start, |s| 0.33 undispersed"
+    estimate = "run shown: disturbance estimate, RMS error over RMS"
+    peak, surface = one["peak_error_settled_m_s2"], one["peak_surface_settled_m_s3"]
+    yield Finding("run shown: saturation over", "s", one["saturation_end_s"], 75.0, within=HEIGHT)
+    yield Finding("run shown: peak drag error", "m/s2", peak, 0.2, "<=", "settled")
+    yield Finding("worst run: peak drag error", "m/s2", worst, 0.2, "<=", "settled")
+    yield Finding("run shown: peak |s|", "m/s3", surface, 0.1, "<=", "settled; c_s")
+    whole = one["peak_surface_m_s3"]
+    yield Finding("run shown: peak |s| from the start", "m/s3", whole, 0.05, within=STATISTIC, why=start)
+    yield Finding(estimate, "%", 100.0 * rms(off) / rms(true), note="settled")
 
 
 def _pictures(h: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel]]:
@@ -333,12 +309,5 @@ def _pictures(h: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel
     }
 
 
-STUDY = Study(
-    SCENARIO,
-    "Disturbance-observer sliding guidance with input saturation",
-    "Zheng & Cui 2015",
-    run,
-    runs=500,
-    quick_runs=40,
-    counted=True,
-)
+TITLE = "Disturbance-observer sliding guidance with input saturation"
+STUDY = Study(SCENARIO, TITLE, "Zheng & Cui 2015", run, runs=500, quick_runs=40, counted=True)

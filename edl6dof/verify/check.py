@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from edl6dof.verify.outcome import History, NotInstalledError, Oracle, Outcome, Result
+from edl6dof.verify.case import History, NotInstalledError, Outcome, Result
 
 #: In the order they are shown; a new one is a file in ``cases`` and a name here.
 NAMES = (
@@ -18,12 +19,14 @@ NAMES = (
     *("capsule_trim", "damping", "impulses", "rocket_equation", "jettison"),
     *("terminal_velocity", "pendulum", "nesc"),
 )
-CASES: dict[str, Oracle] = {name: import_module(f"edl6dof.verify.cases.{name}").run for name in NAMES}
+CASES: dict[str, Callable[..., Outcome]] = {
+    name: import_module(f"edl6dof.verify.cases.{name}").run for name in NAMES
+}
 
 
 @dataclass(frozen=True, repr=False)
 class Report:
-    """What became of one case.
+    """Outcome of one case, or why it has none.
 
     Attributes:
         note: why it was skipped or broke; empty otherwise.
@@ -31,9 +34,9 @@ class Report:
     """
 
     name: str
-    results: tuple[Result, ...]
-    history: History | None
-    seconds: float
+    results: Sequence[Result] = ()
+    history: History | None = None
+    seconds: float = 0.0
     note: str = ""
     skipped: bool = False
 
@@ -43,7 +46,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether every comparison of the case is within its tolerance."""
+        """True if every comparison of the case is within its tolerance."""
         return self.skipped or Outcome(self.results).passed
 
     def as_dict(self) -> dict[str, Any]:
@@ -62,14 +65,14 @@ class Report:
 
 def run_case(name: str) -> Report:
     """Run one case by name."""
-    begin = time.perf_counter()
+    begin, outcome, note = time.perf_counter(), Outcome(()), ""
     try:
         outcome = CASES[name]()
     except NotInstalledError as error:
-        return Report(name, (), None, 0.0, str(error), skipped=True)
+        return Report(name, note=str(error), skipped=True)
     except Exception as error:  # a case that breaks is a failed case, and the table goes on
-        return Report(name, (), None, time.perf_counter() - begin, f"{type(error).__name__}: {error}")
-    return Report(name, outcome.results, outcome.history, time.perf_counter() - begin)
+        note = f"{type(error).__name__}: {error}"
+    return Report(name, outcome.results, outcome.history, time.perf_counter() - begin, note)
 
 
 def draw(history: History, path: Path) -> None:
@@ -78,9 +81,8 @@ def draw(history: History, path: Path) -> None:
 
     figure = Figure(figsize=(7.0, 3.8), dpi=140, layout="constrained")
     axes = figure.subplots()
-    for name, values in history.curves.items():
-        style = "k--" if name.endswith("expected") else "-"
-        axes.plot(history.x, values, style, linewidth=1.2 if style == "k--" else 3.0, label=name)
+    axes.plot(history.x, history.flown, linewidth=3.0, label="flown")
+    axes.plot(history.x, history.expected, "k--", linewidth=1.2, label="expected")
     axes.set(title=history.title, xlabel=history.x_label, ylabel=history.y_label)
     axes.legend()
     figure.savefig(path, format="png")

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.executor import fly_cases
+from edl6dof.campaign.executor import fly_rows, table_of
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.records import numbers
 from edl6dof.scenario.loading import load_scenario
@@ -33,7 +33,7 @@ _RECORD = np.dtype([(name, "f8") for name in _SAMPLED])
 
 
 class Trace(NamedTuple):
-    """What a flight or a campaign gave.
+    """Results of a flight or a campaign, as they are kept.
 
     Attributes:
         hashes: of records, channels and figures, by name, in the order in which they are made.
@@ -62,9 +62,7 @@ def traced(name: str) -> Trace:
 
 
 def difference(golden: Trace, found: Trace) -> str:
-    """The first that differs: a part of the records, or a channel with time and difference, or a figure;
-    empty if nothing does.
-    """
+    """The first part, channel (with time and difference) or figure that differs; empty if none."""
     names = [*golden.hashes, *(name for name in found.hashes if name not in golden.hashes)]
     wrong = [name for name in names if golden.hashes.get(name) != found.hashes.get(name)]
     if not wrong:
@@ -107,9 +105,7 @@ def write_golden(traces: Mapping[str, Trace]) -> None:
 
 
 def record_parts(name: str) -> Iterator[tuple[str, np.ndarray]]:
-    """Every field of the records that a scenario's flight reads, by its path, in the order in which they are
-    made.
-    """
+    """Every field of the records that a scenario's flight reads, by its path, in order."""
     records = build_records(load_scenario(name))
     for record in ("tables", "case", "onboard"):
         for field in numbers(getattr(records, record), record):
@@ -137,7 +133,7 @@ def _flight(name: str) -> Trace:
 
 def _campaign() -> Trace:
     plan = load_plan(CAMPAIGN)
-    table = fly_cases(plan.loaded, plan.cases(0, CASES))
+    table = table_of(fly_rows(plan.loaded, plan.cases(0, CASES)))
     columns = {name: repr(table[name].to_pylist()) for name in table.column_names}
     hashes = {f"column {name}": _digest(text.encode()) for name, text in columns.items()}
     return Trace(hashes, np.zeros(0, _RECORD))

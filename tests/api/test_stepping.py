@@ -7,7 +7,7 @@ import pytest
 
 import edl6dof
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.refly import case_scenario
+from edl6dof.campaign.run import case_scenario
 from edl6dof.config.errors import ConfigError
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly as fly_flight

@@ -11,7 +11,7 @@ import pytest
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.mesh_file import read_mesh_file
+from edl6dof.interchange.meshes import read_mesh_file
 
 VEHICLE = Path(edl6dof.__file__).parents[1] / "vehicles" / "tianwen1.yaml"
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4")

@@ -14,9 +14,8 @@ import pytest
 import edl6dof
 from edl6dof.calibration import problem
 from edl6dof.calibration.findings import find
-from edl6dof.calibration.fit import fit
+from edl6dof.calibration.fit import Data, TooFew, fit
 from edl6dof.calibration.problem import load_calibration
-from edl6dof.calibration.surface import Data, TooFew
 
 #: Truth of the twin, which flies the figures below; the calibration is not told of it.
 DENSITY, HEAVIER = 1.06, 1.02

@@ -11,8 +11,7 @@ from pathlib import Path
 from forked import Forked
 
 from edl6dof import cli
-from edl6dof.campaign import engines
-from edl6dof.campaign.storage import identity
+from edl6dof.campaign import engines, identity
 
 
 @contextmanager

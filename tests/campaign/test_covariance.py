@@ -8,16 +8,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.covariance.estimate import Pairs, principal
-from edl6dof.campaign.covariance.event_figures import figures_at
-from edl6dof.campaign.covariance.mirrored_pairs import fly_covariance
-from edl6dof.campaign.covariance.one_at_a_time import Alone, fly_alone
-from edl6dof.campaign.covariance.sample_covariance import Sampled
-from edl6dof.campaign.covariance.sources import cases, moments, sources
-from edl6dof.campaign.covariance.two_level_design import at_least, design, hadamard
+from edl6dof.campaign.covariance_estimate import Alone, Pairs, Sampled, fly_alone, fly_covariance, principal
+from edl6dof.campaign.covariance_flights import (
+    at_least,
+    cases,
+    design,
+    figures_at,
+    hadamard,
+    moments,
+    sources,
+)
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.config.errors import ConfigError
-from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, WEIGHTLESS
+from edl6dof.verify.case import BARE, ENDLESS, ONE_BODY, WEIGHTLESS
 
 #: A body of constant drag that falls straight through an exponential atmosphere, without weight or rotation.
 STRAIGHT_DOWN = (

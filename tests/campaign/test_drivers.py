@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.variance_shares import CHANCE, _scores, drivers
+from edl6dof.campaign import sensitivity
+from edl6dof.campaign.sensitivity import CHANCE, _scores
 
 FLIGHTS = 100
+
+
+def drivers(groups, figure, chance=CHANCE):
+    """The drivers of a single figure."""
+    return sensitivity.drivers(groups, [figure], chance)[0]
 
 
 def inputs(rng: np.random.Generator, flights: int = FLIGHTS) -> dict[str, np.ndarray]:

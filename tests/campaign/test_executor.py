@@ -10,7 +10,7 @@ import pytest
 import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import NotApplied
-from edl6dof.campaign.executor import CaseRunner, fly_cases, in_threads
+from edl6dof.campaign.executor import CaseRunner, fly_rows, in_threads, table_of
 
 GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed=7"]
 CASES = [
@@ -34,7 +34,7 @@ def loaded():
 
 @pytest.fixture(scope="module")
 def table(loaded):
-    return fly_cases(loaded, CASES, workers=2, collect=lambda flight: {"rows": len(flight.log)})
+    return table_of(fly_rows(loaded, CASES, workers=2, collect=lambda flight: {"rows": len(flight.log)}))
 
 
 def test_rows_are_those_of_single_flights(loaded, table):
@@ -65,7 +65,7 @@ def test_reused_telemetry_buffer_gives_the_same_log(loaded):
 
 
 def test_number_of_workers_does_not_matter(loaded, table):
-    alone = fly_cases(loaded, CASES, workers=1, collect=lambda flight: {"rows": len(flight.log)})
+    alone = table_of(fly_rows(loaded, CASES, workers=1, collect=lambda flight: {"rows": len(flight.log)}))
     assert alone.equals(table)
 
 
@@ -87,7 +87,7 @@ def test_progress_counts_every_case(loaded):
     seen = []
     brief = {"simulation.time_limit_s": 2.0}
     cases = [Case(index, belief=brief) for index in range(3)]
-    fly_cases(loaded, cases, progress=lambda done, row: seen.append((done, row["case"])))
+    table_of(fly_rows(loaded, cases, progress=lambda done, row: seen.append((done, row["case"]))))
     assert seen == [(1, 0), (2, 1), (3, 2)]
 
 
@@ -119,7 +119,7 @@ def test_a_few_cases_keep_all_workers_busy(loaded):
 
 def test_caller_may_not_hide_a_figure(loaded):
     with pytest.raises(ValueError, match="column given twice: touchdown_s"):
-        fly_cases(loaded, CASES[:1], collect=lambda flight: {"touchdown_s": 0.0})
+        table_of(fly_rows(loaded, CASES[:1], collect=lambda flight: {"touchdown_s": 0.0}))
 
 
 def test_value_that_did_not_arrive_is_noticed(loaded):
@@ -156,7 +156,7 @@ def test_whole_sections_and_values_of_unlike_shape_make_a_column(loaded):
     ]
     brief = {"simulation.time_limit_s": 2.0}
     cases = [Case(index, truth=truth, belief=brief) for index, truth in enumerate(changes)]
-    found = fly_cases(loaded, cases, workers=1)
+    found = table_of(fly_rows(loaded, cases, workers=1))
     assert found["truth.wind"].to_pylist() == [
         '{"model": "none"}',
         '{"scale": 1.0, "weight": 2.0}',
@@ -169,7 +169,7 @@ def test_whole_sections_and_values_of_unlike_shape_make_a_column(loaded):
         True,
         True,
     ]
-    listed = fly_cases(
-        loaded, [Case(0, truth={"initial.rate_deg_s": [0.1, 0, 0.0]}, belief=brief)], workers=1
+    listed = table_of(
+        fly_rows(loaded, [Case(0, truth={"initial.rate_deg_s": [0.1, 0, 0.0]}, belief=brief)], workers=1)
     )
     assert listed["truth.initial.rate_deg_s"].to_pylist() == [[0.1, 0.0, 0.0]]

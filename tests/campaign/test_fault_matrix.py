@@ -20,8 +20,8 @@ from edl6dof.api import fault_matrix
 from edl6dof.api.fault_matrix import matrix_of, moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
-from edl6dof.campaign.fault_kinds import matrix_plan
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.faults import matrix_plan
+from edl6dof.campaign.store import Store
 from edl6dof.cli.campaign_flight import require_no_values
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario

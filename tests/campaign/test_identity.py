@@ -15,11 +15,11 @@ from campaign_run import ROOT, write_drop
 
 import edl6dof
 from edl6dof.campaign import engines, run
+from edl6dof.campaign import identity as origin
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.storage import identity as origin
-from edl6dof.campaign.storage.identity import input_files
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.identity import input_files
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment import profile_file
 
@@ -93,18 +93,18 @@ def test_vehicles_of_a_sweep_and_their_tables(tmp_path):
 
 
 class Changing(Threads):
-    """Threads during whose flights something happens, after the second part."""
+    """Threads with which something happens after the last flight, when two of three parts are written."""
 
     def __init__(self, event):
         super().__init__(1)
         self.event = event
 
     def rows(self, plan, ranges):
-        """Rows of each range."""
-        for number, rows in enumerate(super().rows(plan, ranges)):
-            if number == 2:
+        """Rows of all cases."""
+        for number, row in enumerate(super().rows(plan, ranges)):
+            if number == plan.count - 1:  # nothing flies any more, and the third part is not written
                 self.event()
-            yield rows
+            yield row
 
 
 def stop():

@@ -11,8 +11,8 @@ from campaign_run import write_drop
 from scipy import stats
 
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.design.saltelli import PROFILES, Swaps
-from edl6dof.campaign.indices import sobol_indices
+from edl6dof.campaign.design.sampling import PROFILES, Swaps
+from edl6dof.campaign.sensitivity import sobol_indices
 from edl6dof.config.errors import ConfigError
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.drivers import indices

@@ -12,11 +12,10 @@ import in_process
 import pytest
 from campaign_run import write_drop
 
-from edl6dof.campaign import executor, run
+from edl6dof.campaign import executor, run, store
 from edl6dof.campaign.design import plan as plans
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.storage import store
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.cli import campaign_flight
 
 GO_ON = "interrupted; what has flown is kept; go on with: edl6dof campaign runs/drops --resume\n"

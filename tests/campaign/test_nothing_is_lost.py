@@ -16,10 +16,10 @@ import pytest
 from campaign_run import write_drop
 from forked import Forked, finished, program_with_small_files
 
+from edl6dof.campaign import identity as origin
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.storage import identity as origin
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.plugin_scan import files_naming_plugins
 
@@ -142,13 +142,13 @@ from pathlib import Path
 from campaign_run import write_drop
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 
 class NullPlant:
     def rows(self, plan, ranges):
         for first, last in ranges:
-            yield [self.row(case) for case in plan.cases(first, last)]
+            yield from (self.row(case) for case in plan.cases(first, last))
 
     def row(self, case):
         inputs = {f"truth.{path}": value for path, value in case.truth.items()}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, quantile
+from edl6dof.campaign.statistics import SHARES, bounded_shares, flights_needed, quantile
 
 #: Campaigns flown in thought.
 CAMPAIGNS = 1000

@@ -11,9 +11,9 @@ import pytest
 
 from edl6dof.cli.check_cases import run_cases
 from edl6dof.verify import check
-from edl6dof.verify.outcome import NotInstalledError, Outcome, Result
+from edl6dof.verify.case import NotInstalledError, Outcome, Result
 
-FAILING = Outcome((Result("quantity", "model", "source", math.nan, 1.0, "m", "why"),))
+FAILING = Outcome((Result("quantity", math.nan, 1.0, "m", "model", "source", "why"),))
 
 
 def broken():

@@ -15,7 +15,7 @@ from edl6dof.config.document.locate import shipped_names
 
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
-    "edl6dof.campaign.covariance.event_figures": {"parachute"},  # an event, as in the next one
+    "edl6dof.campaign.covariance_flights": {"parachute"},  # an event, as in the next one
     "edl6dof.cli.campaigns": {"parachute"},
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},

@@ -43,8 +43,8 @@ ALLOWED = {
     "campaign/design/sampling.py:default_rng": "starts the scrambling of Sobol numbers, integers",
     "campaign/design/sampling.py:qmc": "Sobol numbers: integers, scaled by a power of two",
     "interface/events.py:sum": "integers",
-    "campaign/design/fault_matrix.py:sum": "integers",
-    "campaign/design/saltelli.py:sum": "integers",
+    "campaign/design/dispersions.py:sum": "integers",
+    "campaign/design/sampling.py:sum": "integers",
     "campaign/design/distributions/base.py:sum": "truth values",
     "campaign/design/distributions/discrete.py:sum": "compared with zero",
 }

@@ -7,8 +7,7 @@ from scipy.optimize import brentq
 import edl6dof
 from edl6dof.cli.designs import design_entry as design_entry_command
 from edl6dof.config.errors import ConfigError
-from edl6dof.design.entry_plan import figures, with_points
-from edl6dof.design.entry_profile import CLOSE, design_entry
+from edl6dof.design.entry_profile import CLOSE, design_entry, figures, with_points
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again

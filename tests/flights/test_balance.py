@@ -17,10 +17,10 @@ from plain_python import setting
 import edl6dof
 from edl6dof.metrics.figures import BALANCES
 from edl6dof.runs.run_writer import summary
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import flight_of
 from edl6dof.sim.underway import Underway, moments_at
 from edl6dof.vehicle.plant import PROPELLANT, VELOCITY
-from edl6dof.verify.scene import State
 
 PROGRAM = Path(__file__).with_name("unbalanced.py")
 ALLOWED = {figure.name: figure.allowed for figure in BALANCES}

@@ -44,7 +44,7 @@ def test_a_failed_meter_is_named_and_costs_no_thruster(kind, branch, phase, seed
 
 
 def test_half_a_thruster_lost_within_a_pulse_is_no_failed_meter():
-    """The first reading shows a quarter lost, and the next are taken beside another thruster of the branch."""
+    """The first reading shows a quarter lost, and the next are taken with another thruster of the branch."""
     fault = "{kind: degraded, thruster: D2, at: {time_s: 180}}"
     flight = edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.time_limit_s=185"])
     assert meters(flight) == set()

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("clarabel")
-from edl6dof.design.landing.landing_figures import figures_of
-from edl6dof.design.landing.powered_start import landing_of, powered_rows, states_of
-from edl6dof.design.landing.rigid_body import tilt_of
-from edl6dof.design.landing.successive import land
+pytest.importorskip("cvxpy")
+from edl6dof.design.powered_start import landing_of, powered_rows, states_of
+from edl6dof.design.rigid_landing import figures_of, tilt_of
+from edl6dof.design.successive import land
 
 
 @pytest.fixture

@@ -34,10 +34,9 @@ from edl6dof.api.campaign import EngineChoice
 from edl6dof.api.reports import report_of
 from edl6dof.campaign.design import plan as plans
 from edl6dof.campaign.design.plan import Plan, load_plan
-from edl6dof.campaign.executor import CaseRunner
-from edl6dof.campaign.rows import table_of
-from edl6dof.campaign.storage.identity import source_hash
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.executor import CaseRunner, table_of
+from edl6dof.campaign.identity import source_hash
+from edl6dof.campaign.store import Store
 from edl6dof.cli import campaigns
 from edl6dof.cli.exit_status import INTERRUPTED
 from edl6dof.config.errors import ConfigError
@@ -63,10 +62,10 @@ class Recorded:
     def __str__(self) -> str:
         return "recorded rows"
 
-    def rows(self, plan: Plan, ranges: Any) -> Iterator[list[dict[str, Any]]]:
-        """Rows of each range."""
+    def rows(self, plan: Plan, ranges: Any) -> Iterator[dict[str, Any]]:
+        """Rows of all cases."""
         for first, last in ranges:
-            yield self.flown[plan.campaign.seed][first:last]
+            yield from self.flown[plan.campaign.seed][first:last]
             if self.stops:
                 raise KeyboardInterrupt
 

@@ -9,6 +9,7 @@ import io
 import os
 import shutil
 import sys
+from itertools import islice
 from pathlib import Path
 from random import Random
 
@@ -22,7 +23,8 @@ from campaign_run import write_drop
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.parts import PART
+from edl6dof.campaign.store import Store
 
 RUN, TWIN = "runs/drops", "runs/twin"
 CASES = 120  # three parts
@@ -41,9 +43,7 @@ class StoppedThreads(Threads):
 
     def rows(self, plan, ranges):
         """Rows of the first two ranges."""
-        flown = super().rows(plan, ranges)
-        yield next(flown)
-        yield next(flown)
+        yield from islice(super().rows(plan, ranges), 2 * PART)
         raise KeyboardInterrupt
 
 

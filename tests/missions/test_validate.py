@@ -17,10 +17,8 @@ from edl6dof.campaign.executor import fly_rows
 from edl6dof.cli.figure_tables import show_missions
 from edl6dof.config.errors import ConfigError
 from edl6dof.metrics.published import PublishedFigure, published_problems
-from edl6dof.missions.comparison import compare, inside, reached_goal
-from edl6dof.missions.mission import Mission, load_mission, shipped_missions
-from edl6dof.missions.words import causes, cells, failures, outcome
-from edl6dof.missions.write import to_csv
+from edl6dof.missions.mission import Mission, compare, inside, load_mission, reached_goal, shipped_missions
+from edl6dof.missions.write import causes, cells, failures, outcome, to_csv
 
 #: A dropped body: the campaign draws its entry mass and the density; true speed after 2 s is about 52 m/s.
 DROP = """\

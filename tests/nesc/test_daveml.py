@@ -18,14 +18,19 @@ FILES = Path(edl6dof.__file__).parents[1] / "vehicles" / "nesc"
 SLUG, FOOT = 14.593902937206364, 0.3048  # kg, m
 
 
+def values(paths):
+    """Values of DAVE-ML files, by dotted path below ``vehicle``."""
+    return {path: value for path, (value, _) in vehicle_part(paths).items()}
+
+
 def test_brick_from_its_own_files():
-    data = vehicle_part([FILES / "brick_inertia.dml", FILES / "brick_aero.dml"]).data
-    assert data["mass"]["entry_kg"] == pytest.approx(0.155404754 * SLUG, rel=1e-14)
+    data = values([FILES / "brick_inertia.dml", FILES / "brick_aero.dml"])
+    assert data["mass.entry_kg"] == pytest.approx(0.155404754 * SLUG, rel=1e-14)
     expected = np.array([0.00189422, 0.006211019, 0.007194665]) * SLUG * FOOT**2
-    assert data["mass"]["entry_inertia_kg_m2"] == pytest.approx(expected, rel=1e-14)
-    assert data["mass"]["entry_centre_m"] == [0.0, 0.0, 0.0]
-    constant = data["aero"]["constant"]
-    assert data["aero"]["model"] == "constant"
+    assert data["mass.entry_inertia_kg_m2"] == pytest.approx(expected, rel=1e-14)
+    assert data["mass.entry_centre_m"] == [0.0, 0.0, 0.0]
+    constant = {path.removeprefix("aero.constant."): value for path, value in data.items()}
+    assert data["aero.model"] == "constant"
     assert constant["reference_area_m2"] == pytest.approx(0.22222 * FOOT**2, rel=1e-14)
     assert constant["span_m"] == pytest.approx(0.33333 * FOOT, rel=1e-14)
     assert constant["chord_m"] == pytest.approx(0.66667 * FOOT, rel=1e-14)
@@ -35,10 +40,10 @@ def test_brick_from_its_own_files():
 
 
 def test_cannonball_from_its_own_files():
-    data = vehicle_part([FILES / "cannonball_inertia.dml", FILES / "cannonball_aero.dml"]).data
-    assert data["mass"]["entry_kg"] == pytest.approx(SLUG, rel=1e-14)
-    assert data["mass"]["entry_inertia_kg_m2"] == pytest.approx([3.6 * SLUG * FOOT**2] * 3, rel=1e-14)
-    constant = data["aero"]["constant"]
+    data = values([FILES / "cannonball_inertia.dml", FILES / "cannonball_aero.dml"])
+    assert data["mass.entry_kg"] == pytest.approx(SLUG, rel=1e-14)
+    assert data["mass.entry_inertia_kg_m2"] == pytest.approx([3.6 * SLUG * FOOT**2] * 3, rel=1e-14)
+    constant = {path.removeprefix("aero.constant."): value for path, value in data.items()}
     assert constant["reference_area_m2"] == pytest.approx(0.1963495 * FOOT**2, rel=1e-14)
     assert constant["drag_coefficient"] == 0.1
     assert [constant[f"{axis}_damping"] for axis in ("roll", "pitch", "yaw")] == [0.0, 0.0, 0.0]
@@ -104,8 +109,8 @@ def test_gridded_table_becomes_the_static_table_of_a_capsule(tmp_path):
     mach, alpha, table = static_table(path)
     assert mach.tolist() == [0.5, 2.0, 10.0] and alpha.tolist() == [0.0, 4.0, 8.0]
     assert table[1, 2] == pytest.approx([1.3, -0.4, 0.04])
-    data = vehicle_part([path]).data
-    assert data["aero"]["model"] == "capsule" and data["aero"]["capsule"]["diameter_m"] == pytest.approx(
+    data = values([path])
+    assert data["aero.model"] == "capsule" and data["aero.capsule.diameter_m"] == pytest.approx(
         (40.0 / np.pi) ** 0.5
     )
     flown = edl6dof.load("tianwen1", [f"vehicle.aero.capsule.static_table={path}"])
@@ -180,7 +185,7 @@ def test_products_of_inertia_are_taken(tmp_path):
             'varID="XIZX" units="slugft2" initialValue="1e-4"',
         )
     )
-    products = vehicle_part([path]).data["mass"]["entry_products_kg_m2"]
+    products = values([path])["mass.entry_products_kg_m2"]
     assert products == pytest.approx([0.0, 1e-4 * SLUG * FOOT**2, 0.0], rel=1e-14)
 
 

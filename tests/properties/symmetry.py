@@ -10,7 +10,7 @@ from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly
 from edl6dof.sim.outcome import TIME_LIMIT
 from edl6dof.vehicle.plant import HEAT
-from edl6dof.verify.scene import doing
+from edl6dof.verify.case import doing
 
 #: An axisymmetric planet: oblate, turning, with a wind that depends on altitude alone, and no ground to meet.
 SCENE = (

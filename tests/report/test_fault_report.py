@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from edl6dof.campaign.fault_figures import fault_figures
-from edl6dof.campaign.rows import table_of
+from edl6dof.campaign.executor import table_of
+from edl6dof.campaign.faults import fault_figures
 from edl6dof.report.campaign.faults import became, blocks, headline
 from edl6dof.report.document import Table
 from edl6dof.report.figure import Figure

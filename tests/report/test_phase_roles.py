@@ -14,7 +14,7 @@ import pyarrow.compute as pc
 import pytest
 
 import edl6dof
-from edl6dof.campaign.fault_kinds import phases_of
+from edl6dof.campaign.faults import phases_of
 from edl6dof.config.document.locate import resolve_scenario
 from edl6dof.interface.roles import LIFT, PARACHUTE, TRIM, begun, during, span
 from edl6dof.manifest import seal

@@ -105,7 +105,7 @@ def test_no_powered_law_allocates():
 
 def test_small_run_comes_out_whole(monkeypatch):
     monkeypatch.setattr(landing, "DIVERTS", (0.0, 600.0))
-    monkeypatch.setattr(landing, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
+    monkeypatch.setattr(landing, "ENGINE_FAULTS", {"dead 20 s": (20.0, "engine_dead", {})})
     monkeypatch.setattr(landing, "LATE_RELEASES", (300.0,))
     monkeypatch.setattr(landing, "SAVED_AFTER_S", (9.0,))
     seen, laws = [], ("polynomial", "gravity_turn")

@@ -33,7 +33,7 @@ def test_the_first_line_is_the_scenario_and_every_other_changes_it(lines):
     assert first["mortar s"] == pytest.approx(own["parachute_s"], abs=2.0)
     assert first["q Pa"] == pytest.approx(own["parachute_dynamic_pressure_pa"], rel=1e-2)
     scenario = edl6dof.load("msl").scenario
-    for name, overrides in msl.CHANGES:
+    for name, overrides in msl.CHANGES.items():
         assert (edl6dof.load("msl", overrides).scenario == scenario) == (name == "as it is"), name
 
 

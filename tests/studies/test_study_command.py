@@ -13,7 +13,7 @@ import pytest
 
 from edl6dof.cli.evidence import study as run_study
 from edl6dof.config.errors import ConfigError
-from edl6dof.studies.catalogue import STUDIES
+from edl6dof.studies import STUDIES
 from edl6dof.studies.frame import SQUARE, Curve, Finding, Grid, Panel, Report, Study
 
 

@@ -61,10 +61,10 @@ def test_given_errors_make_the_disturbance_that_the_drag_shows(name):
 def test_the_law_keeps_the_bound_where_lift_is_free_and_constant_bank_angles_break_it(errors):
     motion, full = motion_with(lu_bayard.ERRORS[errors]), 0.24
     kept, _ = lu_bayard.fly_free(motion)
-    assert kept.over_bound(motion.design) < 1.0
+    assert kept.over_bound < 1.0
     for bank in lu_bayard.BANKS.values():
         broken, _ = lu_bayard.fly_free(motion, constant=full * np.cos(np.radians(bank)))
-        assert broken.over_bound(motion.design) > 50.0
+        assert broken.over_bound > 50.0
 
 
 def test_limited_lift_is_why_the_bound_is_broken_in_flight(report):

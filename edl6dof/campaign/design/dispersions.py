@@ -1,10 +1,20 @@
-"""The dispersions of a campaign as a list of draws, checked before anything flies."""
+"""The dispersions of a campaign as a list of draws, and the cells of a fault matrix, checked before anything
+flies.
+
+    fault_matrix:
+      groups:
+        - {kind: stuck_on, component: thruster, names: [D1, D2], moments: [{name: 60 s, at: {time_s: 60.0}}]}
+
+With a campaign section, every cell is flown on all of its vehicles; without one on the nominal vehicle.
+"""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
+from math import comb
 from typing import Any, get_args
 
 import numpy as np
@@ -12,7 +22,7 @@ from pydantic import BaseModel, ValidationError
 
 from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
-from edl6dof.campaign.design.sections import CampaignParams, Correlated
+from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultMatrixParams
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import make_room
@@ -20,7 +30,7 @@ from edl6dof.config.document.yamltree import Path
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, bounds, root_slot
 from edl6dof.config.model_paths import value_at
-from edl6dof.config.wording import in_bounds
+from edl6dof.config.wording import counted, in_bounds
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import truth_problem
 from edl6dof.scenario.schema import Scenario
@@ -174,46 +184,84 @@ def _check_kind(draw: Draw, locator: Locator) -> bool:
 
 
 def check_values(target: Target, values: np.ndarray, first: int, locator: Locator) -> bool:
-    """Return whether all numbers drawn for a parameter are within its bounds; a violation goes to the
-    locator.
-    """
+    """Return whether all drawn numbers are within the bounds; a violation goes to the locator."""
     if values.dtype == object:
         return True
     limits = bounds(target.slot)
     bad = ~np.isfinite(values)
-    for name, outside in (
-        ("gt", np.less_equal),
-        ("ge", np.less),
-        ("lt", np.greater_equal),
-        ("le", np.greater),
-    ):
-        if name in limits:
-            bad |= outside(values, limits[name])
+    outside = {"gt": np.less_equal, "ge": np.less, "lt": np.greater_equal, "le": np.greater}
+    for name in outside.keys() & limits.keys():
+        bad |= outside[name](values, limits[name])
     if not bad.any():
         return True
     index = int(np.argmax(bad))
     worst = f"case {first + index} would get {values[index]:.6g}"
-    locator.refuse(
-        target.place,
-        (
-            f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a "
-            "smaller width"
-        ),
-    )
+    advice = "use kind truncated_normal or a smaller width"
+    locator.refuse(target.place, f"{target.path} must be {in_bounds(target.slot)}; {worst}: {advice}")
     return False
+
+
+def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Path, str]]:
+    """All that is wrong with a fault, written as under ``faults:``: the place inside it, and words."""
+    scenario = locator.loaded.scenario
+    try:
+        fault = FaultParams.model_validate(data)
+    except ValidationError as error:
+        for item in error.errors(include_url=False):
+            yield item["loc"], item["msg"]
+        return
+    for key, message in fault_problems([fault], scenario.components, scenario.phase_names).items():
+        yield tuple(key.split(".")[2:]), message
 
 
 def check_faults(params: CampaignParams, locator: Locator) -> None:
     """Problems of the faults that may be drawn."""
-    scenario = locator.loaded.scenario
     for k, draw in enumerate(params.faults):
         for j, data in enumerate(draw.one_of):
-            place = ("campaign", "faults", k, "one_of", j)
-            try:
-                fault = FaultParams.model_validate(data)
-            except ValidationError as error:
-                for item in error.errors(include_url=False):
-                    locator.refuse((*place, *item["loc"]), item["msg"])
-                continue
-            for key, message in fault_problems([fault], scenario.components, scenario.phase_names).items():
-                locator.refuse((*place, *key.split(".")[2:]), message)
+            for place, message in _fault_problems(data, locator):
+                locator.refuse(("campaign", "faults", k, "one_of", j, *place), message)
+
+
+#: Between the names of components that fail together.
+AND = " + "
+
+#: More cells, or flights in all of them, are a slip of the pen.
+_MOST_CELLS, _MOST_FLIGHTS = 100_000, 10_000_000
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Faults of one cell as under ``faults:``, and the columns that name it in every row."""
+
+    faults: tuple[dict[str, Any], ...]
+    label: dict[str, str]
+
+
+def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
+    """Every cell: for each group its moments, at each of them its components."""
+    for group in matrix.groups:
+        for moment in group.moments:
+            at = moment.at.model_dump(exclude_none=True)
+            for names in combinations(group.names, matrix.together):
+                faults = tuple({group.component: name, "kind": group.kind, "at": at} for name in names)
+                yield Cell(faults, {"component": AND.join(names), "kind": group.kind, "moment": moment.name})
+
+
+def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
+    """Send the problems of a matrix of faults, each flown on some ``vehicles``, to the locator."""
+    number = sum(len(group.moments) * comb(len(group.names), matrix.together) for group in matrix.groups)
+    if number > _MOST_CELLS or number * vehicles > _MOST_FLIGHTS:
+        words = f"makes {number:,} cells on {counted(vehicles, 'vehicle')}"
+        most = f"at most {_MOST_CELLS:,} cells and {_MOST_FLIGHTS:,} flights"
+        locator.refuse(("fault_matrix",), f"{words}; {most}")
+    if locator.loaded.scenario.faults or locator.loaded.truth.faults:
+        locator.refuse(("fault_matrix",), "the scenario has faults of its own, which would join every cell")
+    for index, group in enumerate(matrix.groups):
+        place = ("fault_matrix", "groups", index)
+        if len(group.names) < matrix.together:
+            locator.refuse(place, f"names {len(group.names)} of the {matrix.together} that fail together")
+        for k, moment in enumerate(group.moments):
+            for name in group.names if k == 0 else group.names[:1]:
+                data = {group.component: name, "kind": group.kind, "at": moment.at.model_dump()}
+                for _, message in _fault_problems(data, locator):
+                    locator.refuse(place, message)

@@ -12,10 +12,18 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, Case
-from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_faults, check_values, dispersions
-from edl6dof.campaign.design.fault_matrix import Cell, cells, check_matrix
-from edl6dof.campaign.design.saltelli import Swaps, swaps_of
-from edl6dof.campaign.design.sampling import unit_numbers
+from edl6dof.campaign.design.dispersions import (
+    Cell,
+    Draw,
+    Locator,
+    Target,
+    cells,
+    check_faults,
+    check_matrix,
+    check_values,
+    dispersions,
+)
+from edl6dof.campaign.design.sampling import Swaps, swaps_of, unit_numbers
 from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
@@ -79,10 +87,8 @@ class Plan:
     @property
     def columns(self) -> list[str]:
         """Columns of the results that were drawn or swept, in the order of the file."""
-        targets = [target for draw in self.draws for target in draw.targets] + [
-            target for target, _ in self.axes
-        ]
-        return [_column(target) for target in targets]
+        drawn = [target for draw in self.draws for target in draw.targets]
+        return [_column(target) for target in (*drawn, *(target for target, _ in self.axes))]
 
     @cached_property
     def text(self) -> str:
@@ -125,14 +131,12 @@ class Plan:
         """Values drawn for cases ``start .. stop - 1`` of a point."""
         if self.campaign is None:
             return
-        names = [name for draw in self.draws for name in draw.names]
-        unit = (
-            self.swaps.unit_numbers(start, stop)
-            if self.swaps is not None
-            else unit_numbers(
-                self.campaign.sampling, self.campaign.seed, names, self.campaign.cases, start, stop
-            )
-        )
+        if self.swaps is not None:
+            unit = self.swaps.unit_numbers(start, stop)
+        else:
+            names = [name for draw in self.draws for name in draw.names]
+            sampling, seed = self.campaign.sampling, self.campaign.seed
+            unit = unit_numbers(sampling, seed, names, self.campaign.cases, start, stop)
         column = 0
         for draw in self.draws:
             width = len(draw.targets)
@@ -231,14 +235,11 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
     if matrix is not None:
         check_matrix(matrix, campaign.cases if campaign is not None else 1, locator)
     if campaign is not None and campaign.sampling == "sobol_indices":
+        place = ("campaign", "sampling")
         if sweep is not None or matrix is not None:
-            locator.refuse(
-                ("campaign", "sampling"), "sobol_indices is flown alone: without sweep or fault_matrix"
-            )
+            locator.refuse(place, "sobol_indices is flown alone: without sweep or fault_matrix")
         if not draws and not locator.problems:
-            locator.refuse(
-                ("campaign", "sampling"), "sobol_indices has nothing to vary: nothing is dispersed"
-            )
+            locator.refuse(place, "sobol_indices has nothing to vary: nothing is dispersed")
     locator.finish()
     points = tuple(product(cells(matrix) if matrix else [None], product(*(values for _, values in axes))))
     pinned = _with_pins(loaded, draws, axes)
@@ -250,9 +251,7 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
 def _with_pins(
     loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]
 ) -> LoadedScenario:
-    """The scenario with the true values written out of those parameters that have one and of which only the
-    belief will differ.
-    """
+    """Write out the true values of those parameters of which only the belief will differ."""
     targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
     believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:

@@ -1,7 +1,7 @@
-"""Numbers in 0..1 for every case and dispersed quantity.
+"""Numbers in 0..1 for every case and dispersed quantity, and the design of flights behind Sobol indices.
 
-Each is a function of (seed, sampling plan, quantity, case) alone, so cases are the same in any order and
-after any break.  Random and Latin-hypercube numbers of a quantity depend on its name and not on its
+Each number is a function of (seed, sampling plan, quantity, case) alone, so cases are the same in any order
+and after any break.  Random and Latin-hypercube numbers of a quantity depend on its name and not on its
 neighbours: a campaign with one dispersion more draws the same values for the others, which makes comparisons
 on common random numbers.
 """
@@ -10,10 +10,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import get_args
 
 import numpy as np
 
+from edl6dof.campaign.design.case import A, B, Of, group_of
+from edl6dof.campaign.design.sections import CampaignParams
 from edl6dof.spatial.stream import Stream
 
 #: Third number of the seed of every generator here; 1 and 2 are the random profiles of
@@ -46,9 +50,7 @@ def _generator(seed: int, name: str, block: int = 0) -> Stream:
 
 @lru_cache(maxsize=1024)
 def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
-    """A Latin hypercube is made whole, 8 bytes for each case and quantity; its columns are independent of
-    each other.
-    """
+    """Make a Latin hypercube whole, 8 bytes for each case and quantity; its columns are independent."""
     numbers = _generator(seed, name)
     stratum = np.argsort(numbers.uniform(cases), kind="stable")
     return (stratum + numbers.uniform(cases)) / cases
@@ -73,3 +75,64 @@ def sobol_numbers(seed: int, dimensions: int, first: int, last: int) -> np.ndarr
     # one point alone: scipy warns of a first draw that is no power of two, which a campaign of any length is
     start = engine.random(1)
     return np.concatenate([start, engine.random(last - 1)]) if last > 1 else start
+
+
+#: Name of the random profiles (density, gusts), which are a group of their own.
+PROFILES = "random profiles"
+
+
+@dataclass(frozen=True)
+class Swaps:
+    """The design for Sobol indices: two matrices of unit numbers, A and B, and for each group of inputs A
+    with that group's columns from B; cases row by row.
+
+    Source: Saltelli et al., Comput. Phys. Commun. 181 (2010) 259; groups: Saltelli et al., Global Sensitivity
+    Analysis: The Primer (2008), 4.6.
+
+    Attributes:
+        groups: columns of the unit numbers that belong together, by name; none for the random profiles.
+        rows: of each matrix.
+        seed: of the Sobol sequence.
+    """
+
+    groups: dict[str, list[int]]
+    rows: int
+    seed: int
+
+    @property
+    def width(self) -> int:
+        """Cases of a row."""
+        return len(self.groups) + 2
+
+    def matrix(self, case: int) -> str:
+        """To which matrix a case belongs, or which group it has from B."""
+        return (A, B, *self.groups)[case % self.width]
+
+    def profile(self, case: int) -> int:
+        """Number of its random profiles: those of A are the first, those of B follow."""
+        return case // self.width + self.rows * (self.matrix(case) in (B, PROFILES))
+
+    def unit_numbers(self, start: int, stop: int) -> np.ndarray:
+        """Unit numbers of cases ``start .. stop - 1``, shape (stop - start, columns)."""
+        columns = sum(map(len, self.groups.values()))
+        first, last = start // self.width, -(-stop // self.width)
+        both = sobol_numbers(self.seed, 2 * columns, first, last)
+        found = np.empty((stop - start, columns))
+        for case in range(start, stop):
+            a, b = np.split(both[case // self.width - first], 2)
+            matrix = self.matrix(case)
+            found[case - start] = b if matrix == B else a
+            swapped = self.groups.get(matrix, [])
+            found[case - start, swapped] = b[swapped]
+        return found
+
+
+def swaps_of(campaign: CampaignParams, columns: Sequence[str]) -> Swaps | None:
+    """The design of a campaign that asks for one; ``columns`` of the results, one for each unit number."""
+    if campaign.sampling != "sobol_indices":
+        return None
+    section = campaign.model_dump(include={*get_args(Of), "correlated"})
+    groups: dict[str, list[int]] = {}
+    for number, column in enumerate(columns):
+        groups.setdefault(group_of(column, section), []).append(number)
+    return Swaps(groups | ({PROFILES: []} if campaign.profiles else {}), campaign.cases, campaign.seed)

@@ -17,9 +17,7 @@ from edl6dof.vehicle.faults.fault import FaultStart
 
 
 class Correlated(Params):
-    """Parameters dispersed together: normal, about their nominal values, with a correlation or covariance
-    matrix.
-    """
+    """Parameters dispersed together, normally about their nominal values, by a matrix."""
 
     of: Of = param("truth", "whose values differ: truth, belief or both")
     paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
@@ -135,9 +133,7 @@ class Axis(Params):
 
 
 class SweepParams(Params):
-    """A grid over some parameters; with a campaign section, its cases are flown at every point of the
-    grid.
-    """
+    """A grid over some parameters; with a campaign section, its cases are flown at every point."""
 
     axes: list[Axis] = param(
         REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6
@@ -187,13 +183,12 @@ class CampaignFile(Params):
         for name, given in self.model_dump(mode="json", exclude_none=True).items():
             lines.append(f"{name}:")
             for key, value in given.items():
-                if isinstance(value, dict) and value:
-                    lines += [
-                        f"  {key}:",
-                        *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()),
-                    ]
-                elif isinstance(value, list) and value:
-                    lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
-                else:
+                if not value or not isinstance(value, dict | list):
                     lines.append(f"  {key}: {write_flow(value)}")
+                    continue
+                lines.append(f"  {key}:")
+                if isinstance(value, dict):
+                    lines += [f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()]
+                else:
+                    lines += [f"    - {write_flow(item)}" for item in value]
         return "\n".join(lines) + "\n"

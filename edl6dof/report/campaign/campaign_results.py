@@ -14,7 +14,7 @@ import pyarrow.compute as pc
 
 from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, A, B, group_of
 from edl6dof.campaign.statistics import Proportion
-from edl6dof.campaign.storage.store import Store
+from edl6dof.campaign.store import Store
 from edl6dof.config.document.source import parse_document
 from edl6dof.metrics.figures import LIMITS
 

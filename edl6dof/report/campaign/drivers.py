@@ -11,13 +11,11 @@ from textwrap import fill
 import numpy as np
 
 from edl6dof.campaign.design.case import A, B
-from edl6dof.campaign.indices import Index, sobol_indices
-from edl6dof.campaign.variance_shares import CHANCE, FEWEST, Drivers, drivers_of_each
+from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, Index, drivers, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Cell, Row, Table, Text
+from edl6dof.report.document import Block, Cell, Row, Table, Text, in_percent
 from edl6dof.report.figure import Axis, Band, Figure, Panel, legend_entry
-from edl6dof.report.numbers import in_percent
 from edl6dof.report.palette import GREY, SERIES
 
 #: Figures to explain; those with limits come first by themselves.
@@ -89,7 +87,7 @@ def indices(results: Results) -> Iterator[Block]:
 
 def _explained(results: Results) -> list[Explained]:
     moving = {name: results[name] for name in _figures(results)}
-    found = drivers_of_each(results.groups, list(moving.values()))
+    found = drivers(results.groups, list(moving.values()))
     return [Explained(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.campaign.design.fault_matrix import AND
-from edl6dof.campaign.fault_figures import can_be_known, fault_figures, is_right
-from edl6dof.campaign.rows import Row
+from edl6dof.campaign.design.dispersions import AND
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.faults import can_be_known, fault_figures, is_right
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Mood, Table, Text

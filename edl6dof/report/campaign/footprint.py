@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import percent
-from edl6dof.campaign.statistics import contour, ellipse
+from edl6dof.campaign.statistics import contour, ellipse, percent
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import in_words, shown_shares
@@ -18,7 +17,7 @@ from edl6dof.report.figure import Axis, Dash, Figure, Mark, Panel, Trace
 from edl6dof.report.palette import BAD, BLACK, BLUE, PURPLE, VERMILION
 
 if TYPE_CHECKING:
-    from edl6dof.campaign.covariance.mirrored_pairs import Covariance
+    from edl6dof.campaign.covariance_estimate import Covariance
 
 #: Points of each kind that carry the number of their case; width and height of it with a little room,
 #: as shares of the axes.

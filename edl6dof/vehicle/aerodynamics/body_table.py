@@ -18,8 +18,7 @@ import numpy as np
 from edl6dof.config.document.regular import read_regular
 from edl6dof.interchange.aero_table import read_aero_csv
 from edl6dof.interchange.daveml_aero import sampled_model
-from edl6dof.interchange.mesh_file import LARGEST_MESH
-from edl6dof.interchange.triangles import read_triangles
+from edl6dof.interchange.meshes import LARGEST_MESH, read_triangles
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
 from edl6dof.vehicle.aerodynamics.body import (
@@ -135,7 +134,7 @@ def body_panels(body: BodyAeroParams) -> Panels:
     """Panels of a body's mesh, in B.
 
     Raises:
-        ValueError, OSError: as :func:`edl6dof.interchange.triangles.read_triangles` and
+        ValueError, OSError: as :func:`edl6dof.interchange.meshes.read_triangles` and
             :func:`edl6dof.vehicle.aerodynamics.panels.panels_of`.
     """
     return panels_of(placed_corners(body))

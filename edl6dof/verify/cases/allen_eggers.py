@@ -10,29 +10,25 @@ heights of 2 s; 1e-6 of the peak, which falls between rows 20 ms apart.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import e
 
 import numpy as np
 
 from edl6dof.config.base import stated
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, WEIGHTLESS, flown
+from edl6dof.config.units import G0
+from edl6dof.verify.case import FREE, NO_RATE, History, Outcome, Result, flown, largest
 
 _SCENE = (
-    *BARE,
-    *WEIGHTLESS,
-    *ONE_BODY,
-    *ENDLESS,
+    *(*FREE, NO_RATE),
     "atmosphere.model=exponential",
     "vehicle.aero.model=constant",
     "vehicle.aero.constant={drag_coefficient: 1.5, reference_area_m2: 9, moment_reference_x_m: -0.85}",
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
     "vehicle.mass.entry_kg=400",
     "initial.flight_path_angle_deg=-90",
-    "initial.rate_deg_s=[0, 0, 0]",
     "simulation.time_limit_s=60",
 )
-G0 = 9.80665
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
@@ -53,29 +49,10 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     near = slice(max(top - 2, 0), top + 3)
     a, b, c = np.polyfit(t[near] - t[top], load[near], 2)
     found = c - b * b / (4.0 * a)
-    source = "Allen & Eggers, NACA 1381"
-    return Outcome(
-        (
-            Result(
-                "speed",
-                "drag and atmosphere",
-                source,
-                float(np.max(np.abs(v / expected - 1.0))),
-                1e-8,
-                "-",
-                "truncation of RK4 at 10 ms",
-            ),
-            Result(
-                "greatest deceleration",
-                "drag and atmosphere",
-                source,
-                abs(found / peak - 1.0),
-                1e-6,
-                "-",
-                "parabola through five rows",
-            ),
-        ),
-        History(
-            "Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, {"flown": v, "expected": expected}
-        ),
+    result = partial(Result, verifies="drag and atmosphere", source="Allen & Eggers, NACA 1381")
+    results = (
+        result("speed", largest(v / expected - 1.0), 1e-8, why="truncation of RK4 at 10 ms"),
+        result("greatest deceleration", abs(found / peak - 1.0), 1e-6, why="parabola through five rows"),
     )
+    curves = History("Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, v, expected)
+    return Outcome(results, curves)

@@ -11,12 +11,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from edl6dof.verify.capsule import TRIM_DEG, scene, stiffness
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import fit, flown
+from edl6dof.verify.case import History, Outcome, Result, fit, flown
+from edl6dof.verify.cases.capsule_trim import TRIM_DEG, scene, stiffness
 
 MACH = 15.0
-ABOUT, SOURCE, WHY = "pitch damping", "linearised pitch equation", "curvature of the moment"
+ABOUT = {
+    "verifies": "pitch damping",
+    "source": "linearised pitch equation",
+    "why": "curvature of the moment",
+}
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
@@ -34,11 +37,8 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         frequency, unit = stiffness(nominal, MACH)
         sigma = 0.5 * unit * cmq
         found, _ = fit(t, alpha, complex(sigma, frequency))
-        results.append(
-            Result(f"growth rate, Cmq {cmq:+g}", ABOUT, SOURCE, abs(found.real / sigma - 1.0), 1e-3, "-", WHY)
-        )
-    envelope = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t)
-    curves = {"flown": alpha + TRIM_DEG, "envelope expected": envelope}
-    return Outcome(
-        tuple(results), History("Growth by Cmq = +1", "time (s)", "alpha from trim (deg)", t, curves)
-    )
+        error = abs(found.real / sigma - 1.0)
+        results.append(Result(f"growth rate, Cmq {cmq:+g}", error, 1e-3, **ABOUT))
+    envelope, swing = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t), alpha + TRIM_DEG
+    curves = History("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)", t, swing, envelope)
+    return Outcome(results, curves)

@@ -15,93 +15,71 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from edl6dof.spatial import frames as kernels
-from edl6dof.verify.outcome import Outcome, Result
+from edl6dof.verify.case import Outcome, Result, gap, noted
 
 SAMPLES = 300
 RADIUS, FLATTENING = 3396190.0, 1.0 / 169.89
 LENGTHS = ("foot on ellipsoid", "geodetic height", "F to L")
-Note = Callable[[str, float], None]
-
-
-def _gap(a: object, b: object) -> float:
-    return float(np.abs(np.asarray(a) - np.asarray(b)).max())
 
 
 def _tuple(v: np.ndarray) -> tuple[float, ...]:
     return tuple(float(c) for c in v)
 
 
-def run(planted: object = ()) -> Outcome:
+def run() -> Outcome:
     """Compare every conversion at random places, velocities and attitudes."""
     rng = np.random.default_rng(8)
-    worst: dict[str, float] = {}
-
-    def note(name: str, error: float) -> None:
-        worst[name] = max(worst.get(name, 0.0), error)
-
+    worst, note = noted()
     for _ in range(SAMPLES):
         lat, lon, height = (float(x) for x in rng.uniform((-1.5, -pi, -1e4), (1.5, pi, 1e7)))
         v = rng.normal(size=3) * 1000.0
         spin = float(rng.uniform(-pi, pi))
-        note(
-            "I to F",
-            _gap(
-                kernels.rotate_z(cos(spin), sin(spin), _tuple(v)),
-                Rotation.from_euler("z", spin).inv().apply(v),
-            )
-            / 1e3,
-        )
+        turned = kernels.rotate_z(cos(spin), sin(spin), _tuple(v))
+        note("I to F", gap(turned, Rotation.from_euler("z", spin).inv().apply(v)) / 1e3)
         to_ned = Rotation.from_euler("ZY", (lon, -lat - pi / 2.0))
         _place(note, lat, lon, height, v, to_ned)
         _wind(note, _tuple(v), _tuple(to_ned.apply([0.0, 0.0, -1.0])), rng)
         other_lat, other_lon = (float(x) for x in rng.uniform((-1.5, -pi), (1.5, pi)))
-        arc, azimuth = kernels.great_circle((lat, lon), (other_lat, other_lon))
-        here, there = (
-            np.array((cos(a) * cos(b), cos(a) * sin(b), sin(a)))
-            for a, b in ((lat, lon), (other_lat, other_lon))
-        )
+        ends = ((lat, lon), (other_lat, other_lon))
+        arc, azimuth = kernels.great_circle(*ends)
+        here, there = (np.array((cos(a) * cos(b), cos(a) * sin(b), sin(a))) for a, b in ends)
         note("great-circle arc", abs(arc - np.arctan2(np.linalg.norm(np.cross(here, there)), here @ there)))
         course = to_ned.inv().apply(there)
         note("great-circle azimuth", abs(kernels.wrap(azimuth - np.arctan2(course[1], course[0]))))
-    results = []
-    for name, error in worst.items():
-        tolerance, unit, why = (
-            (2e-8, "m", "resolution of numbers near 1e7 m")
-            if name in LENGTHS
-            else (1e-13, "-", "a few roundings")
-        )
-        results.append(
-            Result(name, "frame conversions", "scipy Rotation, geometry", error, tolerance, unit, why)
-        )
-    return Outcome(tuple(results))
+    about = ("frame conversions", "scipy Rotation, geometry")
+    far = (2e-8, "m", *about, "resolution of numbers near 1e7 m")
+    near = (1e-13, "-", *about, "a few roundings")
+    return Outcome(
+        [Result(name, error, *(far if name in LENGTHS else near)) for name, error in worst.items()]
+    )
 
 
-def _place(note: Note, lat: float, lon: float, height: float, v: np.ndarray, to_ned: Rotation) -> None:
+def _place(
+    note: Callable[[str, float], None], lat: float, lon: float, height: float, v: np.ndarray, to_ned: Rotation
+) -> None:
     """Directions and positions of the geodetic frame: definition of the ellipsoid's normal, and back."""
     trig = (sin(lat), cos(lat), sin(lon), cos(lon))
-    note("F to N", _gap(kernels.fixed_to_ned(*trig, _tuple(v)), to_ned.inv().apply(v)) / 1e3)
-    note("N to F", _gap(kernels.ned_to_fixed(*trig, _tuple(v)), to_ned.apply(v)) / 1e3)
-    note(
-        "q_F2N",
-        _gap(
-            Rotation.from_quat(kernels.ned_attitude(*trig), scalar_first=True).as_matrix(), to_ned.as_matrix()
-        ),
-    )
+    note("F to N", gap(kernels.fixed_to_ned(*trig, _tuple(v)), to_ned.inv().apply(v)) / 1e3)
+    note("N to F", gap(kernels.ned_to_fixed(*trig, _tuple(v)), to_ned.apply(v)) / 1e3)
+    turned = Rotation.from_quat(kernels.ned_attitude(*trig), scalar_first=True)
+    note("q_F2N", gap(turned.as_matrix(), to_ned.as_matrix()))
     up = to_ned.apply([0.0, 0.0, -1.0])
     r = np.array(kernels.from_geodetic(RADIUS, FLATTENING, lat, lon, height))
     foot = r - height * up
     normal = foot / np.array([RADIUS, RADIUS, RADIUS * (1.0 - FLATTENING)]) ** 2
     note("foot on ellipsoid", abs(float(foot @ normal) - 1.0) * RADIUS / 2.0)
-    note("geodetic normal", _gap(normal / np.linalg.norm(normal), up))
+    note("geodetic normal", gap(normal / np.linalg.norm(normal), up))
     *angles, back = kernels.geodetic(RADIUS, FLATTENING, _tuple(r))
     note("geodetic height", abs(back - height))
-    note("latitude, longitude", _gap(angles, trig))
+    note("latitude, longitude", gap(angles, trig))
     site = np.array(kernels.from_geodetic(RADIUS, FLATTENING, lat, lon, 0.0))
     east, north, upward = kernels.fixed_to_enu(_tuple(site), *trig, _tuple(site + v))
-    note("F to L", _gap((north, east, -upward), to_ned.inv().apply(v)))
+    note("F to L", gap((north, east, -upward), to_ned.inv().apply(v)))
 
 
-def _wind(note: Note, v: tuple[float, ...], up: tuple[float, ...], rng: np.random.Generator) -> None:
+def _wind(
+    note: Callable[[str, float], None], v: tuple[float, ...], up: tuple[float, ...], rng: np.random.Generator
+) -> None:
     """Bank, angle of attack and sideslip: there by elementary turns of scipy, and back."""
     bank, alpha, beta = (float(x) for x in rng.uniform((-3.1, -3.1, -1.5), (3.1, 3.1, 1.5)))
     q = kernels.attitude_from_wind_angles(v, up, bank, alpha, beta)
@@ -110,17 +88,14 @@ def _wind(note: Note, v: tuple[float, ...], up: tuple[float, ...], rng: np.rando
     y /= np.linalg.norm(y)
     path = Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=1))
     body = path * Rotation.from_euler("XZY", (bank, -beta, alpha))
-    note(
-        "attitude from wind angles",
-        _gap(Rotation.from_quat(q, scalar_first=True).as_matrix(), body.as_matrix()),
-    )
+    turned = Rotation.from_quat(q, scalar_first=True)
+    note("attitude from wind angles", gap(turned.as_matrix(), body.as_matrix()))
     v_B = _tuple(body.inv().apply(v))
     speed, alpha_back, beta_back = kernels.wind_angles(v_B)
     note("angle of attack", abs(kernels.wrap(alpha_back - alpha)))
     note("sideslip", abs(beta_back - beta))
     note("airspeed", abs(speed / np.linalg.norm(v) - 1.0))
-    note(
-        "total angle", abs(kernels.total_angle_of_attack(v_B) - np.arctan2(np.hypot(v_B[1], v_B[2]), v_B[0]))
-    )
+    total = np.arctan2(np.hypot(v_B[1], v_B[2]), v_B[0])
+    note("total angle", abs(kernels.total_angle_of_attack(v_B) - total))
     axes = (_tuple(column) for column in body.as_matrix().T)
     note("bank", abs(kernels.wrap(kernels.bank_angle(v, up, *axes) - bank)))

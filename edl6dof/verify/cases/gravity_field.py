@@ -9,17 +9,22 @@ centre round to 1e-14 and truncate at (12 x 2 km / 3,400 km)^4 of degree 12's 1e
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from scipy.special import factorial, lpmv
 
 from edl6dof.environment.gravity import gravity_F, read_coefficients
 from edl6dof.scenario import records
-from edl6dof.verify.outcome import Outcome, Result
-from edl6dof.verify.scene import scenes
+from edl6dof.verify.case import Outcome, Result, scenes
 
 POINTS = 12
-SOURCE, WHY = "finite difference of the potential, scipy", "truncation and rounding of the difference"
+RESULT = partial(
+    Result,
+    verifies="gravity field",
+    source="finite difference of the potential, scipy",
+    why="truncation and rounding of the difference",
+)
 
 
 def potential(p: np.ndarray, degree: int, only_j2: float | None = None) -> float:
@@ -69,5 +74,5 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         ]
         error = float(max(np.linalg.norm(gap) for gap in gaps))
         name = "J2" if model == "j2" else f"degree {degree}"
-        results.append(Result(name, "gravity field", SOURCE, error, 1e-12, "m/s2", WHY))
-    return Outcome(tuple(results))
+        results.append(RESULT(name, error, 1e-12, "m/s2"))
+    return Outcome(results)

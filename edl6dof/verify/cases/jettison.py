@@ -21,14 +21,21 @@ from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.vehicle.propulsion.tanks import with_propellant
-from edl6dof.verify.outcome import Outcome, Result
-from edl6dof.verify.scene import BARE, ENDLESS, VACUUM, WEIGHTLESS, doing, scenes, state_of, to_the_end
+from edl6dof.verify.case import (
+    BARE,
+    ENDLESS,
+    VACUUM,
+    WEIGHTLESS,
+    Outcome,
+    Result,
+    doing,
+    scenes,
+    state_of,
+    to_the_end,
+)
 
 _SCENE = (
-    *BARE,
-    *VACUUM,
-    *WEIGHTLESS,
-    *ENDLESS,
+    *(*BARE, *VACUUM, *WEIGHTLESS, *ENDLESS),
     "planet.equatorial_radius_m=1000",
     "initial.altitude_m=1000",
     "initial.speed_m_s=0",
@@ -44,9 +51,7 @@ CASES = (
 
 
 def _vehicle(plant: np.void, tanks: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity and spin angular momentum in I of the vehicle with what is left in its ``count``
-    ``tanks``.
-    """
+    """Position, velocity and spin in I of the vehicle with what is left in ``count`` ``tanks``."""
     y = plant["y"]
     i = with_propellant(plant["dry"], tanks, count, y)[2]
     inertia = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])
@@ -79,14 +84,9 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds:
     first = _sums([(mass, r, v)], spin, origin)
     turn = Rotation.from_quat(before["y"][6:10], scalar_first=True)
     own = turn.apply(np.array(properties.inertia_kg_m2) * before["y"][10:13])
-    gone = (
-        (
-            after["y"][CANOPY_POSITION : CANOPY_POSITION + 3],
-            after["y"][CANOPY_VELOCITY : CANOPY_VELOCITY + 3],
-        )
-        if part == nominal.vehicle.main_parachute.pack
-        else (after["debris"][index]["r_I"], after["debris"][index]["v_I"])
-    )
+    gone = after["debris"][index]["r_I"], after["debris"][index]["v_I"]
+    if part == nominal.vehicle.main_parachute.pack:
+        gone = tuple(after["y"][at : at + 3] for at in (CANOPY_POSITION, CANOPY_VELOCITY))
     r, v, spin = _vehicle(after, *tanks)
     second = _sums([(mass - properties.mass_kg, r, v), (properties.mass_kg, *gone)], spin + own, origin)
     impulse = properties.mass_kg * np.linalg.norm(gone[1] - v)
@@ -103,15 +103,6 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         flight = to_the_end(loaded)
         error = balance(nominal, state_of(loaded), flight, part, seconds)
         why = "rounding" if tolerance < 1e-6 else "line stretch, stiff riser"
-        results.append(
-            Result(
-                f"{name}, {seconds:g} s",
-                "separation and riser",
-                "conservation of momentum",
-                error,
-                tolerance,
-                "-",
-                why,
-            )
-        )
-    return Outcome(tuple(results))
+        about = {"verifies": "separation and riser", "source": "conservation of momentum", "why": why}
+        results.append(Result(f"{name}, {seconds:g} s", error, tolerance, **about))
+    return Outcome(results)

@@ -10,25 +10,21 @@ m, wander by 1e-7 m and drift along the track by about 1e-5 m, and Kepler's equa
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from scipy.optimize import newton
 
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, VACUUM, flown, vectors
+from edl6dof.verify.case import FREE, NO_RATE, History, Outcome, Result, flown, vectors
 
 _SCENE = (
-    *BARE,
-    *VACUUM,
-    *ONE_BODY,
-    *ENDLESS,
+    *(*FREE, NO_RATE),
     "planet.gravity.model=central",
     "initial.altitude_m=5e6",
     "initial.latitude_deg=20",
     "initial.azimuth_deg=60",
     "initial.speed_m_s=1900",
     "initial.flight_path_angle_deg=0",
-    "initial.rate_deg_s=[0, 0, 0]",
     "simulation.step_s=0.1",
     "flight_software.rates.base_hz=5",
     "simulation.log_every=100",
@@ -37,9 +33,7 @@ _SCENE = (
 
 
 def orbit(mu: float, r: np.ndarray, v: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Position and velocity at times ``t`` of the orbit that passes ``r``, ``v`` at time 0 at an apsis; each
-    shape (times, 3).
-    """
+    """Position and velocity (times, 3) at times ``t`` of the orbit at an apsis ``r``, ``v`` at 0."""
     radius, speed = np.linalg.norm(r), np.linalg.norm(v)
     axis = 1.0 / (2.0 / radius - speed**2 / mu)
     momentum = np.cross(r, v)
@@ -64,16 +58,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     t = flight.telemetry["t_s"]
     r_expected, v_expected = orbit(nominal.planet.gravity.mu_m3_s2, r[0], v[0], t)
     far, fast = np.linalg.norm(r - r_expected, axis=1), np.linalg.norm(v - v_expected, axis=1)
-    source = "Kepler's equation"
-    why = "rounding of 160,000 steps; truncation is 1000 times smaller"
-    radius = np.linalg.norm(r, axis=1)
-    return Outcome(
-        (
-            Result("position", "gravity and translation over an orbit", source, far.max(), 1e-4, "m", why),
-            Result("velocity", "gravity and translation over an orbit", source, fast.max(), 1e-7, "m/s", why),
-        ),
-        History(
-            "Kepler arc", "time (s)", "distance from the centre (km)", t,
-            {"flown": radius / 1e3, "expected": np.linalg.norm(r_expected, axis=1) / 1e3},
-        ),
-    )  # fmt: skip
+    about, why = (
+        "gravity and translation over an orbit",
+        "rounding of 160,000 steps; truncation is 1000 times smaller",
+    )
+    result = partial(Result, verifies=about, source="Kepler's equation", why=why)
+    results = (result("position", far.max(), 1e-4, "m"), result("velocity", fast.max(), 1e-7, "m/s"))
+    distance = (np.linalg.norm(each, axis=1) / 1e3 for each in (r, r_expected))
+    return Outcome(results, History("Kepler arc", "time (s)", "distance from the centre (km)", t, *distance))

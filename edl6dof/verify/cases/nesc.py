@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,10 +25,9 @@ from edl6dof.export.nesc import check_case_table
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_tables
 from edl6dof.sim.flight import fly
-from edl6dof.verify.outcome import NotInstalledError, Outcome, Result
+from edl6dof.verify.case import NotInstalledError, Outcome, Result
 
 DATA = Path(edl6dof.__file__).parent / "data" / "nesc"
-SOURCE = "NASA/TM-2015-218675, simulation 04"
 WHOLE = (1, 2, 6, 9)
 ENDS = (3, 4, 5, 7, 8, 10)
 CASES = tuple(sorted((*WHOLE, *ENDS)))
@@ -57,9 +57,8 @@ TOLERANCES = (
 def flown(number: int, overrides: Iterable[str] = ()) -> Columns:
     """A case as it is flown here, in the check cases' columns."""
     flight = fly(load_scenario(f"nesc/case{number:02d}", overrides))
-    return check_case_table(
-        flight.telemetry, flight.case[0], build_tables(flight.loaded.truth)[0]["atmosphere"]
-    )
+    air = build_tables(flight.loaded.truth)[0]["atmosphere"]
+    return check_case_table(flight.telemetry, flight.case[0], air)
 
 
 def reference(number: int) -> Columns:
@@ -104,11 +103,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     """
     if not any(DATA.glob("*.csv")):
         raise NotInstalledError("the NESC reference data are not part of this installation")
-    why = "set beforehand; room for the constants of US76"
+    source, why = "NASA/TM-2015-218675, simulation 04", "set beforehand; room for the constants of US76"
+    result = partial(Result, verifies="whole plant on Earth", source=source, why=why)
     results = []
     for number in CASES:
         found = differences(flown(number, planted), reference(number))
         for _, quantity, limit, unit in TOLERANCES:
-            about = f"case {number}: {quantity}"
-            results.append(Result(about, "whole plant on Earth", SOURCE, found[quantity], limit, unit, why))
-    return Outcome(tuple(results))
+            results.append(result(f"case {number}: {quantity}", found[quantity], limit, unit))
+    return Outcome(results)

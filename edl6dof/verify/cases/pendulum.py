@@ -24,14 +24,16 @@ from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import (
+from edl6dof.verify.case import (
     BARE,
     ENDLESS,
     FLAT,
     ONE_BODY,
     SCENARIO,
     UNIFORM,
+    History,
+    Outcome,
+    Result,
     fit,
     scenes,
     state_of,
@@ -42,11 +44,7 @@ from edl6dof.verify.scene import (
 GRAVITY = 3.72
 CENTRE = -1.0
 SCENE = (
-    *BARE,
-    *FLAT,
-    *UNIFORM,
-    *ONE_BODY,
-    *ENDLESS,
+    *(*BARE, *FLAT, *UNIFORM, *ONE_BODY, *ENDLESS),
     f"vehicle.mass.entry_centre_m=[{CENTRE}, 0, 0]",
     "vehicle.mass.entry_kg=1100",
     "vehicle.parts.parachute_pack.mass_kg=38",
@@ -60,11 +58,11 @@ SCENE = (
     "initial.altitude_m=20000",
 )
 SIZE = 2e-3
-ABOUT, SOURCE, WHY = (
-    "vehicle, riser and canopy",
-    "eigenvalues of a planar model",
-    "swings of 2 mrad are linear to 1e-5",
-)
+ABOUT = {
+    "verifies": "vehicle, riser and canopy",
+    "source": "eigenvalues of a planar model",
+    "why": "swings of 2 mrad are linear to 1e-5",
+}
 
 
 class Planar:
@@ -77,14 +75,10 @@ class Planar:
         self.packed = next(part.mass_kg for part in vehicle.parts if part.name == chute.pack)
         self.mass = vehicle.mass.entry_kg - self.packed
         self.inertia = stated(vehicle.mass.entry_inertia_kg_m2)[1]
-        self.canopy_mass = (
-            self.packed
-            + chute.apparent_mass_factor * self.rho * 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3
-        )
-        self.attachment, self.pressure_point = (
-            chute.confluence_m[0] - CENTRE,
-            self.bluff.centre_of_pressure_x_m - CENTRE,
-        )
+        sphere = 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3
+        self.canopy_mass = self.packed + chute.apparent_mass_factor * self.rho * sphere
+        self.attachment = chute.confluence_m[0] - CENTRE
+        self.pressure_point = self.bluff.centre_of_pressure_x_m - CENTRE
         self.drag_area = np.pi / 4.0 * chute.diameter_m**2 * chute.drag_coefficient * chute.drag_factor
         self.normal_area = np.pi / 4.0 * chute.diameter_m**2 * chute.normal_slope
 
@@ -100,10 +94,8 @@ class Planar:
         forward, down = v @ nose, v @ belly
         half = 0.5 * self.rho * np.linalg.norm(v) * self.bluff.reference_area_m2
         along, across = -half * self.bluff.drag_coefficient * forward, -half * self.bluff.normal_slope * down
-        moment = (
-            -self.pressure_point * across
-            + 0.5 * half * self.bluff.pitch_damping * self.bluff.reference_length_m**2 * turn
-        )
+        damping = 0.5 * half * self.bluff.pitch_damping * self.bluff.reference_length_m**2
+        moment = damping * turn - self.pressure_point * across
         line = s[6:8] - s[0:2] - self.attachment * nose
         length = np.linalg.norm(line)
         line = line / length
@@ -130,9 +122,7 @@ class Planar:
         return state(speed, apart)
 
     def modes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Eigenvalues with positive frequency of motion out of the vertical, ascending, and their modes
-        (columns, unit tilt).
-        """
+        """Eigenvalues of motion off the vertical, ascending, and their modes (columns, unit tilt)."""
         rest = self.equilibrium()
         step = 1e-5 * np.eye(10)
         matrix = np.stack([(self.rates(rest + h) - self.rates(rest - h)) / 2e-5 for h in step], axis=1)
@@ -151,11 +141,8 @@ def descend(
     def place(plant: np.void, fsw: np.void) -> None:
         east, down = np.array([0.0, 1.0, 0.0]), np.array([-1.0, 0.0, 0.0])
         x, z, tilt = state[:3]
-        axes = np.stack(
-            [np.sin(tilt) * east + np.cos(tilt) * down, [0, 0, 0], np.sin(tilt) * down - np.cos(tilt) * east],
-            axis=1,
-        )
-        axes[:, 1] = np.cross(axes[:, 2], axes[:, 0])
+        nose, belly = np.sin(tilt) * east + np.cos(tilt) * down, np.sin(tilt) * down - np.cos(tilt) * east
+        axes = np.stack([nose, np.cross(belly, nose), belly], axis=1)
         y, origin = plant["y"], plant["y"][0:3].copy()
         y[0:3] = origin + x * east + z * down
         y[3:6] = state[3] * east + state[4] * down
@@ -184,15 +171,8 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         t, tilt, _ = descend(rest + SIZE * shapes[:, index].real, seconds, planted)
         found, _ = fit(t, tilt, value)
         quantity = f"{name} mode (period {2.0 * np.pi / value.imag:.2f} s)"
-        results.append(Result(quantity, ABOUT, SOURCE, abs(found - value) / abs(value), 1e-4, "-", WHY))
+        results.append(Result(quantity, abs(found - value) / abs(value), 1e-4, **ABOUT))
     expected = SIZE * np.real(np.exp(value * t))
     return Outcome(
-        tuple(results),
-        History(
-            "Wrist mode under the parachute",
-            "time (s)",
-            "tilt (rad)",
-            t,
-            {"flown": tilt, "expected": expected},
-        ),
+        results, History("Wrist mode under the parachute", "time (s)", "tilt (rad)", t, tilt, expected)
     )

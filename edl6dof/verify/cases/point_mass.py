@@ -11,14 +11,14 @@ Entry Flight Mechanics (1980), section 2-3, integrated by scipy's DOP853 | toler
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import cos, degrees, exp, pi, radians, sin
+from functools import partial
+from math import cos, exp, pi, radians, sin
 
 import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import flown
+from edl6dof.verify.case import History, Outcome, Result, flown
 
 _TIME_S = 150.0
 _SCENE = (
@@ -47,11 +47,8 @@ def spherical(scenario: Scenario) -> Rates:
     """
     planet, air = scenario.planet, stated(scenario.atmosphere.exponential)
     aero = scenario.vehicle.aero.lift_drag
-    spin, mu, disturbance = (
-        planet.rotation_rate_rad_s,
-        planet.gravity.mu_m3_s2,
-        scenario.point_mass.disturbance,
-    )
+    spin, mu = planet.rotation_rate_rad_s, planet.gravity.mu_m3_s2
+    disturbance = scenario.point_mass.disturbance
     area_per_mass = aero.reference_area_m2 * aero.drag_coefficient / scenario.vehicle.mass.entry_kg
     bank = scenario.initial.wind_angles[0]
 
@@ -95,32 +92,19 @@ def integrated(scenario: Scenario, times: np.ndarray) -> np.ndarray:
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
-    """Fly banked through the atmosphere of a rotating planet; compare place and speed with the spherical
-    equations.
-    """
+    """Fly banked over a rotating planet; compare place and speed with the spherical equations."""
     nominal, flight = flown(_SCENE, planted)
     rows = flight.telemetry
     radius = nominal.planet.equatorial_radius_m
     times = rows["t_s"][::50]
     r, lon, lat, v, _, _ = integrated(nominal, times)
     place = [rows[f"truth.{name}"][::50] for name in ("altitude_m", "latitude_deg", "longitude_deg")]
-    north, east = (
-        radius * np.radians(place[1] - np.degrees(lat)),
-        radius * np.radians(place[2] - np.degrees(lon)) * np.cos(lat),
-    )
+    north = radius * np.radians(place[1] - np.degrees(lat))
+    east = radius * np.radians(place[2] - np.degrees(lon)) * np.cos(lat)
     off = np.sqrt((place[0] + radius - r) ** 2 + north**2 + east**2)
     speed = np.abs(rows["truth.speed_m_s"][::50] - v)
     source, why = "Vinh, Busemann & Culp, section 2-3", "truncation of RK4 at 10 ms"
-    return Outcome(
-        (
-            Result("place", "point-mass dynamics", source, float(off.max()), 1e-3, "m", why),
-            Result("speed", "point-mass dynamics", source, float(speed.max()), 1e-5, "m/s", why),
-        ),
-        History(
-            "Banked point mass",
-            "longitude (deg)",
-            "latitude (deg)",
-            np.degrees(lon),
-            {"flown": place[1], "expected": np.array([degrees(x) for x in lat])},
-        ),
-    )
+    result = partial(Result, verifies="point-mass dynamics", source=source, why=why)
+    results = (result("place", off.max(), 1e-3, "m"), result("speed", speed.max(), 1e-5, "m/s"))
+    labels = ("Banked point mass", "longitude (deg)", "latitude (deg)")
+    return Outcome(results, History(*labels, np.degrees(lon), place[1], np.degrees(lat)))

@@ -8,12 +8,11 @@ and the smallest difference stands 100 above rounding.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from edl6dof.verify.outcome import Outcome, Result
-from edl6dof.verify.scene import BARE, flown
+from edl6dof.verify.case import BARE, Outcome, Result, flown
 
 _SCENE = (
     *BARE,
@@ -28,12 +27,7 @@ _SCENE = (
     "initial.rate_deg_s=[5, 20, 3]",
     "simulation.time_limit_s=20",
 )
-PARTS = (
-    ("position", slice(0, 3)),
-    ("velocity", slice(3, 6)),
-    ("attitude", slice(6, 10)),
-    ("rate", slice(10, 13)),
-)
+PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 10), "rate": slice(10, 13)}
 
 
 def end_state(step: float, planted: Sequence[str] = ()) -> np.ndarray:
@@ -41,20 +35,13 @@ def end_state(step: float, planted: Sequence[str] = ()) -> np.ndarray:
     return flown([*_SCENE, f"simulation.step_s={step}"], planted)[1].plant["y"][0, :13].copy()
 
 
-def run(
-    planted: Sequence[str] = (), state: Callable[[float, Sequence[str]], np.ndarray] = end_state
-) -> Outcome:
-    """Fly with three steps and compare the differences; ``state`` stands in for the flight where a test
-    plants an error.
-    """
-    coarse, middle, fine = (state(step, planted) for step in (0.1, 0.05, 0.025))
+def run(planted: Sequence[str] = ()) -> Outcome:
+    """Fly with three steps and compare the differences."""
+    coarse, middle, fine = (end_state(step, planted) for step in (0.1, 0.05, 0.025))
+    about = {"verifies": "Runge-Kutta step", "source": "step halving", "why": "next term of the error"}
     results = []
-    for name, part in PARTS:
-        order = float(
-            np.log2(np.linalg.norm(coarse[part] - middle[part]) / np.linalg.norm(middle[part] - fine[part]))
-        )
-        why = "next term of the error"
-        results.append(
-            Result(f"order, {name}", "Runge-Kutta step", "step halving", abs(order - 4.0), 0.3, "-", why)
-        )
-    return Outcome(tuple(results))
+    for name, part in PARTS.items():
+        sizes = (np.linalg.norm(a[part] - b[part]) for a, b in ((coarse, middle), (middle, fine)))
+        order = float(np.log2(np.divide(*sizes)))
+        results.append(Result(f"order, {name}", abs(order - 4.0), 0.3, **about))
+    return Outcome(results)

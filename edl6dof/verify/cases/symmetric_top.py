@@ -9,20 +9,16 @@ relative: the phase error of RK4 at 10 ms and 1.2 rad/s is (w h)^4 / 120 = 2e-10
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.base import stated
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, VACUUM, WEIGHTLESS, flown, rates, vectors
+from edl6dof.verify.case import FREE, History, Outcome, Result, flown, rates, vectors
 
 _SCENE = (
-    *BARE,
-    *VACUUM,
-    *WEIGHTLESS,
-    *ONE_BODY,
-    *ENDLESS,
+    *FREE,
     "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 900]",
     "initial.speed_m_s=0",
     "initial.rate_deg_s=[60, 20, 0]",
@@ -49,16 +45,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     across /= np.linalg.norm(across)
     outside = _slope(t, np.arctan2(axis @ np.cross(h_hat, across), axis @ across))
     expected_outside = float(np.linalg.norm(momentum)) / lateral
-    why = "phase error of RK4, (w h)^4 / 120, is 2e-10"
-    return Outcome(
-        (
-            Result("rate in the body", "gyroscopic coupling", "symmetric top",
-            abs(in_body / expected_body - 1.0), 1e-8, "-", why),
-            Result("rate in space", "rate to attitude", "symmetric top",
-            abs(outside / expected_outside - 1.0), 1e-8, "-", why),
-        ),
-        History(
-            "Symmetric top", "time (s)", "pitch rate (rad/s)", t,
-            {"flown": w[:, 1], "expected": w[0, 1] * np.cos(expected_body * t)},
-        ),
-    )  # fmt: skip
+    result = partial(Result, source="symmetric top", why="phase error of RK4, (w h)^4 / 120, is 2e-10")
+    off_body, off_outside = abs(in_body / expected_body - 1.0), abs(outside / expected_outside - 1.0)
+    results = (
+        result("rate in the body", off_body, 1e-8, verifies="gyroscopic coupling"),
+        result("rate in space", off_outside, 1e-8, verifies="rate to attitude"),
+    )
+    curve = w[0, 1] * np.cos(expected_body * t)
+    return Outcome(results, History("Symmetric top", "time (s)", "pitch rate (rad/s)", t, w[:, 1], curve))

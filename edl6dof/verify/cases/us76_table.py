@@ -10,6 +10,7 @@ and seven-digit pressures.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,7 @@ import numpy as np
 import edl6dof
 from edl6dof.environment.atmosphere import air
 from edl6dof.scenario import records
-from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import scenes
+from edl6dof.verify.case import History, Outcome, Result, largest, scenes
 
 _CSV = Path(edl6dof.__file__).parent / "data" / "atmosphere" / "USStandardAtmosphere1976.csv"
 _EARTH = 6356766.0
@@ -41,31 +41,18 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     case = records.build_case(loaded.truth, tables)[0]
 
     def at(height: float) -> tuple[float, float, float, float]:
-        return air(
-            case["atmosphere"],
-            case["planet"]["gas"],
-            tables[0]["atmosphere"],
-            _EARTH * height / (_EARTH - height),
-        )
+        geometric = _EARTH * height / (_EARTH - height)
+        return air(case["atmosphere"], case["planet"]["gas"], tables[0]["atmosphere"], geometric)
 
     rows = np.genfromtxt(_CSV, delimiter=",", skip_header=2)
     rows = rows[(rows[:, 0] >= 0.0) & (rows[:, 0] <= 84500.0)]
     got = np.array([at(float(height)) for height in rows[:, 0]])
-    warm = float(np.abs(got[:, 2] - rows[:, 1]).max())
-    dense = float(np.abs(got[:, 0] / rows[:, 2] - 1.0).max())
-    pressed = max(abs(at(float(height))[1] / pressure - 1.0) for height, pressure in BASES)
-    source = "published table"
-    return Outcome(
-        (
-            Result("temperature", "US76", source, warm, 0.005, "K", "two decimals printed"),
-            Result("density", "US76", source, dense, 5e-6, "-", "six digits printed"),
-            Result("pressure at layer bases", "US76", source, pressed, 5e-6, "-", "seven digits printed"),
-        ),
-        History(
-            "US76",
-            "geopotential altitude (km)",
-            "density (kg/m3)",
-            rows[:, 0] / 1e3,
-            {"flown": got[:, 0], "expected": rows[:, 2]},
-        ),
+    pressed = largest([at(float(height))[1] / pressure - 1.0 for height, pressure in BASES])
+    result = partial(Result, verifies="US76", source="published table")
+    results = (
+        result("temperature", largest(got[:, 2] - rows[:, 1]), 0.005, "K", why="two decimals printed"),
+        result("density", largest(got[:, 0] / rows[:, 2] - 1.0), 5e-6, why="six digits printed"),
+        result("pressure at layer bases", pressed, 5e-6, why="seven digits printed"),
     )
+    labels = ("US76", "geopotential altitude (km)", "density (kg/m3)")
+    return Outcome(results, History(*labels, rows[:, 0] / 1e3, got[:, 0], rows[:, 2]))

@@ -14,7 +14,7 @@ def test_command_refuses_what_it_cannot_design(capsys, monkeypatch, tmp_path):
     assert ".csv" in said
 
 
-def test_command_says_how_to_get_clarabel(capsys, monkeypatch):
+def test_command_says_how_to_get_cvxpy(capsys, monkeypatch):
     monkeypatch.setattr("edl6dof.cli.designs.find_spec", lambda name: None)
     status, _, said = run(capsys, monkeypatch, "design", "landing", "tianwen1")
     assert status == 69

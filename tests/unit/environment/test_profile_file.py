@@ -5,7 +5,7 @@ import pytest
 
 import edl6dof
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.storage.identity import input_files
+from edl6dof.campaign.identity import input_files
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment.profile_file import read_profile
 from edl6dof.scenario.records import build_tables

@@ -124,13 +124,12 @@ def respond(setting, w: Callable[[float], float], *, adaptive=True, **changes):
             adapt(estimate, low, high, regressor, p12 * error + p22 * error_rate, design.energy, STEP_S)
         state = state + STEP_S / 6.0 * (first + 2.0 * (second + third) + fourth)
     errors, error_rates, disturbance, *theta = np.array(rows).T
-    energy = design.state_energy(errors, error_rates)
-    return Reply(Response(t, errors, disturbance, energy), np.array(theta).T)
+    return Reply(Response(design, t, errors, error_rates, disturbance), np.array(theta).T)
 
 
 @pytest.mark.parametrize("w", [nothing, dying_out, gust])
 def test_error_energy_keeps_its_bound(setting, w):
-    assert respond(setting, w).response.over_bound(setting.design) < 1.0
+    assert respond(setting, w).response.over_bound < 1.0
 
 
 def test_error_converges_without_disturbance_and_adaptation_is_why(setting):

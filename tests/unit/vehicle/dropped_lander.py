@@ -17,7 +17,7 @@ from edl6dof.scenario import records
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import ATTITUDE, OUTPUTS, POSITION, RATE, VELOCITY, WORKSPACE
-from edl6dof.verify.scene import BARE, FLAT, ONE_BODY, VACUUM, scenes, state_of
+from edl6dof.verify.case import BARE, FLAT, ONE_BODY, VACUUM, scenes, state_of
 
 MASS, G = 800.0, 3.72
 CENTRE = np.array([-0.85, 0.05, -0.03])

@@ -10,9 +10,7 @@ import pytest
 from edl6dof.config.units import G0
 from edl6dof.environment.gravity import potential_F
 from edl6dof.scenario import records
-from edl6dof.verify.cases.gravity_field import potential
-from edl6dof.verify.cases.rocket_equation import _SCENE, ISP
-from edl6dof.verify.scene import (
+from edl6dof.verify.case import (
     BARE,
     ENDLESS,
     FLAT,
@@ -24,6 +22,8 @@ from edl6dof.verify.scene import (
     state_of,
     to_the_end,
 )
+from edl6dof.verify.cases.gravity_field import potential
+from edl6dof.verify.cases.rocket_equation import _SCENE, ISP
 
 AT_REST = ("initial.speed_m_s=0", "initial.rate_deg_s=[0, 0, 0]")
 

@@ -10,7 +10,7 @@ from aero_capsule import DENSE, RARE, gas_record
 from mesh_files import box, revolved, sphere, write_glb, write_stl, write_text_stl
 
 from edl6dof.config.dtype import fill
-from edl6dof.interchange.triangles import read_triangles
+from edl6dof.interchange.meshes import read_triangles
 from edl6dof.vehicle.aerodynamics.body import BodyAeroParams, body_aero
 from edl6dof.vehicle.aerodynamics.body_table import (
     body_inputs,

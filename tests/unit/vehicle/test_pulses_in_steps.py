@@ -12,7 +12,7 @@ from edl6dof.scenario import records
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import ATTITUDE, OUTPUTS, POSITION, WORKSPACE
-from edl6dof.verify.scene import BARE, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
+from edl6dof.verify.case import BARE, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
 
 THRUST, ISP, RISE, DECAY, ARM, G0 = 250.0, 270.0, 0.012, 0.019, 1.15, 9.80665
 CYCLE, PULSES = 0.08, 60

@@ -7,7 +7,7 @@ import pytest
 from plain_python import integrate, setting
 
 from edl6dof.sim.flight import fly
-from edl6dof.verify.scene import VACUUM, scenes, state_of
+from edl6dof.verify.case import VACUUM, scenes, state_of
 
 SECONDS = 60.0
 

@@ -11,7 +11,7 @@ from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.motion.state_events import STATE_EVENTS, clearance, slack
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, PROPELLANT, WORKSPACE
-from edl6dof.verify.scene import BARE, FLAT, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
+from edl6dof.verify.case import BARE, FLAT, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
 
 G, STEP_S = 3.72, 0.01
 FORCE_N, ISP_S = 100.0, 250.0

@@ -8,7 +8,7 @@ flown again.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,25 +84,22 @@ class Parts:
         return file
 
     def successes(self, index: int, first: int, last: int) -> int | None:
-        """How many cases of a part succeeded; ``None`` when it does not count, or does not hold exactly its
-        cases.
-        """
+        """Number of successes; ``None`` if a part does not count or does not hold exactly its cases."""
         with suppress(ConfigError):
             table = self.read(index).read(["case", "success"])
             if table["case"].to_pylist() == list(range(first, last)):
                 return pc.sum(table["success"]).as_py()
         return None
 
-    def table(self, indices: Iterable[int], columns: Iterable[str] | None = None) -> pa.Table:
+    def table(self, indices: Iterable[int], columns: Collection[str] | None = None) -> pa.Table:
         """The rows of some parts; columns that no case has are left out.
 
         Raises:
             ConfigError: a part does not count.
         """
-        indices = list(indices)
-        schema = self._schema(indices)
-        names = [name for name in schema.names if columns is None or name in columns]
-        return pa.concat_tables(_columns(self.read(index), schema, names) for index in indices)
+        indices = list(indices)  # one part at a time is held
+        schema = _schema(map(self.read, indices))
+        return _joined(schema, (_read(self.read(index), columns) for index in indices), columns)
 
     def concatenate(self, count: int, target: Path) -> None:
         """Write the first ``count`` parts as one file, some row groups at a time.
@@ -111,23 +108,14 @@ class Parts:
             ConfigError: a part does not count.
             OSError: it cannot be written.
         """
-        schema = self._schema(range(count))
+        schema = _schema(map(self.read, range(count)))
         with target.open("wb") as file, pq.ParquetWriter(file, schema, **_OPTIONS) as writer:
             waiting: list[pa.Table] = []
             for index in range(count):
-                waiting.append(_columns(self.read(index), schema, schema.names))
-                if sum(map(len, waiting)) >= _ROW_GROUP:
-                    writer.write_table(pa.concat_tables(waiting))
+                waiting.append(_read(self.read(index)))
+                if sum(map(len, waiting)) >= _ROW_GROUP or index == count - 1:
+                    writer.write_table(_joined(schema, waiting))
                     waiting = []
-            if waiting:
-                writer.write_table(pa.concat_tables(waiting))
-
-    def _schema(self, indices: Iterable[int]) -> pa.Schema:
-        """Columns of parts, in the order in which they first appear; an all-empty column takes the type of a
-        later part.
-        """
-        found = [self.read(index).schema_arrow.remove_metadata() for index in indices]
-        return pa.unify_schemas(found, promote_options="permissive")
 
 
 def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
@@ -142,13 +130,20 @@ def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
         raise refusal(path, f"cannot be read: {error}") from None
 
 
-def _columns(file: pq.ParquetFile, schema: pa.Schema, names: list[str]) -> pa.Table:
-    """Columns of a part; those it lacks are empty."""
-    known = set(file.schema_arrow.names)
-    table = file.read([name for name in names if name in known], use_threads=False)
-    kinds = {name: schema.field(name).type for name in names}
-    columns = [
-        table[name].cast(kind) if name in known else pa.nulls(len(table), kind)
-        for name, kind in kinds.items()
-    ]
-    return pa.table(columns, schema=pa.schema([schema.field(name) for name in names]))
+def _schema(files: Iterable[pq.ParquetFile]) -> pa.Schema:
+    """Columns in the order in which they appear; an empty one takes the type of a later part."""
+    found = [file.schema_arrow.remove_metadata() for file in files]
+    return pa.unify_schemas(found, promote_options="permissive")
+
+
+def _read(file: pq.ParquetFile, columns: Collection[str] | None = None) -> pa.Table:
+    names = [name for name in file.schema_arrow.names if columns is None or name in columns]
+    return file.read(names, use_threads=False).replace_schema_metadata()
+
+
+def _joined(
+    schema: pa.Schema, tables: Iterable[pa.Table], columns: Collection[str] | None = None
+) -> pa.Table:
+    """Tables below each other under the columns of a schema; those that one lacks are empty in it."""
+    wanted = pa.schema([field for field in schema if columns is None or field.name in columns])
+    return pa.concat_tables([wanted.empty_table(), *tables], promote_options="permissive")

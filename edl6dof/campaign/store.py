@@ -23,12 +23,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 from filelock import FileLock, Timeout
 
-from edl6dof.campaign.storage.documents import Info, Summary
-from edl6dof.campaign.storage.parts import NAMES, Parts, open_parquet
+from edl6dof.campaign.documents import Info, Summary
+from edl6dof.campaign.parts import NAMES, Parts, open_parquet
 from edl6dof.config.errors import refusal
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
 from edl6dof.manifest import hash_of, read_file, read_sealed, sha256, write_sealed
@@ -43,11 +44,20 @@ _FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 
+def _file(name: str) -> Any:
+    """A property: the file of this name in a campaign's folder."""
+    return property(lambda store: store.folder / name)
+
+
 @dataclass(frozen=True)
 class Store:
     """A campaign's folder.  What reads it raises ``ConfigError`` for anything not as it was written."""
 
     folder: Path
+    _info = _file("campaign.json")
+    _plan = _file("campaign.yaml")
+    _cases = _file("cases.parquet")
+    _summary = _file("summary.json")
 
     @property
     def info(self) -> Info:
@@ -61,18 +71,12 @@ class Store:
         """The plan that the folder was begun with."""
         info = self.info
         if self.is_half_begun:
-            raise refusal(
-                self.folder,
-                (
-                    "has no campaign.yaml: the program was stopped while it began or replaced the "
-                    "campaign; begin it anew with --force"
-                ),
-            )
+            words = "has no campaign.yaml: the program was stopped while it began or replaced the campaign"
+            raise refusal(self.folder, f"{words}; begin it anew with --force")
         plan = read_file(self._plan)
         if sha256(plan) != info.identity.plan:
-            raise refusal(
-                self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force"
-            )
+            words = "is damaged: it is not as it was written; begin the campaign anew with --force"
+            raise refusal(self._plan, words)
         return plan.decode()
 
     @property
@@ -92,32 +96,14 @@ class Store:
         if found.campaign != campaign:
             raise refusal(self._summary, "belongs to another campaign; fly this one anew with --force")
         if hash_of(self._cases) != found.cases_sha256:
-            raise refusal(
-                self._cases,
-                "is damaged: it is not as it was written, and its parts are gone; fly it anew with --force",
-            )
+            words = "is damaged: it is not as it was written, and its parts are gone"
+            raise refusal(self._cases, f"{words}; fly it anew with --force")
         return found
 
     @property
     def parts(self) -> Parts:
         """The parts of this campaign."""
         return Parts(self.folder / "parts", self.info.identity.digest)
-
-    @property
-    def _plan(self) -> Path:
-        return self.folder / "campaign.yaml"
-
-    @property
-    def _info(self) -> Path:
-        return self.folder / "campaign.json"
-
-    @property
-    def _cases(self) -> Path:
-        return self.folder / "cases.parquet"
-
-    @property
-    def _summary(self) -> Path:
-        return self.folder / "summary.json"
 
     @contextmanager
     def lock(self, make: bool = False) -> Iterator[None]:
@@ -163,15 +149,11 @@ class Store:
         if not entries:
             return
         if not force:
-            raise refusal(
-                self.folder,
-                "exists, and a campaign keeps its folder, to be found again: go on with --resume, "
-                "replace it with --force, or choose another with --out",
-            )
+            words = "exists, and a campaign keeps its folder, to be found again: go on with --resume"
+            raise refusal(self.folder, f"{words}, replace it with --force, or choose another with --out")
         if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in entries):
-            raise refusal(
-                self.folder, "is not the folder of a campaign; it is not replaced even with --force"
-            )
+            words = "is not the folder of a campaign; it is not replaced even with --force"
+            raise refusal(self.folder, words)
         list(self._own())
 
     def begin(self, plan_text: str, info: Info, force: bool = False) -> None:

@@ -1,4 +1,9 @@
-"""Triangles of a mesh file, in the file's own axes and units: STL, and glTF 2.0 with everything inside it."""
+"""Meshes in files of others, glTF 2.0 and STL: seen to be such before a viewer is handed them, and their
+triangles, in the file's own axes and units.
+
+A file is data and nothing else: it is read as bytes, nothing in it is run, and one that names other files or
+addresses is refused.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +11,99 @@ import base64
 import json
 import struct
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.interchange.mesh_file import GLB, STL, read_mesh_file
+from edl6dof.config.document.regular import read_regular
 from edl6dof.spatial.arrays import product
+
+#: Size, in bytes, of the largest mesh that is read.
+LARGEST_MESH = 30_000_000
+_GLB_HEAD, _CHUNK_HEAD = struct.Struct("<4sII"), struct.Struct("<I4s")
+#: A binary STL: 80 bytes of anything, the number of triangles, and 50 bytes for each.
+_STL_HEAD, _STL_TRIANGLE = 84, np.dtype([("places", "<f4", (12,)), ("attribute", "<u2")])
+#: Media types.
+GLB, GLTF, STL = "model/gltf-binary", "model/gltf+json", "model/stl"
+
+
+class MeshFile(NamedTuple):
+    """A mesh as it is on disk, and its media type."""
+
+    content: bytes
+    media_type: str
+
+
+def read_mesh_file(path: Path) -> MeshFile:
+    """A mesh.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is no mesh of these kinds, or names other files.
+    """
+    kind = path.suffix.lower()
+    if kind not in _KINDS:
+        raise ValueError(f"must end in {', '.join(_KINDS)} (got {path.name!r})")
+    media_type, check = _KINDS[kind]
+    content = read_regular(path, LARGEST_MESH)
+    if words := check(content):
+        raise ValueError(f"{path.name} {words}")
+    return MeshFile(content, media_type)
+
+
+def _glb_problem(content: bytes) -> str:
+    size = _GLB_HEAD.size + _CHUNK_HEAD.size
+    if len(content) < size or content[:4] != b"glTF":
+        return "is no binary glTF file"
+    _, version, length = _GLB_HEAD.unpack_from(content)
+    part, kind = _CHUNK_HEAD.unpack_from(content, _GLB_HEAD.size)
+    if version != 2 or length != len(content) or kind != b"JSON" or size + part > length:
+        return "is no complete binary glTF 2.0 file"
+    return _gltf_problem(content[size : size + part])
+
+
+def _gltf_problem(content: bytes) -> str:
+    try:
+        scene: Any = json.loads(content)
+        version = str(scene["asset"]["version"])
+        drawn = [
+            one for mesh in scene["meshes"] for one in mesh["primitives"] if "POSITION" in one["attributes"]
+        ]
+        named = [one.get("uri", "data:") for key in ("buffers", "images") for one in scene.get(key, ())]
+        outside = [uri for uri in named if not uri.startswith("data:")]
+    except (ValueError, RecursionError, LookupError, TypeError, AttributeError):
+        return "is no glTF file with a mesh"
+    if not version.startswith("2.") or not drawn:
+        return "is no glTF 2.0 file with a mesh"
+    if scene.get("extensionsRequired"):
+        return f"needs extensions that viewers may lack: {str(scene['extensionsRequired'])[:80]}"
+    return f"names another file: {outside[0][:60]!r}; put all into one .glb" if outside else ""
+
+
+def _binary_stl(content: bytes) -> np.ndarray | None:
+    """Normal and three corners of each triangle of a binary STL, shape (triangles, 12)."""
+    if len(content) < _STL_HEAD:
+        return None
+    (count,) = struct.unpack_from("<I", content, _STL_HEAD - 4)
+    if len(content) != _STL_HEAD + count * _STL_TRIANGLE.itemsize:
+        return None
+    return np.frombuffer(content, _STL_TRIANGLE, offset=_STL_HEAD)["places"]
+
+
+def _stl_problem(content: bytes) -> str:
+    if (places := _binary_stl(content)) is not None and len(places):
+        return "" if np.isfinite(places).all() else "has numbers that are not finite"
+    if content.lstrip()[:5] == b"solid" and b"facet" in content and b"endsolid" in content:
+        return ""
+    return "is no STL file"
+
+
+_KINDS = {
+    ".glb": (GLB, _glb_problem),
+    ".gltf": (GLTF, _gltf_problem),
+    ".stl": (STL, _stl_problem),
+}
+
 
 #: Most triangles that are taken from one file.
 MOST_TRIANGLES = 50_000
@@ -32,21 +124,16 @@ def read_triangles(path: Path) -> np.ndarray:
     except (LookupError, TypeError, struct.error, AttributeError) as error:
         raise ValueError(f"{path.name} is damaged: {error}") from None
     if not 4 <= len(corners) <= MOST_TRIANGLES:
-        raise ValueError(
-            f"{path.name} has {len(corners)} triangles; a body has at least 4, and at most "
-            f"{MOST_TRIANGLES} are taken"
-        )
+        words = f"a body has at least 4, and at most {MOST_TRIANGLES} are taken"
+        raise ValueError(f"{path.name} has {len(corners)} triangles; {words}")
     if not np.isfinite(corners).all():
         raise ValueError(f"{path.name} has numbers that are not finite")
     return corners
 
 
 def _stl(content: bytes) -> np.ndarray:
-    if len(content) >= 84:
-        (count,) = struct.unpack_from("<I", content, 80)
-        if len(content) == 84 + 50 * count:
-            kind = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-            return np.frombuffer(content, kind, offset=84)["corners"].astype(float)
+    if (found := _binary_stl(content)) is not None:
+        return found[:, 3:].reshape(-1, 3, 3).astype(float)
     rows = [line.split() for line in content.decode("ascii", "replace").splitlines()]
     places = [[float(word) for word in row[1:4]] for row in rows if row[:1] == ["vertex"]]
     if len(places) % 3 or any(len(place) != 3 for place in places):
@@ -62,7 +149,8 @@ def _gltf(content: bytes, binary: bool) -> np.ndarray:
     scene = json.loads(content)
     if any("sparse" in one for one in scene.get("accessors", ())):
         raise ValueError("the glTF file has sparse accessors, which are not supported")
-    buffers = [_buffer(one, data) for one in scene.get("buffers", ())]
+    uris = [one.get("uri") for one in scene.get("buffers", ())]
+    buffers = [data if uri is None else base64.b64decode(uri.partition(",")[2]) for uri in uris]
     nodes = scene.get("nodes", [])
     inner = {child for node in nodes for child in node.get("children", ())}
     waiting = [(k, np.eye(4)) for k in range(len(nodes)) if k not in inner]
@@ -77,19 +165,9 @@ def _gltf(content: bytes, binary: bool) -> np.ndarray:
             for one in scene["meshes"][node["mesh"]]["primitives"]:
                 corners = _primitive(scene, buffers, one)
                 turned = product(corners, place[:3, :3].T) + place[:3, 3]
-                # a mirror image has its corners the other way round
-                found.append(
-                    turned[:, ::-1]
-                    if product(place[0, :3], np.cross(place[1, :3], place[2, :3])) < 0.0
-                    else turned
-                )
+                mirrored = product(place[0, :3], np.cross(place[1, :3], place[2, :3])) < 0.0
+                found.append(turned[:, ::-1] if mirrored else turned)  # corners the other way round
     return np.concatenate(found)
-
-
-def _buffer(one: dict[str, Any], binary: bytes) -> bytes:
-    if "uri" not in one:
-        return binary
-    return base64.b64decode(one["uri"].partition(",")[2])
 
 
 def _placing(node: dict[str, Any]) -> np.ndarray:

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.units import G0
-from edl6dof.design.landing.rigid_body import RigidLanding, tilt_of
+from edl6dof.design.rigid_landing import RigidLanding, tilt_of
 from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.roles import HOVER_IMAGING, POWERED_DECELERATION
@@ -34,9 +34,7 @@ def powered_rows(flight: Flight) -> np.ndarray:
 
 
 def states_of(flight: Flight, rows: np.ndarray) -> np.ndarray:
-    """True states of some rows, shape (n, 14), from the target as guidance has put it from the lander's
-    navigated place.
-    """
+    """True states of some rows, shape (n, 14), from the target as guidance has put it."""
     of, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
     # the target lies where navigation believed it when it was chosen
     east, north = (

@@ -1,4 +1,5 @@
-"""The powered landing of a rigid body: its limits, its equations of motion, and their derivatives.
+"""The powered landing of a rigid body: its limits, its equations of motion and their derivatives, and the
+figures of a landing, whoever flew it.
 
 Position and velocity are east, north and up from the landing point.  The attitude turns the body axes S into
 these; those of a lander that stands are east, north and up but for its heading, and the third is the thrust
@@ -14,7 +15,7 @@ final time", AIAA 2018-0617, section II.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import degrees, inf, pi, tan
 
 import numpy as np
 
@@ -145,3 +146,79 @@ def _axis_by_attitude(q: np.ndarray) -> np.ndarray:
 def _matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
     """Matrices of their elements."""
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+@dataclass(frozen=True)
+class LandingFigures:
+    """Figures of a landing, from its first state to its last.
+
+    Attributes:
+        fuel_kg: propellant.
+        time_s: of flight.
+        tilt_deg: largest angle of the thrust axis from the vertical.
+        rate_deg_s: largest body rate.
+        slope_m: least height over the glide slope.
+        miss_m, speed_m_s, end_tilt_deg: distance from the landing point, speed and tilt at the end.
+    """
+
+    fuel_kg: float
+    time_s: float
+    tilt_deg: float
+    rate_deg_s: float
+    slope_m: float
+    miss_m: float
+    speed_m_s: float
+    end_tilt_deg: float
+
+
+def figures_of(landing: RigidLanding, t: np.ndarray, x: np.ndarray) -> LandingFigures:
+    """Figures of the states ``x``, shape (n, 14), at the times ``t``, shape (n,), s."""
+    away = np.hypot(x[:, 1], x[:, 2])
+    free = landing.glide_slope <= -pi / 2.0
+    slope = inf if free else x[:, 3] - tan(landing.glide_slope) * away
+    return LandingFigures(
+        fuel_kg=float(x[0, 0] - x[-1, 0]),
+        time_s=float(t[-1] - t[0]),
+        tilt_deg=degrees(np.max(tilt_of(x))),
+        rate_deg_s=degrees(np.max(np.linalg.norm(x[:, RATE], axis=1))),
+        slope_m=float(np.min(slope)),
+        miss_m=float(np.linalg.norm(x[-1, POSITION])),
+        speed_m_s=float(np.linalg.norm(x[-1, VELOCITY])),
+        end_tilt_deg=degrees(tilt_of(x[-1])),
+    )
+
+
+#: A design asks for its limits at some points of each interval (``transcription.CHECKED``); between them they
+#: may be exceeded by this share [S].  Seen: 3.3 % of the body rate.
+TOLERANCE = 0.05
+#: What an excess must be to be shown, in deg and deg/s: half of the last place of a figure.
+SHOWN = 0.005
+
+
+@dataclass(frozen=True)
+class Excess:
+    """A limit that a landing exceeds.
+
+    Attributes:
+        what: the figure, in words.
+        by: how far it is exceeded, in ``unit``.
+        tolerated: whether that is no more than between the points where a design asks for it.
+    """
+
+    what: str
+    by: float
+    unit: str
+    tolerated: bool
+
+
+def excesses(landing: RigidLanding, figures: LandingFigures) -> list[Excess]:
+    """The limits of tilt and body rate that a landing exceeds."""
+    limits = (
+        ("tilt", figures.tilt_deg, degrees(landing.tilt), "deg"),
+        ("body rate", figures.rate_deg_s, degrees(landing.rate), "deg/s"),
+    )
+    return [
+        Excess(what, value - limit, unit, value <= (1.0 + TOLERANCE) * limit)
+        for what, value, limit, unit in limits
+        if value > limit + SHOWN
+    ]

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from edl6dof.design.landing.convex_step import scales_of, solve_step
-from edl6dof.design.landing.rigid_body import RigidLanding
-from edl6dof.design.landing.transcription import Linear, Nodes, linearise
+from edl6dof.design.convex_step import Linear, Nodes, linearise, scales_of, solve_step
+from edl6dof.design.rigid_landing import RigidLanding
 
 #: Intervals, and those of them at full level.
 INTERVALS, FULL_INTERVALS = 30, 4

@@ -1,5 +1,4 @@
-"""Identity of a campaign, from which its rows follow: the plan, the code that flies, every file that it
-reads.
+"""Identity of a campaign, which its rows follow from: the plan, the code that flies, every file it reads.
 
 Two programs with the same identity give the same table, bit for bit, on any processor and operating system;
 rows of two that differ never stand in one table.  What cannot move a bit is left out: Python's version, and
@@ -20,7 +19,7 @@ import scipy
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.storage.documents import Identity
+from edl6dof.campaign.documents import Identity
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
@@ -32,12 +31,10 @@ from edl6dof.manifest import digest, sha256
 from edl6dof.scenario.data_files import PROFILES, TABLES
 
 #: Folders of the package from which no row follows.
-_ASIDE = frozenset(
-    (
-        *("api", "app", "calibration", "cli", "design", "export", "gym", "missions", "replay", "report"),
-        *("runs", "serve", "studies", "verify"),
-    )
-)
+_ASIDE = {
+    *("api", "calibration", "cli", "design", "export", "gym", "missions", "replay", "report"),
+    *("runs", "serve", "studies", "verify"),
+}
 
 #: In the place of a hash: there is no such file, or this process has not loaded the plugin.
 _GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
@@ -51,18 +48,14 @@ def identity(plan: Plan) -> Identity:
     return _present(plan.text, libraries, list(outside_sources), map(_label, input_files(plan)))
 
 
-def differences(recorded: Identity, plan_text: str) -> list[str]:
-    """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this,
-    is that``.
-    """
+def differences_from(recorded: Identity, plan_text: str) -> list[str]:
+    """Items of ``recorded`` that differ in this process, each as ``item: was this, is that``."""
     plugins = [*recorded.plugins, *outside_sources]
     return compared(recorded, _present(plan_text, recorded.versions, plugins, recorded.files))
 
 
 def compared(recorded: Identity, present: Identity) -> list[str]:
-    """As :func:`differences`, between two identities: a plan that is read again may find other files by the
-    same names.
-    """
+    """As :func:`differences_from`, between two identities: a plan that is read again may find other files."""
     was, now = dict(recorded.items()), dict(present.items())
     changed = [name for name in {**was, **now} if was.get(name) != now.get(name)]
     return [f"{name}: was {_shown(was.get(name))}, is {_shown(now.get(name))}" for name in changed]
@@ -81,10 +74,7 @@ def _present(
         plan=sha256(plan_text.encode()),
         sources=source_hash(),
         versions={name: known[name] for name in ("edl6dof", *libraries) if name in known},
-        plugins={
-            name: _hash(Path(name)) if name in outside_sources else _absent(name)
-            for name in sorted(set(plugins))
-        },
+        plugins={name: _plugin_hash(name) for name in sorted(set(plugins))},
         files={name: _hash(PACKAGE.parent / name) for name in files},
     )
 
@@ -96,8 +86,9 @@ def source_hash() -> str:
     return digest({file.as_posix(): _hash(PACKAGE / file) for file in files if file.parts[0] not in _ASIDE})
 
 
-def _absent(plugin: str) -> str:
-    return _NOT_LOADED if Path(plugin).is_file() else _GONE
+def _plugin_hash(name: str) -> str:
+    loaded = name in outside_sources or not Path(name).is_file()
+    return _hash(Path(name)) if loaded else _NOT_LOADED
 
 
 def _hash(path: Path) -> str:
@@ -118,19 +109,12 @@ def _shown(value: str | None) -> str:
 
 
 def input_files(plan: Plan) -> list[Path]:
-    """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases
-    that name them do not fly.
-    """
+    """Every file that a case may read, sorted; cases that name files which are not there do not fly."""
     found = {MAP}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
-    for key, path_of in TABLES.items():
-        found |= {
-            path_of(value_at(model, key))
-            for model in (plan.loaded.scenario, plan.loaded.truth)
-            if value_at(model, key)
-        }
     for model in (plan.loaded.scenario, plan.loaded.truth):
+        found |= {path_of(value) for key, path_of in TABLES.items() if (value := value_at(model, key))}
         found |= set(_named(PROFILES, model.atmosphere.profiles, folder))
     exchanged = list(_exchanged(plan))
     for path, value in exchanged:
@@ -142,9 +126,7 @@ def input_files(plan: Plan) -> list[Path]:
 
 
 def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of everything but numbers that some cases have instead of what the scenario
-    says.
-    """
+    """Dotted path and value of everything but numbers that some cases have in place of the scenario's."""
     values = [(target.path, point) for target, points in plan.axes for point in points]
     values += [
         (target.path, item)

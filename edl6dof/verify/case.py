@@ -1,10 +1,11 @@
-"""Scenes for check cases: the shipped scenario stripped down by overrides, flights from a state of one's own,
-and what is measured in them.
+"""Building blocks of check cases: the shipped scenario stripped down by overrides, flights from a state of
+one's own, what is measured in them, and comparisons.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,87 @@ ONE_BODY = tuple(
 )
 #: Nothing ends the flight but the time limit.
 ENDLESS = ("limits.body_rate_deg_s=1e6", "limits.total_alpha_deg=181")
+#: One rigid body on which nothing acts.
+FREE = (*BARE, *VACUUM, *WEIGHTLESS, *ONE_BODY, *ENDLESS)
+NO_RATE = "initial.rate_deg_s=[0, 0, 0]"
+
+
+class NotInstalledError(RuntimeError):
+    """A check case lacks its reference data."""
+
+
+class CutShortError(RuntimeError):
+    """A flight of a check case did not end as it should."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """One comparison: the error found against its tolerance, both in ``unit``.
+
+    Attributes:
+        quantity: what is compared.
+        verifies: the model or method that the comparison proves.
+        source: where the expected value comes from, independent of the simulator.
+        why: why the tolerance is what it is.
+    """
+
+    quantity: str
+    error: float
+    tolerance: float
+    unit: str = "-"
+    verifies: str = ""
+    source: str = ""
+    why: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """True if the error is within the tolerance; an error that is not a number is not."""
+        return bool(self.error <= self.tolerance)
+
+
+@dataclass(frozen=True)
+class History:
+    """Curves for the plot of a case, as flown and as expected from the independent source."""
+
+    title: str
+    x_label: str
+    y_label: str
+    x: np.ndarray
+    flown: np.ndarray
+    expected: np.ndarray
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All comparisons of one case, and its history if it has one."""
+
+    results: Sequence[Result]
+    history: History | None = None
+
+    @property
+    def passed(self) -> bool:
+        """True if every comparison is within its tolerance; a case without any has proved nothing."""
+        return bool(self.results) and all(result.passed for result in self.results)
+
+
+def largest(values: Any) -> float:
+    """Largest size of some numbers."""
+    return float(np.max(np.abs(values)))
+
+
+def gap(a: Any, b: Any) -> float:
+    """Largest difference of two sets of numbers."""
+    return largest(np.asarray(a) - np.asarray(b))
+
+
+def noted() -> tuple[dict[str, float], Callable[[str, float], None]]:
+    """The largest error of each quantity, and what notes one."""
+    worst: dict[str, float] = {}
+
+    def note(name: str, error: float) -> None:
+        worst[name] = max(worst.get(name, 0.0), error)
+
+    return worst, note
 
 
 def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
@@ -59,32 +141,24 @@ def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
     return phases, "flight_software.check_out.thrusters=[]"
 
 
-class CutShortError(RuntimeError):
-    """A flight of a check case did not end as it should."""
-
-
 def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scenario, LoadedScenario]:
-    """The scenario that expected values follow from, and the one to fly: the same but for a planted error."""
+    """The scenario of expected values, and the one to fly: the same but for ``planted`` errors."""
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
 def flown(
     overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit"
 ) -> tuple[Scenario, Flight]:
-    """The scenario that expected values follow from, and the flight.
-
-    Raises:
-        CutShortError: the flight ended otherwise than it should, so that it proves nothing.
-    """
+    """The scenario of expected values, and the flight: :func:`scenes` and :func:`to_the_end`."""
     nominal, loaded = scenes(overrides, planted)
-    return nominal, to_the_end(loaded, None, ends)
+    return nominal, to_the_end(loaded, ends=ends)
 
 
 def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "time limit") -> Flight:
     """Fly, from a state if one is given, to the named end.
 
     Raises:
-        CutShortError: the flight ended otherwise.
+        CutShortError: the flight ended otherwise, so that it proves nothing.
     """
     flight = fly(loaded, start=start)
     if OUTCOMES[flight.code] != ends:
@@ -93,21 +167,13 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
 
 
 def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
-    """The initial state with ``change(plant, fsw)`` (record arrays' only elements) applied, mass properties
-    made consistent.
-    """
+    """The initial state after ``change(plant, fsw)`` of its records, mass properties made consistent."""
     tables = records.build_tables(loaded.truth)
     case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario)
     plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
     change(plant[0], fsw[0])
     prepare(case, plant)
     return State(0, plant, records.initial_peaks(), records.initial_sensors(), fsw, "")
-
-
-def after(flight: Flight) -> State:
-    """The state at the end of a flight that its time limit ended, to fly on from under another limit."""
-    cycle = round(flight.time_s * flight.scenario.flight_software.rates.base_hz)
-    return State(cycle, flight.plant, flight.peaks, records.initial_sensors(), flight.fsw, "")
 
 
 def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.ndarray:
@@ -136,7 +202,6 @@ def fit(t: np.ndarray, y: np.ndarray, guess: complex) -> tuple[complex, float]:
         columns, factors = amplitudes(*x)
         return (columns @ factors - y) / size
 
-    found = least_squares(
-        misfit, [guess.real, guess.imag], x_scale=abs(guess), xtol=1e-14, ftol=1e-14, gtol=1e-14
-    )
+    start, tight = [guess.real, guess.imag], dict.fromkeys(("xtol", "ftol", "gtol"), 1e-14)
+    found = least_squares(misfit, start, x_scale=abs(guess), **tight)
     return complex(*found.x), float(amplitudes(*found.x)[1][2])

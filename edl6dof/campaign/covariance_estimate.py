@@ -1,0 +1,290 @@
+"""Covariance of the figures at an event from mirrored pairs of flights, its budget, and what it is held
+against.
+
+Flight j of a pair and its mirror image, whose sources are stepped in opposite directions, all at once, give
+y+ and y-.  Half their difference changes sign with the steps: its mean square is what the sources give
+linearly, and a part of what is random.  Half their sum does not: its covariance is the rest of what is
+random, and what the sources give in the second order.  The sum of both is the covariance of y, without bias
+for a response that is linear in the sources with anything random beside it; what is linear alone has no
+sampling error, as the columns of the design are orthogonal.  The response to one step is averaged over the
+steps of all others and over what is random: a statistical linearisation, which sees a bank reversal come
+sooner or later in some flights and not a jump in all.
+
+Source: Gelb and Warren, AIAA J. 11 (1973) 689 (statistical linearisation); Box and Hunter,
+Technometrics 3 (1961) 311 (design by mirror images).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+from scipy.stats import kurtosis
+
+from edl6dof.campaign.covariance_flights import EventFigures, Source, cases, design, figures_of, sources
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.executor import Progress
+from edl6dof.config.errors import refusal
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Spread of some quantities; each array has shape (quantities,).
+
+    Attributes:
+        mean: with what the second order of the sources shifts it by.
+        mean_error: its standard error.
+        deviation: standard deviation.
+        error: standard error of the deviation.
+        linear: standard deviation of what changes sign with the sources.
+    """
+
+    mean: np.ndarray
+    mean_error: np.ndarray
+    deviation: np.ndarray
+    error: np.ndarray
+    linear: np.ndarray
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Figures of mirrored flights.
+
+    Attributes:
+        steps: of the first flight of each pair, -1 or 1, shape (pairs, deviates).
+        odd: half the difference of both flights, shape (pairs, figures).
+        even: half the sum.
+    """
+
+    steps: np.ndarray
+    odd: np.ndarray
+    even: np.ndarray
+
+    @classmethod
+    def of(cls, steps: np.ndarray, flights: np.ndarray) -> Pairs:
+        """``flights`` has shape (2 pairs, figures): all first flights, then their mirror images."""
+        first, second = np.split(flights, 2)
+        return cls(steps, 0.5 * (first - second), 0.5 * (first + second))
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the figures, shape (figures, figures)."""
+        return self.odd.T @ self.odd / len(self.odd) + np.atleast_2d(np.cov(self.even.T))
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """Change of each figure by one standard deviation of each deviate, shape (deviates, figures)."""
+        return self.steps.T @ self.odd / len(self.odd)
+
+    @property
+    def slope_error(self) -> np.ndarray:
+        """Standard error of every slope by what is random, shape (figures,)."""
+        return self.even.std(axis=0, ddof=1) / np.sqrt(len(self.even))
+
+    def spread(self, directions: np.ndarray) -> Spread:
+        """Spread along some ``directions``, shape (figures, quantities)."""
+        odd, even = self.odd @ directions, self.even @ directions
+        pairs = len(odd)
+        signed, rest = np.mean(odd**2, axis=0), even.var(axis=0, ddof=1)
+        linear = np.maximum(signed - rest, 0.0)
+        variance = signed + rest
+        # of normal noise, half of whose variance each part holds
+        error = np.sqrt((4.0 * linear * rest + 2.0 * rest**2) / pairs + 2.0 * rest**2 / (pairs - 1))
+        deviation = np.sqrt(variance)
+        return Spread(
+            even.mean(axis=0),
+            np.sqrt(rest / pairs),
+            deviation,
+            error / np.maximum(2.0 * deviation, np.finfo(float).tiny),
+            np.sqrt(linear),
+        )
+
+
+def principal(covariance: np.ndarray) -> np.ndarray:
+    """Directions of the long and the short axis of an ellipse as columns; ``covariance`` has shape (2, 2)."""
+    return np.linalg.eigh(covariance)[1][:, ::-1]
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """Covariance of the figures of an event.
+
+    Attributes:
+        event: the figures.
+        pairs: what the flights gave.
+        apart: sources whose parts are told apart, in the order of their columns.
+        together: lists whose items change at random, and are part of the rest.
+    """
+
+    event: EventFigures
+    pairs: Pairs
+    apart: tuple[Source, ...]
+    together: tuple[Source, ...]
+
+    @property
+    def spread(self) -> Spread:
+        """Spread of every figure."""
+        return self.pairs.spread(np.eye(len(self.event.all)))
+
+    @property
+    def axes(self) -> np.ndarray:
+        """Directions of the position's ellipse among the figures, long axis first, shape (figures, 2)."""
+        size = len(self.event.position)
+        directions = np.zeros((len(self.event.all), size))
+        directions[:size] = principal(self.pairs.covariance[:size, :size])
+        return directions
+
+    @property
+    def budget(self) -> np.ndarray:
+        """Variance of each figure by each source apart, less chance alone, shape (sources, figures)."""
+        squared = self._slopes**2 - self.pairs.slope_error**2
+        return np.stack([part.sum(axis=0) for part in self._by_source(squared)])
+
+    @property
+    def contributions(self) -> list[tuple[str, np.ndarray]]:
+        """Each source apart with the standard deviation that it gives to every figure, signed where it is one
+        parameter; by its share in the position, or in all figures where none is told.
+        """
+        shares = self.budget / np.maximum(self.spread.deviation**2, np.finfo(float).tiny)
+        if size := len(self.event.position):
+            shares = self.budget[:, :size]
+        parts = self._by_source(self._slopes)
+        values = [part[0] if len(part) == 1 else np.sqrt((part**2).sum(axis=0)) for part in parts]
+        return [(self.apart[k].name, values[k]) for k in np.argsort(-shares.sum(axis=1))]
+
+    @property
+    def rest(self) -> np.ndarray:
+        """Standard deviation of every figure that no source apart gives, shape (figures,): at most all of it,
+        though the parts told are below zero where chance alone would give more.
+        """
+        told = np.maximum(self.budget.sum(axis=0), 0.0)
+        return np.sqrt(np.maximum(self.spread.deviation**2 - told, 0.0))
+
+    @property
+    def _slopes(self) -> np.ndarray:
+        return self.pairs.slopes[: sum(source.width for source in self.apart)]
+
+    def _by_source(self, rows: np.ndarray) -> list[np.ndarray]:
+        return np.split(rows, np.cumsum([source.width for source in self.apart])[:-1])
+
+
+def fly_covariance(
+    plan: Plan,
+    event: EventFigures,
+    pairs: int,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Covariance:
+    """Fly at least so many pairs, as many more as the sources need to be told apart; ``progress`` is called
+    with the flights done and the flights in all.
+
+    Raises:
+        ConfigError: the campaign has no covariance, or a flight does not come to the event.
+    """
+    found = sources(plan)
+    apart, together = _told_apart(found, pairs)
+    columns, more = (sum(source.width for source in some) for some in (apart, together))
+    steps = design(columns, more, pairs, plan.campaign.seed if plan.campaign else 0)
+    flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
+    figures = figures_of(plan, flown, event, workers, lambda done, _: progress(done, 2 * len(steps)))
+    return Covariance(event, Pairs.of(steps, figures), apart, together)
+
+
+def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...], tuple[Source, ...]]:
+    """All sources if there are pairs enough, else all but lists."""
+    if sum(source.width for source in found) <= pairs:
+        return tuple(found), ()
+    single = tuple(source for source in found if not source.is_list)
+    return single, tuple(source for source in found if source.is_list)
+
+
+@dataclass(frozen=True)
+class Alone:
+    """Response to each deviate of some sources, stepped alone about one flight: the central first and second
+    difference over one standard deviation.  Where the bend is not small beside the slope the response is not
+    linear: a bank reversal comes sooner in one of the flights, or lift is at its limit.
+
+    Attributes:
+        found: the sources, none of which is a list.
+        slopes: half the difference of the flights above and below, shape (deviates, figures).
+        bends: half their sum less the flight between them.
+    """
+
+    found: tuple[Source, ...]
+    slopes: np.ndarray
+    bends: np.ndarray
+
+    @classmethod
+    def of(cls, found: Sequence[Source], flights: np.ndarray) -> Alone:
+        """``flights`` has shape (1 + 2 deviates, figures): the mean, then all above, then all below."""
+        middle = flights[0]
+        above, below = np.split(flights[1:], 2)
+        return cls(tuple(found), 0.5 * (above - below), 0.5 * (above + below) - middle)
+
+
+def fly_alone(
+    plan: Plan, event: EventFigures, workers: int | None = None, progress: Progress | None = None
+) -> Alone:
+    """Fly every source that is no list one standard deviation up and down, all through the same random
+    profiles.
+
+    Raises:
+        ConfigError: the campaign has no covariance, or a flight does not come to the event.
+    """
+    found = [source for source in sources(plan) if not source.is_list]
+    one = np.eye(sum(source.width for source in found))
+    steps = np.vstack([np.zeros_like(one[:1]), one, -one])
+    flown = cases(plan, found, steps, own_profiles=False)
+    return Alone.of(found, figures_of(plan, flown, event, workers, progress))
+
+
+#: Shares of a normal distribution below one standard deviation under and over its mean.
+_CORE = (0.158655, 0.841345)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Spread of some quantities over flights; each array has shape (quantities,).
+
+    Attributes:
+        mean: mean.
+        deviation: standard deviation.
+        error: its standard error, which the tails of the distribution widen.
+        core: half of what the middle 68 % span: the deviation, where the distribution is normal.
+    """
+
+    mean: np.ndarray
+    deviation: np.ndarray
+    error: np.ndarray
+    core: np.ndarray
+
+    @classmethod
+    def of(cls, values: np.ndarray) -> Sampled:
+        """``values`` has shape (flights, quantities)."""
+        deviation = values.std(axis=0, ddof=1)
+        low, high = np.quantile(values, _CORE, axis=0)
+        error = deviation * np.sqrt((kurtosis(values) + 2.0) / (4.0 * len(values)))
+        return cls(values.mean(axis=0), deviation, error, 0.5 * (high - low))
+
+
+def flown(table: pa.Table, event: EventFigures, place: object) -> np.ndarray:
+    """Figures of the flights that came to the event, shape (flights, figures).
+
+    Raises:
+        ConfigError: fewer than ten did.
+    """
+    if missing := [name for name in event.all if name not in table.column_names]:
+        raise refusal(place, f"no flight of it has {', '.join(missing)}")
+    values = np.stack([table[name].to_numpy(zero_copy_only=False) for name in event.all], axis=1)
+    values = values[np.isfinite(values).all(axis=1)]
+    if len(values) < 10:
+        raise refusal(place, f"only {len(values)} of its flights came to the event")
+    return values
+
+
+def along_axes(values: np.ndarray, position: int) -> np.ndarray:
+    """Position along the axes of its own ellipse, long axis first, shape (flights, position)."""
+    place = values[:, :position]
+    return place @ principal(np.cov(place.T)) if position else place

@@ -1,0 +1,250 @@
+"""Flights for a covariance: the dispersions of a campaign as sources, each a standard deviation above or
+below its mean, by a two-level design, and the figures at an event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import count, groupby
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtr
+
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.dispersions import Draw, Target
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.design.sections import Correlated
+from edl6dof.campaign.executor import Progress, fly_rows
+from edl6dof.config.document.overrides import with_values
+from edl6dof.config.errors import refusal
+from edl6dof.scenario.loading import check_document
+from edl6dof.scenario.schema import Scenario
+
+#: Standard normal deviates over which moments are summed, and their weights.
+_DEVIATES = np.linspace(-8.0, 8.0, 8001)
+_WEIGHTS = np.exp(-0.5 * _DEVIATES**2) / np.exp(-0.5 * _DEVIATES**2).sum()
+
+
+@dataclass(frozen=True)
+class Source:
+    """One line of a campaign's dispersions: a parameter, a group, or every item of a list."""
+
+    name: str
+    draws: tuple[Draw, ...]
+
+    @property
+    def is_list(self) -> bool:
+        """True if it stands for the items of a list."""
+        return "*" in self.name
+
+    @property
+    def width(self) -> int:
+        """Number of independent deviates."""
+        return sum(len(draw.targets) for draw in self.draws)
+
+    def values(self, steps: np.ndarray) -> Iterator[tuple[Target, np.ndarray]]:
+        """Values of each parameter, shape (flights,), at ``steps`` sigmas, shape (flights, width)."""
+        column = 0
+        for draw in self.draws:
+            width = len(draw.targets)
+            yield from zip(draw.targets, _values(draw, steps[:, column : column + width]), strict=True)
+            column += width
+
+
+def sources(plan: Plan) -> list[Source]:
+    """Sources of a campaign: parameters and groups in the order of the file, then lists.
+
+    Raises:
+        ConfigError: it has none, or something in it has no covariance.
+    """
+    if plan.sweep is not None or plan.fault_matrix is not None:
+        raise refusal(plan.name, "covariance is that of one flight: leave out sweep and fault_matrix")
+    if plan.campaign is None or not plan.draws:
+        raise refusal(
+            plan.name, "has no dispersions in a campaign: section; try edl6dof covariance tianwen1_mc"
+        )
+    if plan.campaign.faults:
+        raise refusal(
+            plan.name, "faults that happen in some flights have no covariance: leave out campaign.faults"
+        )
+    lines = groupby(plan.draws, key=lambda draw: draw.targets[0].place[:3])
+    found = [_source(tuple(draws)) for _, draws in lines]
+    return sorted(found, key=lambda source: source.is_list)
+
+
+def cases(
+    plan: Plan, found: Sequence[Source], steps: np.ndarray, own_profiles: bool = True
+) -> Iterator[Case]:
+    """Flights with the rows of ``steps``, shape (flights, width of all sources), in standard deviations.
+
+    Each meets random profiles of its own, or all the same; none that a case of the campaign itself meets.
+    """
+    ends = np.cumsum([source.width for source in found])[:-1]
+    drawn = [
+        pair
+        for source, columns in zip(found, np.split(steps, ends, axis=1), strict=True)
+        for pair in source.values(columns)
+    ]
+    random = plan.campaign is not None and plan.campaign.profiles
+    for index in range(len(steps)):
+        truth = {target.path: float(values[index]) for target, values in drawn if target.of == "truth"}
+        belief = {target.path: float(values[index]) for target, values in drawn if target.of != "truth"}
+        profile = plan.per_point + index * own_profiles if random else None
+        yield Case(index, truth, belief, profile)
+
+
+def moments(draw: Draw) -> tuple[float, float]:
+    """Mean and standard deviation of one parameter's distribution.
+
+    Raises:
+        ConfigError: it is one of several names.
+    """
+    try:
+        values = draw.values(ndtr(_DEVIATES)[:, None])[0].astype(float)
+    except (TypeError, ValueError):
+        raise refusal(draw.targets[0].path, "has values that are no numbers, and no covariance") from None
+    mean = float(_WEIGHTS @ values)
+    return mean, float(np.sqrt(_WEIGHTS @ (values - mean) ** 2))
+
+
+def _values(draw: Draw, steps: np.ndarray) -> list[np.ndarray]:
+    if isinstance(draw.distribution, Correlated):
+        return draw.values(ndtr(steps))
+    mean, deviation = moments(draw)
+    return [mean + deviation * steps[:, 0]]
+
+
+def _source(draws: tuple[Draw, ...]) -> Source:
+    first = draws[0].targets[0]
+    path = str(first.place[2])
+    if isinstance(draws[0].distribution, Correlated):
+        path = f"{first.path} and {len(draws[0].targets) - 1} more"
+    return Source(path if first.of == "truth" else f"{path} ({first.of})", draws)
+
+
+def hadamard(order: int) -> np.ndarray | None:
+    """Matrix of -1 and 1 with orthogonal columns, shape (order, order), by Paley's first construction and by
+    doubling; ``None`` where neither makes one.
+
+    Source: Plackett and Burman, Biometrika 33 (1946) 305; Paley, J. Math. Phys. 12 (1933) 311.
+    """
+    if order == 1:
+        return np.ones((1, 1))
+    if order % 4 == 0 and _is_prime(order - 1):
+        return _paley(order - 1)
+    half = hadamard(order // 2) if order % 2 == 0 else None
+    return None if half is None else np.kron([[1.0, 1.0], [1.0, -1.0]], half)
+
+
+def at_least(order: int) -> np.ndarray:
+    """The smallest such matrix of at least an order."""
+    return next(found for size in count(max(order, 1)) if (found := hadamard(size)) is not None)
+
+
+def design(columns: int, more: int, pairs: int, seed: int) -> np.ndarray:
+    """Signs of the first flight of each pair, shape (at least ``pairs``, columns + more); those of the second
+    are opposite.
+
+    The first ``columns`` are orthogonal to each other, as there are at least as many pairs; ``more`` columns
+    are drawn.
+    """
+    generator = np.random.default_rng(seed)
+    matrix = at_least(max(pairs, columns))
+    orthogonal = matrix[:, generator.permutation(len(matrix))[:columns]]
+    return np.hstack([orthogonal, generator.choice([-1.0, 1.0], (len(matrix), more))])
+
+
+def _is_prime(number: int) -> bool:
+    return number > 1 and all(number % divisor for divisor in range(2, int(number**0.5) + 1))
+
+
+def _paley(prime: int) -> np.ndarray:
+    """``prime`` leaves 3 when divided by 4."""
+    numbers = np.arange(prime)
+    character = np.where(np.isin(numbers, numbers[1:] ** 2 % prime), 1.0, -1.0)
+    character[0] = 0.0
+    matrix = np.eye(prime + 1)
+    matrix[0, 1:], matrix[1:, 0] = 1.0, -1.0
+    matrix[1:, 1:] += character[(numbers[:, None] - numbers) % prime]
+    return matrix
+
+
+class EventFigures(NamedTuple):
+    """Figures of an event.
+
+    Attributes:
+        position: the two that span the ellipse, first along and then across, or east and north; none where
+            the place is not told.
+        others: more of the state.
+    """
+
+    position: tuple[str, ...]
+    others: tuple[str, ...]
+
+    @property
+    def all(self) -> tuple[str, ...]:
+        """Every figure."""
+        return self.position + self.others
+
+
+EVENTS = {
+    "entry": EventFigures(
+        (), ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
+    ),
+    "parachute": EventFigures(
+        ("parachute_downrange_m", "parachute_crossrange_m"),
+        (
+            "parachute_altitude_m",
+            "parachute_speed_m_s",
+            "parachute_mach",
+            "parachute_dynamic_pressure_pa",
+            "parachute_s",
+        ),
+    ),
+    "trim_wing": EventFigures((), ("trim_wing_s", "trim_wing_mach")),
+    "backshell": EventFigures((), ("backshell_height_m", "backshell_speed_m_s", "backshell_s")),
+    "touchdown": EventFigures(
+        ("landing_east_m", "landing_north_m"), ("touchdown_s", "touchdown_vertical_m_s", "propellant_used_kg")
+    ),
+}
+
+
+def figures_at(event: str) -> EventFigures:
+    """Figures of an event.
+
+    Raises:
+        ConfigError: there is no such event.
+    """
+    if event not in EVENTS:
+        raise refusal("--at", f"must be {', '.join(EVENTS)} (got {event!r})")
+    return EVENTS[event]
+
+
+def figures_of(
+    plan: Plan,
+    cases: Iterable[Case],
+    event: EventFigures,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> np.ndarray:
+    """Figures of all flights, shape (flights, figures).
+
+    Raises:
+        ConfigError: a flight does not come to the event.
+    """
+    rows = list(fly_rows(plan.loaded, cases, workers=workers, progress=progress))
+    values = np.array([[row.get(name, np.nan) for name in event.all] for row in rows], dtype=float)
+    if (short := ~np.isfinite(values).all(axis=1)).any():
+        outcome = rows[int(np.argmax(short))]["outcome"]
+        raise refusal(
+            plan.name, f"{short.sum()} of {len(rows)} flights do not come to the event; one: {outcome}"
+        )
+    return values
+
+
+def ending_at_deployment(plan: Plan) -> Plan:
+    """The same flights, ended when the parachute is deployed."""
+    document = with_values(plan.loaded.document, {"mission.goal": "deployment"}, Scenario)
+    return replace(plan, loaded=check_document(document))

@@ -1,1 +1,0 @@
-"""Powered landings designed on the ground."""
