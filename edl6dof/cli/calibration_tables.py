@@ -12,7 +12,7 @@ from rich.table import Table
 from edl6dof.calibration.findings import Findings, remarks
 from edl6dof.calibration.fit import Fit
 from edl6dof.manifest import listed
-from edl6dof.report.document import significant
+from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table, print_whole
 
 #: Letters of a line of a figure's name beside many columns.

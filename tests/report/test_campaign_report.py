@@ -11,9 +11,10 @@ import pytest
 
 from edl6dof.report.campaign import drivers, footprint, margins
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Table, Text, aligned
+from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Figure
 from edl6dof.report.flight import trajectory
+from edl6dof.report.numbers import aligned
 
 LIMITS = [("parachute_mach", "Mach at mortar fire", 2.1, "")]
 

@@ -11,22 +11,10 @@ from typing import Any
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.catalogue import STACKS
-from edl6dof.report.document import (
-    Block,
-    Cell,
-    Fact,
-    Listing,
-    Mood,
-    Report,
-    Row,
-    Section,
-    Table,
-    Text,
-    in_percent,
-    printed,
-)
+from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Report, Row, Section, Table, Text
 from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.common import has_signal, over_flight
+from edl6dof.report.numbers import in_percent, printed
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
