@@ -13,8 +13,8 @@ from rich.table import Table
 from edl6dof.campaign.statistics import SHARES, flights_needed, quantile
 from edl6dof.campaign.store import Store
 from edl6dof.metrics.figures import LIMITS
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
-from edl6dof.report.campaign.results import Results
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from edl6dof.api.results import channels_figure
 from edl6dof.config.errors import refusal
-from edl6dof.report.channels import chosen
+from edl6dof.report.catalogue import chosen
 from edl6dof.report.document import Report, Section
 from edl6dof.report.figure import Figure
-from edl6dof.report.flight.words import headline, mood
+from edl6dof.report.flight.flight_report import headline, mood
 from edl6dof.report.page import page
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
