@@ -17,7 +17,7 @@ import numpy as np
 from edl6dof.api.arguments import library
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import Check
-from edl6dof.report.channels import Columns, channel_plot, chosen
+from edl6dof.report.catalogue import Columns, channel_plot, chosen
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair
 
 if TYPE_CHECKING:

@@ -22,12 +22,11 @@ from edl6dof.campaign.run import resumed_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import did_you_mean
-from edl6dof.replay import film, server, viewer
-from edl6dof.replay import page as offline
+from edl6dof.replay import browser, film, viewer
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recording import history, recorded_span, write_replay
-from edl6dof.replay.scene.ensemble import Ensemble, Trajectory
-from edl6dof.replay.views.layout import TITLES
+from edl6dof.replay.scene.tracks import Ensemble, Trajectory
+from edl6dof.replay.views.pages import TITLES
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
@@ -122,9 +121,9 @@ def show_replay(
                 film.film(recording, partial, cut, progress)
         if html is not None:
             with atomic_file(html, force, runs[0]) as partial:
-                partial.write_bytes(offline.page(recording, title))
+                partial.write_bytes(browser.page(recording, title))
         if not targets and web:
-            server.serve(offline.page(recording, title))
+            browser.serve(browser.page(recording, title))
         elif not targets:
             viewer.show(recording)
     return targets

@@ -25,8 +25,8 @@ from edl6dof.cli.fault_tables import show_matrix
 from edl6dof.cli.progress import count_runs
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.metrics.figures import LIMITS
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
-from edl6dof.report.campaign.results import Results
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
 

@@ -312,7 +312,7 @@ def covariance(
             if out.suffix == ".csv":
                 write_budget(found, partial)
             else:
-                from edl6dof.report.campaign.covariance import ellipse_figure
+                from edl6dof.report.campaign.footprint import ellipse_figure
                 from edl6dof.report.matplotlib_figure import write_figure
 
                 write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)

@@ -29,8 +29,9 @@ from edl6dof.design.rigid_landing import (
     tilt_of,
 )
 from edl6dof.design.successive import Converged, land
-from edl6dof.report.figure import GREY, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
+from edl6dof.report.palette import GREY
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file
 from edl6dof.scenario.loaded import LoadedScenario

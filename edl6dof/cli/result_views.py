@@ -17,11 +17,11 @@ from edl6dof.campaign.compare import Comparison, Difference, compare
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.channels import chosen
-from edl6dof.report.document import Cell, Report, Section, Table, Text
+from edl6dof.report.catalogue import chosen
+from edl6dof.report.document import Report, Section, Table, Text, as_cell
 from edl6dof.report.figure import Figure
+from edl6dof.report.flight.flight_report import headline, mood
 from edl6dof.report.flight.overlay import comparison_report
-from edl6dof.report.flight.words import headline, mood
 from edl6dof.report.page import page
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
@@ -108,7 +108,7 @@ def compare_flights(first: Path, second: Path, out: Path | None, force: bool) ->
             if isinstance(block, Text):
                 console.print(block.words, markup=False)
             elif isinstance(block, Table):
-                rows = [[cell.text if isinstance(cell, Cell) else cell for cell in row] for row in block.rows]
+                rows = [[as_cell(item).text for item in row] for row in block.rows]
                 if section.key == "differences":
                     _show_differences(console, section.title, block.columns[1:], rows)
                     continue

@@ -59,7 +59,7 @@ def replay(
     if runs[0].is_dir():  # the plugins of a campaign, before anything that they must join
         functions.activate(runs[0])
     from edl6dof.replay.film import NoFilm
-    from edl6dof.replay.program import ViewerFailed
+    from edl6dof.replay.viewer import ViewerFailed
 
     with refusing_damage(*runs):
         try:

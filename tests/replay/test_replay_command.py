@@ -16,8 +16,8 @@ from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.replay import viewer
-from edl6dof.replay.program import NoViewer
 from edl6dof.replay.recording import history, write_replay
+from edl6dof.replay.viewer import NoViewer
 from edl6dof.runs.run_files import write_run
 
 

@@ -22,7 +22,7 @@ from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.metrics.touchdown_terrain import footing_figures
 from edl6dof.report.document import Cell
-from edl6dof.report.flight.words import limits_and_published, mood
+from edl6dof.report.flight.flight_report import limits_and_published, mood
 from edl6dof.report.terminal import LIMIT_STATUS, comparison, headline, published_table, show_flight
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.run import Run

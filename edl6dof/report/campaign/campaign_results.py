@@ -1,4 +1,4 @@
-"""A campaign's folder read back: columns as numbers, the limits, and how many succeeded."""
+"""The rows of a campaign, read from its folder: columns as numbers, limits, and the share of successes."""
 
 from __future__ import annotations
 
@@ -23,28 +23,26 @@ class Results:
     """The rows of a campaign, finished or not."""
 
     def __init__(self, folder: Path, columns: Sequence[str] | None = None):
-        """``columns``: those that are wanted, besides success; all if not given."""
+        """Read a folder; ``columns``: names to read besides success, all if not given."""
         self.folder = folder
         self.store = Store(folder)
         self._every = self.store.table(None if columns is None else ["case", "success", MATRIX, *columns])
 
     @cached_property
     def table(self) -> pa.Table:
-        """The rows of flights that are independent of each other: of a design of Sobol indices those of the
-        matrices A and B, else all.
-        """
+        """The rows of independent flights: matrices A and B of a design of Sobol indices, else all rows."""
         if not self.has_design:
             return self._every
         return self._every.filter(pc.is_in(self._every[MATRIX], pa.array([A, B])))
 
     @property
     def has_design(self) -> bool:
-        """Whether it flew the design of Sobol indices."""
+        """True if it flew the design of Sobol indices."""
         return MATRIX in self._every.column_names
 
     def swapped(self, name: str) -> dict[str, np.ndarray]:
-        """A figure of the flights of each matrix of the design, and of A with each group of inputs from B,
-        shape (rows,), NaN where a flight has none.
+        """Return a figure for the flights of each matrix of the design, and of A with each group of inputs
+        from B, shape (rows,), NaN where a flight has none.
         """
         matrices = self._every[MATRIX].to_pylist()
         found = {matrix: np.full(self._rows, np.nan) for matrix in dict.fromkeys(matrices)}
@@ -59,7 +57,7 @@ class Results:
 
     @cached_property
     def document(self) -> dict[str, Any]:
-        """The plan as plain data: scenario, campaign and sweep sections with every default."""
+        """The plan as plain data, with every default."""
         return parse_document(self.store.plan_text, str(self.folder / "campaign.yaml")).data
 
     @property
@@ -69,13 +67,13 @@ class Results:
 
     @property
     def has_faults(self) -> bool:
-        """Whether the cases are the cells of a fault matrix."""
+        """True if the cases are the cells of a fault matrix."""
         return self.document.get("fault_matrix") is not None
 
     @property
     def is_sample(self) -> bool:
-        """Whether the flights are drawn at random from what may happen, and not the points of a grid or the
-        cells of a fault matrix: only of a sample have quantiles bounds.
+        """True if the flights are drawn at random, and are neither the points of a grid nor the cells of a
+        fault matrix: only quantiles of a sample have bounds.
         """
         return not (self.has_faults or self.document.get("sweep"))
 
@@ -100,7 +98,7 @@ class Results:
         return Counter(cause for cause in self.table["cause"].to_pylist() if cause).most_common()
 
     def has(self, name: str) -> bool:
-        """Whether a numeric column exists."""
+        """True if a numeric column exists."""
         return name in self.table.column_names and is_number(self.table.schema.field(name).type)
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -115,9 +113,7 @@ class Results:
 
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
-        """Values of dispersed quantities, shape (n, quantities), those together that the plan draws together:
-        by one path with a wildcard, or as correlated.
-        """
+        """Dispersed quantities, shape (n, quantities), those together that the plan draws together."""
         found: dict[str, list[np.ndarray]] = {}
         campaign = self.document.get("campaign") or {}
         for name in self._dispersed:
@@ -136,10 +132,10 @@ class Results:
 
 
 def numbers(column: pa.ChunkedArray) -> np.ndarray:
-    """A numeric column, NaN where it has no value."""
+    """Return a numeric column, NaN where it has no value."""
     return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=float)
 
 
 def is_number(kind: pa.DataType) -> bool:
-    """Whether an Arrow type holds numbers."""
+    """True if an Arrow type holds numbers."""
     return pa.types.is_floating(kind) or pa.types.is_integer(kind)

@@ -1,5 +1,5 @@
-"""Where words stand: those at points where no other words and least of the curves are, those of lines that
-are too near each other as one.
+"""Placement of labels: at points where they cover no other label and least of the curves; labels of lines
+that are too near each other are joined.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ OVER_WORDS, OUTSIDE = 1e4, 1e3
 
 
 def spelt(marks: Sequence[Mark], axis: Literal["x", "y"], span: Span) -> list[Mark]:
-    """The lines across one axis; of those that are nearer than words are high the first has the words."""
+    """Return the lines across one axis; those nearer than a line of text share the label of the first."""
     near = LINE / (NARROW if axis == "x" else 150.0) * abs(span[1] - span[0])
     found: list[Mark] = []
     for mark in sorted((mark for mark in marks if mark.axis == axis), key=lambda mark: mark.at):
@@ -41,7 +41,7 @@ def spelt(marks: Sequence[Mark], axis: Literal["x", "y"], span: Span) -> list[Ma
 
 
 def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -> dict[int, list[Side]]:
-    """The side of each point's words, by the place of its trace among those of the panel.
+    """Return the side of each point's label, by the index of its trace.
 
     ``width`` and ``height`` of the panel in px; a narrow window makes it narrower.
     """
@@ -73,7 +73,7 @@ def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -
 
 
 def _filled(way: np.ndarray) -> np.ndarray:
-    """Points along a curve, shape (n, 2), px, near enough to each other for words to be hit by some."""
+    """Points along a curve, shape (n, 2), px, dense enough for some to hit a label."""
     way = way[np.isfinite(way).all(axis=1)]
     if len(way) < 2:
         return way
@@ -83,7 +83,7 @@ def _filled(way: np.ndarray) -> np.ndarray:
 
 
 def _box(place: np.ndarray, words: str, side: Side) -> Box:
-    """Where words would stand."""
+    """The box of a label."""
     x, y = place
     width = LETTER * len(words)
     level, way = side.split()[0], side.split()[-1]

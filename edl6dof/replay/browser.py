@@ -1,23 +1,34 @@
-"""The replay in the browser: one page, served to this machine by this process for as long as it runs, and to
-nobody else.
+"""The replay in a browser: one HTML file that holds a recording and the viewer and plays offline from
+``file://``, and a server of that page for this machine.
 
-Only requests that name this machine as their host are answered: a web site that has its own name resolve to
+The viewer's program (wasm) comes from the installed rerun, so that it always fits the recording.  rerun does
+not promise to keep its interface; the version is pinned, and a test opens the page in a browser.
+
+The server only answers requests that name this machine as their host: a web site whose own name resolves to
 127.0.0.1 (DNS rebinding) gets nothing, and no other site may read or frame the page.
 """
 
 from __future__ import annotations
 
+import base64
+import gzip
 import os
 import socketserver
 import subprocess
 import sys
+import urllib.request
 from contextlib import suppress
+from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
+from pathlib import Path
 from typing import Any
 
+from jinja2 import StrictUndefined, Template
+from markupsafe import Markup
+
 from edl6dof.child import python
-from edl6dof.replay.program import HOST
+from edl6dof.replay.viewer import HOST, free_port, running
 
 _HEADERS = {
     "Content-Type": "text/html; charset=utf-8",
@@ -26,6 +37,49 @@ _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
 }
+
+
+def page(recording: Path, title: str) -> bytes:
+    """Return the HTML file of a recording.
+
+    Raises:
+        ViewerFailed: the viewer's program cannot be had from the installed rerun.
+    """
+    script, wasm = _program()
+    template = Template(
+        Path(__file__).with_suffix(".html").read_text(encoding="utf-8"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+    )
+    return template.render(
+        title=title,
+        program=Markup(script.replace("</script", "<\\/script")),
+        wasm=wasm,
+        recording=_packed(recording.read_bytes()),
+    ).encode("utf-8")
+
+
+@cache
+def _program() -> tuple[str, str]:
+    """The viewer for browsers (script, packed wasm), from rerun's own server on this machine."""
+    port, data = free_port(), free_port()
+    with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
+        program.wait_for(port)
+        script, wasm = (
+            _fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
+        )
+    return script.decode("utf-8"), _packed(wasm)
+
+
+def _fetch(url: str) -> bytes:
+    with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=30.0) as answer:
+        return bytes(answer.read())
+
+
+def _packed(content: bytes) -> str:
+    """Compress and encode as text; level 6 would take two thirds longer for 1 % less."""
+    return base64.b64encode(gzip.compress(content, 5, mtime=0)).decode("ascii")
 
 
 class PageServer(socketserver.ThreadingTCPServer):
@@ -39,7 +93,7 @@ class PageServer(socketserver.ThreadingTCPServer):
         self.url = f"http://{HOST}:{self.server_address[1]}/"
 
     def knows_host(self, hosts: list[str]) -> bool:
-        """Whether a request names this machine and port, once."""
+        """Return True if a request names this machine and port, once."""
         port = self.server_address[1]
         return len(hosts) == 1 and hosts[0].lower() in (
             f"{HOST}:{port}",
@@ -48,7 +102,7 @@ class PageServer(socketserver.ThreadingTCPServer):
         )
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A browser that hangs up is no error."""
+        """Ignore a browser that hangs up."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
@@ -60,12 +114,12 @@ class _Request(BaseHTTPRequestHandler):
     timeout = 30.0
 
     def do_GET(self) -> None:
-        """The page."""
+        """Send the page."""
         if self._answer():
             self.wfile.write(self.server.page)
 
     def do_HEAD(self) -> None:
-        """Its headers."""
+        """Send the headers."""
         self._answer()
 
     def _answer(self) -> bool:
@@ -87,7 +141,7 @@ class _Request(BaseHTTPRequestHandler):
 
 
 def serve(page: bytes) -> None:
-    """Serve the page, tell where, open a browser if there is one, and go on until interrupted (Ctrl-C)."""
+    """Serve the page, print its address, open a browser if there is one, and run until Ctrl-C."""
     with PageServer(page) as server:
         print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
         if _has_display():
@@ -104,5 +158,5 @@ def _open(url: str) -> None:
 
 
 def _has_display() -> bool:
-    """Whether a browser can open a window; without one, Python would start a browser for terminals."""
+    """True if a browser can open a window; otherwise Python would start one for terminals."""
     return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

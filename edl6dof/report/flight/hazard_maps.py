@@ -1,5 +1,5 @@
-"""What the lander saw of the ground and why it went where it went: the map of hazards with the spot that was
-chosen and those that were passed over, and before it the choice on the landing image.
+"""Hazard avoidance: the map from hover with the chosen and the rejected spots, and the choice on the landing
+image before it.
 """
 
 from __future__ import annotations
@@ -9,31 +9,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SEQUENTIAL,
-    VERMILION,
-    Axis,
-    Figure,
-    Heat,
-    Panel,
-    Trace,
-)
-from edl6dof.report.flight.parts import flown, legend_entry
-from edl6dof.report.panels import CELLS
+from edl6dof.report.catalogue import CELLS
+from edl6dof.report.figure import Figure, Heat, Trace, legend_entry
+from edl6dof.report.flight.common import circle, flown, site_panel
+from edl6dof.report.palette import BLACK, BLUE, GREY, ORANGE, PURPLE, SEQUENTIAL, VERMILION
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Cells that a page needs side by side; more would weigh it down and nobody sees them.
 MOST_CELLS = 128
+_WAYS = ("east", "north")
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section; none of a flight that chose no spot from a scan."""
+    """Draw the figures of the section; none for a flight that chose no spot from a scan."""
     found = run.landing_map
     if found is None:
         return
@@ -54,18 +43,16 @@ def _fine(run: Run, found: LandingMap) -> Figure:
     low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
-    axes, way = (_axis("east", (e[0], e[-1])), _axis("north", (n[0], n[-1]))), list(_way(run, found))
-    marked = [*entries, *_passed_over(found), *way]
-    classes = Panel(*axes, marked, heat=kinds, equal=True, title="what it made of them")
-    title = "what it saw: height above the ground below"
-    seen = Panel(*axes, way, heat=heights, equal=True, title=title)
+    way = list(_way(run, found))
+    classes = site_panel([*entries, *_passed_over(found), *way], title="what it made of them", heat=kinds)
+    seen = site_panel(way, title="what it saw: height above the ground below", heat=heights)
     return Figure(
         "hazard_map", "Map of hazards from hover", [classes, seen], _words(run, found), 2, height=480
     )
 
 
 def _words(run: Run, found: LandingMap) -> str:
-    """What the map says, and why the spot is where it is, in a few sentences."""
+    """A caption that explains the map and the choice."""
     safe = 100.0 * np.mean(found.cell_class == CELL_CLASSES.index("safe"))
     away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
     reasons = Counter(found.reasons())
@@ -87,7 +74,7 @@ def _words(run: Run, found: LandingMap) -> str:
 
 
 def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
-    """Why it is not the nearest safe spot, where another is nearer (m) but less clear (m) of unsafe ones."""
+    """A sentence if another safe spot was nearer (m) but had less clearance (m)."""
     east, north = middles(found)
     distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
     distance[found.cell_class != CELL_CLASSES.index("safe")] = np.inf
@@ -103,22 +90,21 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 
 
 def _coarse(run: Run, found: LandingMap) -> Figure:
-    """The targets that the parts of the landing image offered, and what else comes down there."""
+    """The targets that the parts of the landing image offered, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
     offered = Trace(*_xy(found.coarse_m), "parts of the image", "points", GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[int(found.coarse_part)]
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
     drift = Trace(*_xy(found.drift_m), "backshell, as predicted", colour=PURPLE, dash="dot")
     # all as navigated: off the ground by the error of navigation
-    off_e, off_n = run["nav.error_east_m"], run["nav.error_north_m"]
-    east, north = run["truth.backshell_east_m"] + off_e, run["truth.backshell_north_m"] + off_n
+    off = run["nav.error_east_m"], run["nav.error_north_m"]
+    east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
     there = np.isfinite(east)
     shell = Trace(east[there], north[there], "backshell", colour=PURPLE, dash="dash")
     last = run.between("backshell")
-    lander = flown(
-        (run["truth.site_east_m"] + off_e)[last], (run["truth.site_north_m"] + off_n)[last], "lander"
-    )
-    panel = Panel(_axis("east"), _axis("north"), [offered, taken, drift, shell, lander], equal=True)
+    way_e, way_n = (values[last] for values in _navigated(run))
+    lander = flown(way_e, way_n, "lander")
+    panel = site_panel([offered, taken, drift, shell, lander])
     caption = (
         "From the landing image the part with the fewest obstacles is taken whose middle keeps clear of the "
         "predicted way of backshell and canopy."
@@ -127,17 +113,14 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
 
 
 def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
-    """Hover, the way from there to the ground, the footprint around the chosen spot, and the touchdown."""
+    """Hover, the path from there to the ground, the footprint around the chosen spot, and the touchdown."""
     radius = float(run.scenario["flight_software"]["hazard"]["footprint_radius_m"])
-    turn = np.linspace(0.0, 2.0 * np.pi, 73)
-    spot_e, spot_n = (float(value) for value in found.spot_m)
     last = run.between("spot", "touchdown")
-    east = run["truth.site_east_m"] + run["nav.error_east_m"]
-    north = run["truth.site_north_m"] + run["nav.error_north_m"]
+    east, north = _navigated(run)
     yield flown(east[last], north[last], "way, as navigated")
     hover = np.asarray(found.hover_m)
     yield Trace(hover[:1], hover[1:2], "hover", "points", BLACK, symbol="cross", width=3.0)
-    ring = spot_e + radius * np.cos(turn), spot_n + radius * np.sin(turn)
+    ring = circle([float(value) for value in found.spot_m], radius, 73)
     yield Trace(*ring, "chosen footprint", colour=BLACK, width=2.2)
     if "touchdown" in run.when:
         row = [int(np.searchsorted(run.t, run.when["touchdown"]).clip(0, len(run.t) - 1))]
@@ -145,7 +128,7 @@ def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
 
 
 def _passed_over(found: LandingMap) -> Iterator[Trace]:
-    """The spots that the search passed over."""
+    """The spots that the search rejected."""
     if len(found.rejected_m):
         yield Trace(*_xy(found.rejected_m), "passed over", "points", ORANGE, symbol="x", width=3.0)
 
@@ -161,5 +144,6 @@ def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:
     return float(found.corner_m[0]) + step, float(found.corner_m[1]) + step
 
 
-def _axis(way: str, span: tuple[float, float] | None = None) -> Axis:
-    return Axis(f"{way} of the landing site (m)", span)
+def _navigated(run: Run) -> list[np.ndarray]:
+    """East and north (m) of the vehicle by its own navigation."""
+    return [run[f"truth.site_{way}_m"] + run[f"nav.error_{way}_m"] for way in _WAYS]

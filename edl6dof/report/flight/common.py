@@ -1,4 +1,6 @@
-"""Pieces that many figures share: plots of the catalogue, phases behind them and events across them."""
+"""Shared pieces of figures: plots of the catalogue over time, phases and events, maps about the
+landing site.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,10 @@ from textwrap import fill
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, BLUE, GREY, PHASES, SERIES, Axis, Band, Figure, Mark, Panel, Trace
-from edl6dof.report.panels import Plot, Stack
-from edl6dof.report.panels import has_signal as _has_signal
+from edl6dof.report import catalogue
+from edl6dof.report.catalogue import Plot, Stack
+from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
+from edl6dof.report.palette import BLACK, BLUE, GREY, PHASES, SERIES
 from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"
@@ -24,7 +27,7 @@ FAR = 30.0
 #: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
 BULK, PEAK = 0.999, 3.0
 
-#: Events worth a line across a plot, and the word beside it.
+#: Events worth a line across a plot, and its label.
 EVENTS: dict[str, str] = {
     "fault": "fault",
     "diagnosis": "diagnosed",
@@ -39,7 +42,7 @@ EVENTS: dict[str, str] = {
 
 
 def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
-    """Figures of some stacks, of those that the flight has something for."""
+    """Draw those of some stacks for which the flight has data."""
     for stack in stacks:
         if not stack.needs or any(need in run.when or has_signal(run, need) for need in stack.needs):
             figure = figure_of(run, stack)
@@ -48,7 +51,7 @@ def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
 
 
 def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
-    """The figure of a stack at some rows; ``words`` go into the caption."""
+    """Draw a stack at some rows; ``words`` go into the caption."""
     panels: list[Panel] = []
     same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
     for plot in stack.plots:
@@ -74,7 +77,7 @@ def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **
 
 
 def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
-    """A plot at some rows (bool), with the events of that time; ``None`` where it would show nothing."""
+    """Draw a plot at some rows (bool), with the events of that time; ``None`` if it has no data."""
     found = plot.shown({channel: run[channel][rows] for channel in plot.channels if channel in run})
     if found is None:
         return None
@@ -86,7 +89,14 @@ def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
     span = _clipped(values) if plot.clip else None
     if found.sigma:
         traces, span = [*traces[1:], traces[0]], _with_bounds(*values)
-    return Panel(Axis(TIME), Axis(found.label, span), traces, marks=event_marks(run, t))
+    return time_panel(run, t, Axis(found.label, span), traces)
+
+
+def time_panel(
+    run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
+) -> Panel:
+    """Return a panel over times ``t`` (s), with the events among them."""
+    return Panel(Axis(TIME), y, traces, marks=[*event_marks(run, t), *marks], weight=weight)
 
 
 def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:
@@ -97,7 +107,7 @@ def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[f
 
 
 def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
-    """First and last value of an axis that a single peak would leave nothing else on; else ``None``."""
+    """Range of an axis that a single peak would leave empty; ``None`` if there is no such peak."""
     sizes = [np.abs(one) for one in values]
     bulk = max(float(np.nanquantile(one, BULK)) for one in sizes)
     if max(float(np.nanmax(one)) for one in sizes) <= PEAK * bulk:
@@ -106,9 +116,7 @@ def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
 
 
 def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", height: int = 190) -> Figure:
-    """Panels over time, one above the other; events are named in the first, and panels without a curve are
-    left out.
-    """
+    """Stack panels over time; the first one names the events, and panels without a curve are left out."""
     drawn = [
         replace(panel, y=replace(panel.y, title=fill(panel.y.title, LETTERS)))
         for panel in panels
@@ -122,19 +130,19 @@ def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", he
 
 
 def event_marks(run: Run, t: np.ndarray) -> list[Mark]:
-    """Lines at the events inside the times ``t``."""
+    """Return lines at the events inside the times ``t``."""
     inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
     return [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
 
 
 def phase_keys(run: Run) -> dict[str, str]:
-    """Event keys of the phases that were flown, in their order, and the colours of these."""
+    """Return the event keys of the phases flown, in order, and their colours."""
     flown = [f"phase.{name}" for name in run.phase_names if f"phase.{name}" in run.when]
     return {key: PHASES[i % len(PHASES)] for i, key in enumerate(flown)}
 
 
 def phase_bands(run: Run) -> list[Band]:
-    """The mission phases as bands over time."""
+    """Return the mission phases as bands over time."""
     keys = phase_keys(run)
     starts = [*(run.when[key] for key in keys), float(run.t[-1])]
     return [
@@ -144,25 +152,41 @@ def phase_bands(run: Run) -> list[Band]:
 
 
 def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
-    """The way of the vehicle in a plane."""
+    """Return the path of the vehicle in a plane."""
     return Trace(x, y, name, colour=BLUE, width=2.2)
 
 
-def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
-    """An entry of the legend for what is no trace."""
-    nowhere = np.array([np.nan])
-    return Trace(nowhere, nowhere, name, "points", colour, symbol="square", width=width, border=border)
+def site_panel(
+    traces: Sequence[Trace],
+    unit: str = "m",
+    title: str = "",
+    equal: bool = True,
+    heat: Heat | None = None,
+) -> Panel:
+    """Return a map about the landing site, with the size of the cells if there are any."""
+    spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
+    east, north = (
+        Axis(f"{way} of the landing site ({unit})", span)
+        for way, span in zip(("east", "north"), spans, strict=True)
+    )
+    return Panel(east, north, traces, heat=heat, equal=equal, title=title)
+
+
+def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return two coordinates of points around a circle, the first of them again at the end."""
+    turn = np.linspace(0.0, 2.0 * np.pi, points)
+    return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
 
 
 def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:
-    """Whether the run has the channel and it is anything but zero and gaps."""
-    return channel in run and _has_signal(run[channel][rows])
+    """Return True if the run has the channel and it is not only zero and gaps."""
+    return channel in run and catalogue.has_signal(run[channel][rows])
 
 
 def placed(
     run: Run, x: str, y: str, events: Mapping[str, str] = EVENTS, scale: tuple[float, float] = (1.0, 1.0)
 ) -> Trace:
-    """The events as labelled points in the plane of two channels."""
+    """Return the events as labelled points in the plane of two channels."""
     keys = [key for key in events if key in run.when]
     xs, ys = (
         np.array([factor * run.at(channel, run.when[key]) for key in keys])

@@ -1,18 +1,22 @@
 """The catalogue of plots over time: each declared once, for reports, comparisons, papers and replays.
 
 Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`); which of them a
-page of a replay shows stands in :mod:`edl6dof.replay.views.layout`.
+page of a replay shows stands in :mod:`edl6dof.replay.views.pages`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from edl6dof.report.figure import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN, Dash
+from edl6dof.config.errors import refusal
+from edl6dof.config.wording import nearest
+from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.numbers import printed
+from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
 from edl6dof.telemetry.columns import describe
 from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 
@@ -74,7 +78,7 @@ class Plot(NamedTuple):
 
     @property
     def lines(self) -> list[tuple[str, str, Dash]]:
-        """Name, colour and dash of what :meth:`values` gives."""
+        """Name, colour and dash of each array that :meth:`values` returns."""
         found: list[tuple[str, str, Dash]] = [
             ("error" if self.sigma else name, colour, "dash" if name in _DASHED else "solid")
             for name, colour in zip(self.curves.values(), SERIES, strict=False)
@@ -83,14 +87,14 @@ class Plot(NamedTuple):
         return [*found, (claimed, GREY, "dash"), (claimed, GREY, "dash")] if self.sigma else found
 
     def values(self, columns: Mapping[str, np.ndarray], rows: np.ndarray | slice) -> list[np.ndarray]:
-        """Curves at some rows in the unit of the plot, then the upper and the lower bound if there is one."""
+        """Return the curves at some rows in the unit of the plot, then the upper and the lower bound."""
         factor = 1e-3 if self.kilo else 1.0
         found = [factor * columns[channel][rows] for channel in self.curves]
         bounds = [sign * BOUND * factor for sign in (1.0, -1.0)] if self.sigma else []
         return found + [bound * columns[self.sigma][rows] for bound in bounds]
 
     def apart(self, since: str = "") -> tuple[Plot, ...]:
-        """A plot for each curve; ``since``: event from which on, if not that of all."""
+        """Return one plot for each curve; ``since``: event at which it begins, if not that of all."""
         return tuple(
             self._replace(
                 key=f"{self.key}_{name}",
@@ -102,8 +106,8 @@ class Plot(NamedTuple):
         )
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
-        """The plot of what a flight has: without commands and estimates that are never given; ``None`` where
-        all is zero or absent.
+        """Return the plot reduced to the channels that a flight has, without commands and estimates that are
+        never given; ``None`` if all of them are zero or absent.
         """
         there = {channel: name for channel, name in self.curves.items() if channel in columns}
         heard = {channel for channel in there if has_signal(columns[channel])}
@@ -112,18 +116,18 @@ class Plot(NamedTuple):
 
 
 def has_signal(values: np.ndarray) -> bool:
-    """Whether values are anything but zero and gaps."""
+    """Return True if any value is neither zero nor a gap."""
     return bool(np.any(np.nan_to_num(values) != 0.0))
 
 
 def _axes(channel: str, names: str, letters: str = "") -> dict[str, str]:
-    """Three channels by their axes, ``{}`` in the name of the channel, and the names of these."""
+    """Three channels by axis, ``{}`` in their name, and the names of the axes."""
     pairs = zip((letters or names).split(), names.split(), strict=True)
     return {channel.format(letter): name for letter, name in pairs}
 
 
 def _each_axis(key: str, title: str, curves: Mapping[str, str], clip: bool = False) -> tuple[Plot, ...]:
-    """A plot for each body axis, ``{}`` in the key and in the names of the channels."""
+    """A plot for each body axis, ``{}`` in the key and in the channels."""
     return tuple(
         Plot(key.format(axis), f"{title}, {name}", {c.format(axis): curve for c, curve in curves.items()},
              until="touchdown", clip=clip)
@@ -278,3 +282,55 @@ STACKS: dict[str, tuple[Stack, ...]] = {
     ),
 }
 # fmt: on
+
+
+class Columns(Protocol):
+    """Columns by name, each shape (rows,), in the unit of its name's suffix."""
+
+    def __iter__(self) -> Iterator[str]: ...
+    def __getitem__(self, name: str, /) -> np.ndarray: ...
+    def unit(self, name: str) -> str:
+        """Printed unit of a column."""
+
+    def meaning(self, name: str) -> str:
+        """Meaning of a column."""
+
+
+def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:
+    """Return the names of the columns that match, in the order of the patterns, or that the plot with this
+    key shows; ``place``: their owner, for messages.
+
+    Raises:
+        ConfigError: a pattern matches nothing.
+    """
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        plotted = CATALOGUE[pattern].channels if pattern in CATALOGUE else ()
+        names = [name for name in columns if name in plotted or fnmatchcase(name, pattern)]
+        if not names:
+            begun = [name for name in columns if name.startswith(pattern)]
+            near = f"{pattern}*" if len(begun) > 1 else nearest(pattern, begun or list(columns))
+            hint = f"; did you mean {near!r}?" if near else ""
+            raise refusal(place, f"no channel {pattern!r}{hint} (edl6dof plot RUN lists all)")
+        found.update(dict.fromkeys(names))
+    return list(found)
+
+
+def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray) -> Figure:
+    """Draw one panel for each unit; ``rows``: those to show, shape (rows,), bool."""
+    by_unit: dict[str, list[str]] = {}
+    for name in channels:
+        by_unit.setdefault(columns.unit(name), []).append(name)
+    across = Axis(f"{columns.meaning(x)} ({columns.unit(x) or '1'})")
+    panels = []
+    for unit, names in by_unit.items():
+        title = columns.meaning(names[0]) if len(names) == 1 else "value"
+        traces = [Trace(columns[x][rows], columns[name][rows], name) for name in names]
+        panels.append(Panel(across, Axis(f"{title} ({unit or '1'})"), traces))
+    return Figure(
+        "plot",
+        ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels",
+        panels,
+        share_x=True,
+        height=320,
+    )

@@ -1,4 +1,4 @@
-"""Navigation: the error of the estimate beside the bounds that the flight software claims for it.
+"""Navigation: the error of the estimate and the bounds that the flight software claims for it.
 
 Errors are hundreds of metres at entry and decimetres at touchdown: each stretch of the flight has a figure of
 its own scale.
@@ -11,10 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from edl6dof.report.document import Row, Table
-from edl6dof.report.figure import BAD, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.flight.parts import TIME, event_marks, figure_of, has_signal, over_flight, stacked
-from edl6dof.report.panels import (
+from edl6dof.report.catalogue import (
     BOUND,
     NAV_ATTITUDE,
     NAV_INNOVATION,
@@ -24,6 +21,10 @@ from edl6dof.report.panels import (
     NAV_VELOCITY,
     STATES,
 )
+from edl6dof.report.document import Row, Table
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
+from edl6dof.report.palette import BAD
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instrument_states import Instrument, instruments
 from edl6dof.telemetry.thinning import spans
@@ -42,7 +43,7 @@ TITLES = {"gyro": "gyros", "accelerometer": "accelerometers", "beam": "radar bea
 
 
 def figures(run: Run) -> Iterator[Figure | Table]:
-    """Figures of the section; none where navigation takes the word of ideal instruments."""
+    """Draw the figures of the section; none with ideal navigation."""
     if not has_signal(run, "nav.sigma_down_m"):
         return
     seen = echoes(run)
@@ -59,7 +60,7 @@ def figures(run: Run) -> Iterator[Figure | Table]:
 
 
 def innovations(run: Run, seen: np.ndarray) -> Figure:
-    """How far the beam that was farthest off was from what the filter expected, while there are echoes."""
+    """Draw the largest innovation of a beam, while there are echoes."""
     navigation = run.scenario["flight_software"]["navigation"]
     gate = navigation.get(str(navigation["filter"]), {}).get("gate")
     limit = [] if gate is None else [Mark("y", float(gate), "gate", BAD)]
@@ -68,7 +69,7 @@ def innovations(run: Run, seen: np.ndarray) -> Figure:
 
 
 def instrument_lanes(run: Run) -> Iterator[Figure]:
-    """A lane for each gyro, accelerometer and radar beam, in the colour of what was made of it."""
+    """Draw a lane for each gyro, accelerometer and radar beam, coloured by its use."""
     found = instruments(run, names(run))
     if found:
         kinds = dict.fromkeys(one.kind for one in found)
@@ -81,36 +82,34 @@ def instrument_lanes(run: Run) -> Iterator[Figure]:
 
 
 def echoes(run: Run) -> np.ndarray:
-    """Rows in which a beam of the radar has an echo, shape (rows,), bool."""
+    """Return the rows in which a beam of the radar has an echo, shape (rows,), bool."""
     ranges = [run[name] for name in run if name.startswith("range.")]
     return np.any(ranges, axis=0) if ranges else np.zeros(len(run.t), bool)
 
 
 def at_moments(run: Run) -> Table:
-    """Error and bound of everything that is estimated, at the moments that count."""
+    """Tabulate error and bound of every estimate at the main events."""
     reached = [key for key in MOMENTS if key in run.when]
     rows: list[Row] = []
     for name, unit, form, stem, suffix in ESTIMATED:
         for axis in AXES:
             channels = f"nav.error{stem}_{axis}{suffix}", f"nav.sigma{stem}_{axis}{suffix}"
-            rows.append([f"{name} {axis}", unit, *(_beside(run, *channels, key, form) for key in reached)])
+            rows.append([f"{name} {axis}", unit, *(_bounded(run, *channels, key, form) for key in reached)])
     height = "nav.error_height_m", "nav.sigma_height_m"
-    rows.append(["height above the ground", "m", *(_beside(run, *height, key, ",.2f") for key in reached)])
+    rows.append(["height above the ground", "m", *(_bounded(run, *height, key, ",.2f") for key in reached)])
     caption = f"Estimated less true, and the {BOUND:.0f} σ that the flight software claims"
     return Table(["error", "unit", *(f"{MOMENTS[key]}>" for key in reached)], rows, caption)
 
 
-def _beside(run: Run, error: str, sigma: str, key: str, form: str) -> str:
+def _bounded(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     t = run.when[key]
-    if (
-        key == "touchdown"
-    ):  # the estimate is a reading old: where contact shakes the vehicle, it has not seen that yet
+    if key == "touchdown":  # a reading earlier: where contact shakes the vehicle, it has not seen that yet
         t = float(run.t[max(int(np.searchsorted(run.t, t)) - 1, 0)])
     return f"{run.at(error, t):{form}} ± {BOUND * run.at(sigma, t):{form}}"
 
 
 def names(run: Run) -> Components:
-    """Names of the instruments that are carried, by kind."""
+    """Return the names of the instruments carried, by kind."""
     sensors = run.scenario["sensors"]
     found: dict[Component, list[str]] = {}
     if "inertial_unit" in sensors["carried"]:
@@ -123,7 +122,7 @@ def names(run: Run) -> Components:
 
 
 def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
-    """A lane for each of some instruments of one kind."""
+    """Draw a lane for each of some instruments of one kind."""
     traces = []
     for state, colour in STATES.items():
         ends = [
@@ -137,5 +136,5 @@ def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
             places = np.repeat([float(lane) for _, _, lane in ends], 3)
             traces.append(Trace(x, np.where(np.isnan(x), np.nan, places), state, colour=colour, width=7.0))
     y = Axis(TITLES[those[0].kind], (len(those) - 0.5, -0.5), names=[one.name for one in those])
-    marks = [replace(mark, label="") for mark in event_marks(run, run.t)]
-    return Panel(Axis(TIME), y, traces, marks=marks, weight=0.3 + 0.13 * len(those))
+    panel = time_panel(run, run.t, y, traces, weight=0.3 + 0.13 * len(those))
+    return replace(panel, marks=[replace(mark, label="") for mark in panel.marks])

@@ -1,19 +1,19 @@
-"""The words of a review: headline, figures at a glance, limits, the published flight, timeline, configuration
-and software.
-"""
+"""The review of one flight: its tables, and the figures of its parts section by section."""
 
 from __future__ import annotations
 
 import math
 import platform
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
-from edl6dof.report.flight.parts import has_signal
+from edl6dof.report.catalogue import STACKS
+from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Report, Row, Section, Table, Text
+from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
+from edl6dof.report.flight.common import has_signal, over_flight
 from edl6dof.report.numbers import in_percent, printed
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
@@ -31,26 +31,56 @@ _FACTS = (
     ("parachute_mach", ".2f"),
     ("propellant_used_kg", ".1f"),
 )
-
-
 #: A requirement that was kept or not; other differences are neither good nor bad.
 _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 
+def flight_report(run: Run) -> Report:
+    """Return the review of a run; a section about what the flight did not have is left out."""
+    sections: tuple[tuple[str, str, Iterable[Block]], ...] = (
+        ("limits", "Limits and published flight", limits_and_published(run)),
+        ("events", "Timeline", timeline(run)),
+        ("trajectory", "Trajectory", trajectory.figures(run)),
+        ("guidance", "Entry guidance", over_flight(run, STACKS["guidance"])),
+        ("navigation", "Navigation", navigation_errors.figures(run)),
+        ("attitude", "Attitude", over_flight(run, STACKS["attitude"])),
+        ("phase_planes", "Phase planes", phase_planes.figures(run)),
+        ("actuators", "Thrusters and propellant", thrusters.thruster_use(run)),
+        ("disturbances", "Disturbances", thrusters.disturbances(run)),
+        ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),
+        ("chute", "Parachute", over_flight(run, STACKS["chute"])),
+        ("landing", "Powered descent", trajectory.powered_descent(run)),
+        ("hazards", "Hazards and the chosen spot", hazard_maps.figures(run)),
+        ("site", "Ground track and landing site", trajectory.site_figures(run)),
+        ("configuration", "Configuration", configuration(run)),
+        ("software", "Software and data", [software(run)]),
+    )
+    filled = ((key, title, list(blocks)) for key, title, blocks in sections)
+    return Report(
+        title=run.name,
+        subtitle=subtitle(run),
+        headline=headline(run),
+        mood=mood(run.summary),
+        facts=facts(run),
+        sections=[Section(*section) for section in filled if section[2]],
+        footer=f"edl6dof {run.summary['edl6dof_version']}; scenario SHA-256 {run.summary['scenario_sha256']}",
+    )
+
+
 def mood(summary: Mapping[str, Any]) -> Mood:
-    """Good within limits, a warning when it got through outside them, bad otherwise."""
+    """Return good within limits, warn if the goal was reached outside them, bad otherwise."""
     if summary["success"]:
         return "good"
     return "warn" if summary.get("reached_goal") else "bad"
 
 
 def headline(run: Run) -> str:
-    """How the flight ended."""
+    """Return the outcome and its time."""
     return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
 
 
 def facts(run: Run) -> list[Fact]:
-    """Figures at a glance; those under a limit take its colour."""
+    """Return the key figures; those beyond a limit are marked bad."""
     figures = run.summary["figures"]
     missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
     return [
@@ -66,7 +96,7 @@ def facts(run: Run) -> list[Fact]:
 
 
 def limits_and_published(run: Run) -> Iterator[Block]:
-    """Limits and published figures, as far as there are any."""
+    """Tabulate limits, published figures and unusual values."""
     of_limits, of_published = limits(run), published(run)
     yield of_limits if of_limits.rows else Text("No limit applies as far as this flight went.")
     if of_published.rows:
@@ -76,7 +106,7 @@ def limits_and_published(run: Run) -> Iterator[Block]:
 
 
 def limits(run: Run) -> Table:
-    """Each limit with the share of it that was used."""
+    """Tabulate each limit with the share of it that was used."""
     rows: list[Row] = []
     for limit in run.summary["limits"]:
         value = math.nan if limit["value"] is None else float(limit["value"])
@@ -91,7 +121,7 @@ def limits(run: Run) -> Table:
 
 
 def published(run: Run) -> Table:
-    """This flight's figures beside the published ones, whatever the difference."""
+    """Tabulate this flight's figures and the published ones."""
     found = comparison(run.summary["figures"], run.summary["published"])
     rows: list[Row] = [
         [row.figure, printed(row.unit), row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
@@ -103,18 +133,18 @@ def published(run: Run) -> Table:
 
 
 def _sign(bound: str) -> str:
-    """A bound with the sign of print."""
+    """A bound with printed signs."""
     return bound.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
 
 
 def subtitle(run: Run) -> str:
-    """Description of the scenario, and what was made to fail."""
+    """Return the description of the scenario, and its faults."""
     faults = [f"{event['name']} at {event['t_s']:.1f} s" for event in run.events if event["key"] == "fault"]
     return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
 
 
 def timeline(run: Run) -> Iterator[Block]:
-    """Events in order of time, and what their speeds are relative to."""
+    """Tabulate events in order of time."""
     rows: list[Row] = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
@@ -134,7 +164,7 @@ def timeline(run: Run) -> Iterator[Block]:
 
 
 def configuration(run: Run) -> Iterator[Block]:
-    """The resolved scenario by its sections, each with the count of its status marks."""
+    """List the resolved scenario by section, each with the count of its status marks."""
     counts: dict[str, Counter[str]] = {}
     for path, status in run.document.status.items():
         counts.setdefault(path.partition(".")[0], Counter())[status] += 1
@@ -161,7 +191,7 @@ def configuration(run: Run) -> Iterator[Block]:
 
 
 def software(run: Run) -> Table:
-    """What flew it and what wrote this."""
+    """Tabulate versions, seed, hash and telemetry."""
     from edl6dof import __version__
 
     rows: list[Row] = [

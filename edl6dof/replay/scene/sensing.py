@@ -1,6 +1,5 @@
-"""What the lander saw and chose: rays of the lidar while it scans, and from the choice on the map of hazards
-painted on the ground, the spots that were passed over, and the footprint of the chosen one; and the beams of
-the radar, as far as they have their echo.
+"""Sensors that see the ground: rays of the lidar, the map of hazards with rejected and chosen spots, and the
+beams of the radar.
 """
 
 from __future__ import annotations
@@ -10,11 +9,11 @@ import numpy as np
 from edl6dof.interface.capacities import SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.eyes import look
 from edl6dof.replay.history import thin
-from edl6dof.replay.recorder import SCALAR_HZ, Recorder
+from edl6dof.replay.recorder import SCALAR_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
-from edl6dof.report.figure import rgb
-from edl6dof.report.panels import CELLS, STATES
+from edl6dof.report.catalogue import CELLS, STATES
+from edl6dof.report.palette import rgb
 from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.columns import range_of
 from edl6dof.telemetry.instrument_states import EXCLUDED, NOT_USED, USED
@@ -37,10 +36,10 @@ _RAYS = 17
 
 
 class Hazards(Recorder):
-    """Writes ``/site/hazards``; nothing of a flight that chose no spot from a scan."""
+    """Writes ``/site/hazards``, for a flight that chose a spot from a scan."""
 
     def motions(self) -> None:
-        """Rays, map, spots."""
+        """Write rays, map and spots."""
         found = self.flight.landing_map
         if self.number or found is None:
             return
@@ -54,28 +53,23 @@ class Hazards(Recorder):
         self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
         if len(found.rejected_m):
             places = self._on_ground(found.rejected_m - off, 0.3)
-            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=self.rr.Radius.ui_points(3.5))
+            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=-3.5)
             self.at(chosen, "site/hazards/passed_over", points)
         self._chosen(found, off, chosen)
 
     def _chosen(self, found: LandingMap, off: np.ndarray, t: float) -> None:
-        """The footprint around the chosen spot, as a ring."""
+        """Write the footprint around the chosen spot, as a ring."""
         radius = self.flight.scenario.flight_software.hazard.footprint_radius_m
         turn = np.linspace(0.0, 2.0 * np.pi, 49)
         around = found.spot_m - off + radius * np.column_stack([np.cos(turn), np.sin(turn)])
-        ring = self.rr.LineStrips3D(
-            [self._on_ground(around, 0.15)], colors=CHOSEN, radii=self.rr.Radius.ui_points(2.5)
-        )
+        ring = self.rr.LineStrips3D([self._on_ground(around, 0.15)], colors=CHOSEN, radii=-2.5)
         self.at(t, "site/hazards/chosen", ring)
-        middle = self._on_ground((found.spot_m - off)[None], 0.3)
+        (middle,) = self._on_ground((found.spot_m - off)[None], 0.3)
         words = f"{'chosen' if found.found else 'least bad'} spot; {LEGEND}"
-        point = self.rr.Points3D(
-            middle, colors=CHOSEN, labels=[words], show_labels=True, radii=self.rr.Radius.ui_points(3.0)
-        )
-        self.at(t, "site/hazards/spot", point)
+        self.at(t, "site/hazards/spot", self.point(middle, words, CHOSEN, 3.0))
 
     def _painted(self, found: LandingMap, off: np.ndarray) -> Mesh:
-        """The ground in the colours of the classes; what was not seen at all is left out."""
+        """The ground in the colours of the classes, without cells that were not seen."""
         cell_class = found.cell_class[::_EVERY, ::_EVERY]
         seen = np.isfinite(found.elevation_m[::_EVERY, ::_EVERY])
         side = (np.arange(0, len(found.cell_class), _EVERY) + 0.5) * float(found.cell_m)
@@ -90,7 +84,7 @@ class Hazards(Recorder):
         return bright(places, triangles[whole], colours.reshape(-1, 3))
 
     def _rays(self, rows: np.ndarray, since: float, until: float) -> None:
-        """Rays of the row of the scan that is shot, as far as the ground."""
+        """Write the rays of the current row of the scan, as far as the ground."""
         lidar = self.flight.scenario.sensors.lidar
         tangent = np.tan(0.5 * np.radians(lidar.field_of_view_deg))
         shot = (self.t[rows] - since) / max(until - since, 1e-9) * (SCAN_ROWS - 1)
@@ -104,12 +98,10 @@ class Hazards(Recorder):
             # the ground where each ends, not the one straight below
             ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]
             strips.append(np.stack([np.broadcast_to(start, ends.shape), ends], axis=1))
-        last = self.t[rows[-1]] + 0.02
-        entity = "site/hazards/rays"
-        self.static(entity, self.rr.LineStrips3D.from_fields(colors=RAY, radii=self.rr.Radius.ui_points(0.6)))
-        drawn = self.rr.LineStrips3D.columns(strips=np.concatenate(strips))
-        self.columns(entity, self.t[rows], drawn.partition(np.full(len(rows), _RAYS)))
-        self.gone(last, entity)
+        entity, data = "site/hazards/rays", {"strips": np.concatenate(strips)}
+        each = np.full(len(rows), _RAYS)
+        self.series(entity, self.t[rows], self.rr.LineStrips3D, {"colors": RAY, "radii": -0.6}, data, each)
+        self.gone(self.t[rows[-1]] + 0.02, entity)
 
     def _on_ground(self, places: np.ndarray, above: float) -> np.ndarray:
         """Places east and north (m), shape (n, 2), with the height of the ground and a little more."""
@@ -118,10 +110,10 @@ class Hazards(Recorder):
 
 
 class Beams(Recorder):
-    """Writes ``vehicle/beams``, in B; nothing for a vehicle without a radar."""
+    """Writes ``vehicle/beams``, in B, for a vehicle with a radar."""
 
     def motions(self) -> None:
-        """The rays, as long as the range that was read."""
+        """Write the rays, as long as the measured range."""
         beams = [one for one in self.flight.instruments if one.kind == "beam"]
         rows = thin(self.t, SCALAR_HZ)
         if not beams or not len(rows):
@@ -129,7 +121,7 @@ class Beams(Recorder):
         reach = np.stack([self.flight[range_of(beam.name)][rows] for beam in beams], axis=-1)
         shown = reach > 0.0
         echo: np.ndarray = np.logical_or.reduce(shown, axis=1)
-        keep = echo | np.append(False, echo[:-1])  # a row without a ray ends them
+        keep = and_next(echo)
         if not echo.any():
             return
         radar = self.flight.scenario.sensors.radar
@@ -139,7 +131,6 @@ class Beams(Recorder):
         tints = np.zeros((*shown.shape, 3), np.uint8)
         for state, colour in RAYS.items():
             tints[np.stack([beam.holds(state)[rows] for beam in beams], axis=-1)] = colour
-        rays = self.rr.LineStrips3D.columns(strips=strips, colors=tints[shown])
+        data, each = {"strips": strips, "colors": tints[shown]}, shown[keep].sum(axis=1)
         entity = f"{self.root}/vehicle/beams"
-        self.static(entity, self.rr.LineStrips3D.from_fields(radii=self.rr.Radius.ui_points(1.2)))
-        self.columns(entity, self.t[rows[keep]], rays.partition(shown[keep].sum(axis=1)))
+        self.series(entity, self.t[rows[keep]], self.rr.LineStrips3D, {"radii": -1.2}, data, each)
