@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
@@ -78,8 +77,7 @@ def fly(
         with flight_progress(talk) as progress:
             return Flight.of(sim.fly(loaded, start=state, save_at_s=save_state, progress=progress))
 
-    with _pandas_unloaded():
-        flight = flown_into(target, flown, replay=replay, force=force, release=True)
+    flight = flown_into(target, flown, replay=replay, force=force, release=True)
     if report:
         write_report(target)
     console = Console(highlight=False, soft_wrap=True)
@@ -95,19 +93,6 @@ def fly(
         words = f"no state was saved; the flight ended at {flight.time_s:.2f} s"
         print(f"--save-state {save_state:g}: {words}", file=sys.stderr)
     return 0 if flight.success else 1
-
-
-@contextmanager
-def _pandas_unloaded() -> Iterator[None]:
-    """Keep pyarrow from loading pandas, which takes it 0.4 s, when rerun hands it the first array."""
-    if "pandas" in sys.modules:
-        yield
-        return
-    sys.modules["pandas"] = None  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        del sys.modules["pandas"]
 
 
 def check(
