@@ -15,6 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
+from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.report.matplotlib_figure import write_figure
+from edl6dof.report.palette import SERIES
+
 SECONDS = 250.0
 #: Errors of position at which the programs are compared, m.
 LEVELS_M = (1.0, 0.1, 0.01)
@@ -129,18 +133,24 @@ def speed_at(points: list[Point], error_m: float) -> float | None:
 
 def draw_precision(programs: dict[str, list[Point]], path: Path) -> None:
     """Draw the diagram: error of position and of attitude against speed."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
-    for (name, points), marker in zip(programs.items(), "osD", strict=False):
-        speeds = [point.speed for point in points]
-        left.loglog([point.position_m for point in points], speeds, marker=marker, label=name)
-        right.loglog([point.attitude_deg for point in points], speeds, marker=marker, label=name)
-    left.set_xlabel("error of position after 250 s, m")
-    left.set_ylabel("simulated seconds per CPU second")
-    right.set_xlabel("error of attitude after 250 s, deg")
-    left.legend()
-    for axes in (left, right):
-        axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=110)
+    panels = []
+    for title, name in (
+        ("position", "position_m"),
+        ("attitude", "attitude_deg"),
+    ):
+        traces = []
+        for (program, points), symbol, colour in zip(
+            programs.items(), ("circle", "square", "diamond"), SERIES, strict=False
+        ):
+            errors = np.array([getattr(point, name) for point in points])
+            speeds = np.array([point.speed for point in points])
+            traces.append(Trace(errors, speeds, program, colour=colour))
+            traces.append(
+                Trace(errors, speeds, program, "points", colour, symbol=symbol, width=3.0, legend=False)
+            )
+        speed = Axis("simulated seconds per CPU second (1)", log=True)
+        panels.append(
+            Panel(Axis(f"error of {title} after 250 s ({name.rpartition('_')[2]})", log=True), speed, traces)
+        )
+    title = "Speed at equal error of free entries"
+    write_figure(Figure("precision", title, panels, columns=2, height=400), path)

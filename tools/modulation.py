@@ -22,8 +22,9 @@ import edl6dof
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.fsw.modulation import MODULATION, modulate
-from edl6dof.report.figure import GREY, Axis, Figure, Panel, Trace
+from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
+from edl6dof.report.palette import GREY
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.functions import functions_of

@@ -10,7 +10,7 @@ from edl6dof.calibration.findings import Findings, find, overlay_text, plain, ro
 from edl6dof.calibration.fit import DESIGNS, TooFew
 from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.neighbours import FLIGHTS
-from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.dump import json_text
 from edl6dof.config.errors import refusal
 from edl6dof.report.numbers import significant
 
@@ -37,15 +37,11 @@ def write_findings(
     summary = json_text(plain(found))
     (folder / "summary.json").write_text(summary, encoding="utf-8")
     name, marks = found.calibration.loaded.scenario.name, claims(found, scenario, sets, flights)
-    text = overlay_text(f"{name}_calibrated", _extended(scenario), rounded(found), marks)
+    file = Path(scenario)
+    extended = str(file.resolve()) if file.is_file() else scenario  # by the name of a shipped one
+    text = overlay_text(f"{name}_calibrated", extended, rounded(found), marks)
     (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
     return summary
-
-
-def _extended(scenario: str) -> str:
-    """How the overlay names the scenario it extends: by the name of a shipped one, or by its full path."""
-    file = Path(scenario)
-    return str(file.resolve()) if file.is_file() else scenario
 
 
 def claims(found: Findings, scenario: str, sets: Sequence[str], flights: int | None) -> dict[str, str]:

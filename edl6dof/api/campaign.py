@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
+from edl6dof.api.arguments import library
 from edl6dof.api.flight import Flight
-from edl6dof.api.optional import library
-from edl6dof.api.results import html_table
+from edl6dof.api.flight_results import html_table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.documents import Summary
@@ -38,7 +38,7 @@ ENGINES, MOST_WORKERS = ("threads", "dask"), 1024
 Progress = Callable[[int, int], None]
 
 #: Makes what is called with the standing of a campaign of so many cases.
-Watch = Callable[[int], AbstractContextManager[run.Report | None]]
+Watch = Callable[[int], AbstractContextManager[run.Report]]
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,9 +111,7 @@ class CampaignResult:
         return self._columns[column]
 
     def quantile(self, column: str, share: float) -> Quantile | None:
-        """Value below which a share of all flights stays, with its bounds at 95 %; ``None`` where the cases
-        are too few to bound it.
-        """
+        """Value that a share of all flights stays below, with 95 % bounds; ``None`` if cases are too few."""
         return quantile(self[column].astype(float), share)
 
     def quantiles(self, column: str) -> list[Quantile]:
@@ -174,18 +172,17 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """An engine, one of :data:`ENGINES`; how many workers, and the address of a scheduler."""
+    """An engine, one of :data:`ENGINES`, its number of workers, and the address of a Dask scheduler.
+
+    Raises:
+        ConfigError: there is no such engine, or it cannot have so many workers.
+    """
 
     name: str = "threads"
     workers: int | None = None
     cluster: str | None = None
 
-    def check(self) -> None:
-        """See that there is such an engine, with so many workers.
-
-        Raises:
-            ConfigError: there is not.
-        """
+    def __post_init__(self) -> None:
         if self.name not in ENGINES:
             raise refusal("--engine", f"must be threads or dask (got {self.name!r})")
         if self.cluster is not None and self.name != "dask":
@@ -204,11 +201,6 @@ class EngineChoice:
                 yield engine
         except ImportError:
             raise refusal("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
-
-
-def unwatched(total: int) -> AbstractContextManager[None]:
-    """Tell nobody."""
-    return nullcontext()
 
 
 def check_until(until: str | None, plan: Plan | None = None) -> None:
@@ -233,7 +225,7 @@ def fly_new(
     engine: EngineChoice,
     until: str | None = None,
     force: bool = False,
-    watch: Watch = unwatched,
+    watch: Watch | None = None,
 ) -> None:
     """Fly a plan from its first case.
 
@@ -248,7 +240,7 @@ def fly_new(
             _fly(plan, store, started, watch)
 
 
-def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
+def go_on(store: Store, engine: EngineChoice, watch: Watch | None = None) -> Plan:
     """Fly what is missing of the plan of a folder; returns the plan.
 
     Raises:
@@ -264,15 +256,15 @@ def go_on(store: Store, engine: EngineChoice, watch: Watch = unwatched) -> Plan:
         return plan
 
 
-def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch) -> None:
-    with watch(plan.count) as report:
+def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch | None) -> None:
+    with nullcontext() if watch is None else watch(plan.count) as report:
         if not is_compiled():  # before anything flies in parallel: two processes would do the work twice
             CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
         run.fly(plan, store, engine, report)
 
 
 def open_campaign(folder: Path) -> CampaignResult:
-    """Return the result of a complete campaign, from its folder.
+    """Read the result of a complete campaign from its folder.
 
     Raises:
         ConfigError: the folder holds none, or it is not complete, or damaged.
@@ -304,13 +296,7 @@ def flown(
         return CampaignResult(store.summary, store.table(), store.folder if out is not None else None, plan)
 
 
-def _watch(progress: Progress | None) -> Watch:
+def _watch(progress: Progress | None) -> Watch | None:
     if progress is None:
-        return unwatched
-    called = progress
-
-    @contextmanager
-    def watch(total: int) -> Iterator[run.Report]:
-        yield lambda tally: called(tally.flown, total)
-
-    return watch
+        return None
+    return lambda total: nullcontext(lambda tally: progress(tally.flown, total))

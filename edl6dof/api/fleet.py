@@ -1,6 +1,4 @@
-"""Dispersed flights of one scenario side by side, each begun where a phase of its mission begins: what
-learning environments are made of.
-"""
+"""Dispersed flights of one scenario side by side, each begun in a phase: for learning environments."""
 
 from __future__ import annotations
 
@@ -12,8 +10,8 @@ import numpy as np
 from edl6dof.api.simulation import Starts
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import checks
-from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.metrics.touchdown_terrain import footing_figures
 from edl6dof.scenario.schema import LimitParams
 from edl6dof.sim import fleet as sim
 from edl6dof.sim.fleet import Start
@@ -29,13 +27,11 @@ class Fleet(sim.Fleet):
 
     @property
     def flying(self) -> np.ndarray:
-        """Whether each flight goes on, shape (flights,)."""
+        """True for each flight that goes on, shape (flights,)."""
         return self.outcomes == FLYING
 
     def landed_well(self, limits: LimitParams) -> np.ndarray:
-        """Whether each flight has come to rest upright, within the limits of touchdown and of the ground
-        below, shape (flights,).
-        """
+        """True for each flight at rest within the limits of touchdown and of the ground, shape (flights,)."""
         landed = self.outcomes == LANDED
         for index in np.flatnonzero(landed):
             one = slice(index, index + 1)

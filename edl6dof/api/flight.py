@@ -10,18 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.api.overrides import Overrides, texts
-from edl6dof.api.results import FlightResults
+from edl6dof.api.flight_results import FlightResults
 from edl6dof.config.errors import Named
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
-from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.viewed import viewed_scenario
+from edl6dof.runs.run_files import write_run
+from edl6dof.scenario.loading import viewed_scenario
 from edl6dof.sim import flight as sim
-from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import attitude_at
 from edl6dof.telemetry.columns import describe
 
@@ -192,17 +189,6 @@ class RecordedFlight(FlightResults):
         return self._run.meaning(name)
 
 
-def fly_loaded(
-    loaded: LoadedScenario,
-    *,
-    start: State | None = None,
-    save_at_s: float | None = None,
-    progress: sim.Progress | None = None,
-) -> Flight:
-    """Fly a scenario to its end; see :func:`edl6dof.sim.flight.fly` for the arguments."""
-    return Flight.of(sim.fly(loaded, start=start, save_at_s=save_at_s, progress=progress))
-
-
 def flown_into(
     folder: Path, fly: Callable[[], Flight], *, replay: bool, force: bool, release: bool = False
 ) -> Flight:
@@ -216,21 +202,3 @@ def flown_into(
         flight.write(partial, replay, release)
     flight.folder = folder
     return flight
-
-
-def saved_state(state: State | str | Path) -> State:
-    """Return a saved state, which may be given by its file.
-
-    Raises:
-        ConfigError: the file holds none.
-    """
-    return state if isinstance(state, State) else State.load(Path(state))
-
-
-def continued(state: State, overrides: Overrides = ()) -> LoadedScenario:
-    """Return the scenario that a saved state brings with it.
-
-    Raises:
-        ConfigError: an override is wrong.
-    """
-    return sim.continue_from(state, texts(overrides))

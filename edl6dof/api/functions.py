@@ -10,8 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edl6dof.api.errors import naming_arguments, scenario_name
-from edl6dof.api.overrides import Overrides, texts
+from edl6dof.api.arguments import Overrides, naming_arguments, scenario_name, texts
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
@@ -80,16 +79,18 @@ def fly(
     if start is None and scenario is None:
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     activate(scenario if isinstance(scenario, str | Path) else None)
-    from edl6dof.api.flight import continued, flown_into, fly_loaded, saved_state
+    from edl6dof.api.flight import Flight, flown_into
+    from edl6dof.sim import flight as sim
+    from edl6dof.sim.checkpoint import State
 
-    state = None if start is None else saved_state(start)
+    state = State.load(Path(start)) if isinstance(start, str | Path) else start
     if scenario is not None:
         loaded = _loaded(scenario, overrides)
     elif state is not None:
-        loaded = continued(state, overrides)
+        loaded = sim.continue_from(state, texts(overrides))
 
     def flown() -> Flight:
-        return fly_loaded(loaded, start=state, save_at_s=save_at_s, progress=progress)
+        return Flight.of(sim.fly(loaded, start=state, save_at_s=save_at_s, progress=progress))
 
     return flown() if out is None else flown_into(Path(out), flown, replay=replay, force=force)
 
@@ -146,7 +147,7 @@ def report(
         ConfigError: there is nothing to report on, or a file must not be replaced.
     """
     from edl6dof.api.reports import write_report
-    from edl6dof.runs.needing import needing_channels
+    from edl6dof.runs.files import needing_channels
 
     folder = _folder_of(run)
     with needing_channels(folder):
@@ -194,24 +195,14 @@ def replay(
     folders = [_folder_of(run) for run in runs]
     if folders[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
         activate(folders[0])
-    from edl6dof.api.replays import show_replay
-    from edl6dof.runs.needing import needing_channels
+    from edl6dof.api.replays import Film, show_replay
+    from edl6dof.runs.files import needing_channels
 
-    page_file, picture, film = (None if path is None else Path(path) for path in (html, screenshot, video))
+    html, screenshot, video = (None if path is None else Path(path) for path in (html, screenshot, video))
+    film = Film(video, start_s, end_s, length_s, fps)
     with needing_channels(*folders):
         return show_replay(
-            folders,
-            web=web,
-            html=page_file,
-            screenshot=picture,
-            at_s=at_s,
-            page=page,
-            video=film,
-            start_s=start_s,
-            end_s=end_s,
-            length_s=length_s,
-            fps=fps,
-            force=force,
+            folders, film, web=web, html=html, screenshot=screenshot, at_s=at_s, page=page, force=force
         )
 
 
@@ -278,7 +269,6 @@ def campaign(
     from edl6dof.campaign.design.plan import load_plan
 
     flying = EngineChoice(engine, workers, cluster)
-    flying.check()
     if resume and (Path(name) / "campaign.json").is_file():
         return resumed(Path(name), flying, progress)
     plan = load_plan(name, texts(overrides), cases, seed, sampling)
@@ -332,24 +322,16 @@ def faults(
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
     from edl6dof.api.campaign import EngineChoice, flown
-    from edl6dof.api.fault_matrix import listed, matrix_of
+    from edl6dof.api.fault_choice import FaultRequest, listed, matrix_of
     from edl6dof.campaign.faults import matrix_plan
     from edl6dof.scenario.loading import load_scenario
 
-    matrix = matrix_of(
-        load_scenario(name, sets),
-        sensors=sensors,
-        kinds=listed(kinds),
-        components=listed(components),
-        pairs=pairs,
-        phases=listed(phases),
-        after_s=after_s,
-        at=None if at is None else listed(at),
-    )
-    flying = EngineChoice(workers=workers)
-    flying.check()
+    what, where, when = listed(kinds), listed(components), listed(phases)
+    moments = None if at is None else listed(at)
+    request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
+    matrix = matrix_of(load_scenario(name, sets), request)
     plan = matrix_plan(name, matrix, sets, vehicles, seed)
-    return flown(plan, flying, None, out, force, progress)
+    return flown(plan, EngineChoice(workers=workers), None, out, force, progress)
 
 
 @naming_arguments()
@@ -431,11 +413,10 @@ def verify(*cases: str) -> list[Report]:
     Raises:
         ValueError: there is no such case.
     """
-    from edl6dof.config.wording import nearest
+    from edl6dof.config.wording import did_you_mean
     from edl6dof.verify.check import CASES, run_case
 
     for name in cases:
         if name not in CASES:
-            near = nearest(name, CASES)
-            raise ValueError(f"no check case {name!r}" + (f"; did you mean {near!r}?" if near else ""))
+            raise ValueError(f"no check case {name!r}{did_you_mean(name, CASES)}")
     return [run_case(name) for name in cases or CASES]

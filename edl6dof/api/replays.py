@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from os.path import lexists
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.console import Console
@@ -21,13 +21,12 @@ from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.run import resumed_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
-from edl6dof.config.wording import nearest
-from edl6dof.replay import film, server, viewer
-from edl6dof.replay import page as offline
+from edl6dof.config.wording import did_you_mean
+from edl6dof.replay import browser, film, viewer
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recording import history, recorded_span, write_replay
-from edl6dof.replay.scene.ensemble import Ensemble, Trajectory
-from edl6dof.replay.views.layout import TITLES
+from edl6dof.replay.scene.tracks import Ensemble, Trajectory
+from edl6dof.replay.views.pages import TITLES
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
@@ -45,20 +44,49 @@ MOST_CASES, RATE_HZ = 2000, 0.5
 FPS = 24.0
 
 
+class Film(NamedTuple):
+    """A film to write: file (``None`` for none), first and last time (s), length (s), frames per second."""
+
+    file: Path | None
+    start_s: float | None
+    end_s: float | None
+    length_s: float | None
+    fps: float
+
+    def check(self) -> None:
+        """See that the file is a film's; without a file, that nothing is said of a film.
+
+        Raises:
+            ConfigError: it is not so.
+        """
+        if self.file is None:
+            if self[1:] != (None, None, None, FPS):
+                raise refusal(
+                    "--from, --to, --length, --fps", "are of a film; name its file with --video FILE"
+                )
+            return
+        if self.file.suffix.lower() != ".mp4":
+            raise refusal(self.file, "is no name of a film; films are written as .mp4")
+
+    def cut(self, recording: Path) -> film.Cut:
+        """Cut the film: the whole flight, in no more than a minute, where nothing else was asked for."""
+        first = recorded_span(recording)[0] if self.start_s is None else self.start_s
+        first, last = _time(recording, "--from", first), _time(recording, "--to", self.end_s)
+        if first >= last:
+            raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
+        return film.Cut(first, last, self.length_s or min(last - first, film.LENGTH_S), self.fps)
+
+
 def show_replay(
     runs: Sequence[Path],
+    video: Film,
     *,
-    web: bool = False,
-    html: Path | None = None,
-    screenshot: Path | None = None,
-    at_s: float | None = None,
-    page: str = "",
-    video: Path | None = None,
-    start_s: float | None = None,
-    end_s: float | None = None,
-    length_s: float | None = None,
-    fps: float = FPS,
-    force: bool = False,
+    web: bool,
+    html: Path | None,
+    screenshot: Path | None,
+    at_s: float | None,
+    page: str,
+    force: bool,
 ) -> list[Path]:
     """Show a replay or write it; returns what was written.  See :func:`edl6dof.replay` for the arguments.
 
@@ -66,40 +94,36 @@ def show_replay(
         ConfigError: the options do not fit together, or name no replay.
         ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run here.
     """
-    targets = [path for path in (html, screenshot, video) if path is not None]
+    targets = [path for path in (html, screenshot, video.file) if path is not None]
     for path in targets:
         refuse_existing_file(path, force, runs[0])
     if at_s is not None and screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
-    if video is not None and video.suffix.lower() != ".mp4":
-        raise refusal(video, "is no name of a film; films are written as .mp4")
-    if video is None and (start_s, end_s, length_s, fps) != (None, None, None, FPS):
-        raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
+    video.check()
     if page and runs[0].is_file():
         raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
     if page not in ("", *TITLES):
-        near = nearest(page, TITLES)
-        hint = f"; did you mean {near!r}?" if near else ""
+        hint = did_you_mean(page, TITLES)
         raise refusal("--page", f"no page {page!r}{hint} (there are: {', '.join(TITLES)})")
     for run in runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
-    if video is not None:
+    if video.file is not None:
         film.encoder()  # or the flight would be drawn in vain
     with _ended_by_signals(), _recording(runs, page) as recording:
         title = f"edl6dof replay: {', '.join(_labels(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
                 viewer.screenshot(recording, partial, _time(recording, "--at", at_s))
-        if video is not None:
-            cut = _cut(recording, start_s, end_s, length_s, fps)
-            with atomic_file(video, force, runs[0]) as partial, _frames() as progress:
+        if video.file is not None:
+            cut = video.cut(recording)
+            with atomic_file(video.file, force, runs[0]) as partial, _frames() as progress:
                 film.film(recording, partial, cut, progress)
         if html is not None:
             with atomic_file(html, force, runs[0]) as partial:
-                partial.write_bytes(offline.page(recording, title))
+                partial.write_bytes(browser.page(recording, title))
         if not targets and web:
-            server.serve(offline.page(recording, title))
+            browser.serve(browser.page(recording, title))
         elif not targets:
             viewer.show(recording)
     return targets
@@ -107,18 +131,13 @@ def show_replay(
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, so that nothing is left behind: no viewer, no
-    temporary file.
-    """
+    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, leaving no viewer and no temporary file."""
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.getsignal(number) for number in (getattr(signal, name) for name in names)}
-    defaults = [
-        number for number, action in before.items() if action is signal.SIG_DFL
-    ]  # nohup ignores SIGHUP
+    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    defaults = [one for one in numbers if signal.getsignal(one) is signal.SIG_DFL]  # nohup ignores SIGHUP
     for number in defaults:
         signal.signal(number, interrupt)
     try:
@@ -176,21 +195,9 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
     if asked_s is None:
         return last
     if not first <= asked_s <= last:
-        raise refusal(
-            option, f"{asked_s:g} s is not in the recording: give a time from {first:.2f} to {last:.2f} s"
-        )
+        words = f"{asked_s:g} s is not in the recording: give a time from {first:.2f} to {last:.2f} s"
+        raise refusal(option, words)
     return asked_s
-
-
-def _cut(
-    recording: Path, start_s: float | None, end_s: float | None, length_s: float | None, fps: float
-) -> film.Cut:
-    """Cut the film: the whole flight, in no more than a minute, where nothing else was asked for."""
-    first = recorded_span(recording)[0] if start_s is None else start_s
-    first, last = _time(recording, "--from", first), _time(recording, "--to", end_s)
-    if first >= last:
-        raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
-    return film.Cut(first, last, length_s or min(last - first, film.LENGTH_S), fps)
 
 
 @contextmanager
@@ -214,18 +221,12 @@ def trajectories(plan: Plan) -> list[Trajectory]:
         if "places" in row:
             found.append(Trajectory(row["places"], "" if row["success"] else str(row["cause"])))
         if sys.stderr.isatty():
-            print(
-                f"\r{done} of {count} cases flown again",
-                end="" if done < count else "\n",
-                file=sys.stderr,
-                flush=True,
-            )
+            end = "" if done < count else "\n"
+            print(f"\r{done} of {count} cases flown again", end=end, file=sys.stderr, flush=True)
     return found
 
 
 def _places(flight: Flight) -> Mapping[str, Any]:
-    """Positions in landing-site axes, a row every two seconds, copied: the telemetry belongs to the next
-    case.
-    """
+    """Positions in landing-site axes every two seconds, copied: the next case reuses the telemetry."""
     rows = thin(np.array(flight.telemetry["t_s"]), RATE_HZ)
     return {"places": vector(flight.telemetry, "truth.site", "east north up", "_m")[rows].astype(np.float32)}

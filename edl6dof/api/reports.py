@@ -42,12 +42,12 @@ def report_of(folder: Path) -> Report:
         ConfigError: nothing in it can be reported on.
     """
     if (folder / "telemetry.parquet").is_file():
-        from edl6dof.report.flight.build import flight_report
+        from edl6dof.report.flight.flight_report import flight_report
         from edl6dof.runs.run import Run
 
         return flight_report(Run(folder))
     if (folder / "campaign.json").is_file():
-        from edl6dof.report.campaign.build import campaign_report
+        from edl6dof.report.campaign.campaign_report import campaign_report
 
         return campaign_report(folder)
     if not folder.is_dir():

@@ -8,16 +8,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from edl6dof.api.errors import naming_arguments, scenario_name
+import numpy as np
+
+from edl6dof.api.arguments import naming_arguments, scenario_name, texts
 from edl6dof.api.flight import Flight
 from edl6dof.api.functions import activate
-from edl6dof.api.overrides import texts
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.config.units import split_unit
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, load_scenario
+from edl6dof.sim.commanding import ESTIMATE
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.
@@ -53,8 +56,9 @@ class Starts:
         if isinstance(campaign := document.data.get(CAMPAIGN_SECTIONS[0]), dict):
             if faults:
                 campaign["faults"] = [{"chance": 1.0, "one_of": [dict(fault) for fault in faults]}]
-            self._plan = _endless(plan_of(document, texts(overrides), cases=1, sampling="monte_carlo"))
-            self.loaded = self._plan.loaded
+            plan = plan_of(document, texts(overrides), cases=1, sampling="monte_carlo")
+            endless = plan.campaign and plan.campaign.model_copy(update={"cases": _ENDLESS})
+            self._plan, self.loaded = replace(plan, campaign=endless), plan.loaded
         else:
             self.loaded = load_scenario(scenario, texts(overrides))
 
@@ -78,11 +82,6 @@ class Starts:
     @cached_property
     def _variants(self) -> Variants:
         return Variants(self.loaded)
-
-
-def _endless(plan: Plan) -> Plan:
-    campaign = plan.campaign
-    return replace(plan, campaign=campaign.model_copy(update={"cases": _ENDLESS}) if campaign else None)
 
 
 class Simulation(SteppedFlight):
@@ -139,3 +138,48 @@ class Simulation(SteppedFlight):
     def flight(self) -> Flight:
         """The flight so far; see :meth:`SteppedFlight.flight`."""
         return Flight.of(super().flight())
+
+
+#: Commands of more than one number, or of none: how many; those left out have one.
+_SIZES = {"thrust_n": 3, "torque_nm": 3, "safe_spot_m": 2, "coarse_spot_m": 2}
+
+
+def described(simulation: Simulation) -> dict[str, Any]:
+    """The scenario, and everything that can be observed and commanded in it."""
+    from edl6dof import __version__
+
+    scenario = simulation.loaded.scenario
+    thrusters = scenario.thruster_names
+    return {
+        "version": __version__,
+        "scenario": scenario.name,
+        "cycle_s": simulation.cycle_s,
+        "phases": list(scenario.phase_names),
+        "thrusters": list(thrusters),
+        "observations": {name: _kind(name, value) for name, value in simulation.observe().items()},
+        "commands": {name: _command(name, len(thrusters)) for name in simulation.commands},
+    }
+
+
+def _kind(name: str, value: Any) -> dict[str, Any]:
+    """Type, shape and unit of an observation."""
+    kinds = {bool: "true or false", int: "whole number"}
+    return {
+        "type": kinds.get(type(value), "number"),
+        "shape": list(np.shape(value)),
+        "unit": split_unit(name)[1].label,
+    }
+
+
+def _command(name: str, thrusters: int) -> dict[str, Any]:
+    """Type, shape and unit of a command."""
+    if name == "estimate":
+        parts = {part: _numbers(part, size) for part, (_, size) in ESTIMATE.items()}
+        return {"type": "map", "of": parts}
+    if name == "isolate":
+        return {"type": "names of thrusters", "shape": [], "unit": ""}
+    return _numbers(name, thrusters if name == "duties" else _SIZES.get(name, 1))
+
+
+def _numbers(name: str, size: int) -> dict[str, Any]:
+    return {"type": "number", "shape": [] if size == 1 else [size], "unit": split_unit(name)[1].label}

@@ -12,7 +12,7 @@ from edl6dof import __version__
 from edl6dof.calibration.fit import DESIGNS, Fit, fit
 from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.executor import Progress
-from edl6dof.config.document.extends import EXTENDS
+from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.scalars import write_scalar
 
 #: A residual beyond which a figure is not explained, in standard deviations.

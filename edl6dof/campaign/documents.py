@@ -63,7 +63,7 @@ class Summary(Sealed):
     Attributes:
         campaign: hash of the identity in ``campaign.json``.
         cases_sha256: hash of ``cases.parquet``.
-        faults: what a fault matrix came to, see :mod:`edl6dof.campaign.fault_figures`.
+        faults: what a fault matrix came to, see :mod:`edl6dof.campaign.faults`.
     """
 
     name: str

@@ -9,10 +9,9 @@ import traceback
 from edl6dof.cli.campaigns import campaign, covariance, faults, refly
 from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
-from edl6dof.cli.examples import examples
 from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
-from edl6dof.cli.group import Command, app
-from edl6dof.cli.results import compare, export, plot, replay, report
+from edl6dof.cli.group import Command, app, examples
+from edl6dof.cli.run_outputs import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
 
 
@@ -35,9 +34,7 @@ app.add_typer(design, name="design")
 
 
 def main() -> None:
-    """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its
-    own.
-    """
+    """Run the command line; an exception that no command handles is a defect, with its own exit status."""
     if os.path.lexists(".numba_config.yaml"):
         words = "holds settings of numba for this folder, which edl6dof does not take: start it elsewhere"
         print(f".numba_config.yaml: {words}, or set them as NUMBA_ variables", file=sys.stderr)

@@ -16,7 +16,7 @@ import typer
 
 from edl6dof.api.functions import activate
 from edl6dof.cli.exit_status import INTERRUPTED
-from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.cli.group import Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 #: Forms of the files of ``covariance``.
@@ -68,24 +68,20 @@ def campaign(
         from edl6dof.api.campaign import EngineChoice, check_until
         from edl6dof.campaign.design.plan import load_plan
         from edl6dof.campaign.store import Store
-        from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
+        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
 
-        flying = EngineChoice(engine, workers, cluster)
-        flying.check()
-        if not resume:
-            plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
-            check_until(until, plan)
-            store = Store(out or Path("runs") / plan.name)
-            return fly_plan(plan, store, flying, until=until, force=force, quiet=quiet, as_json=as_json)
+        flying, folder = EngineChoice(engine, workers, cluster), Path(scenario)
         check_until(until)
-        folder = Path(scenario)
-        if not lexists(folder / "campaign.json") and not folder.is_dir():
-            plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
-            folder = out or Path("runs") / plan.name
-            require_plan(Store(folder), plan)
-        else:
-            require_no_values(folder, tuple(sets or ()), cases, seed, sampling)
-        return go_on(Store(folder), flying, quiet=quiet, as_json=as_json)
+        if resume and (lexists(folder / "campaign.json") or folder.is_dir()):
+            require_no_values(folder, sets, cases, seed, sampling)
+            return fly_campaign(Store(folder), flying, quiet=quiet, as_json=as_json)
+        plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
+        check_until(until, plan)
+        store = Store(out or Path("runs") / plan.name)
+        if resume:
+            require_plan(store, plan)
+            return fly_campaign(store, flying, quiet=quiet, as_json=as_json)
+        return fly_campaign(store, flying, plan, until=until, force=force, quiet=quiet, as_json=as_json)
 
 
 @contextmanager
@@ -216,36 +212,29 @@ def faults(
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
         from edl6dof.api.campaign import EngineChoice
-        from edl6dof.api.fault_matrix import matrix_of
+        from edl6dof.api.fault_choice import FaultRequest, matrix_of
         from edl6dof.campaign.faults import matrix_plan
         from edl6dof.campaign.store import Store
-        from edl6dof.cli.campaign_flight import fly_plan, go_on, require_no_values, require_plan
+        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
         from edl6dof.cli.progress import announce_compiling
         from edl6dof.scenario.loading import load_scenario
 
         flying, folder = EngineChoice(workers=workers), Path(scenario)
         if resume and lexists(folder / "campaign.json"):
-            require_no_values(folder, sensors, kinds, components, pairs, phases, after, at)
-            require_no_values(folder, tuple(sets or ()), vehicles, seed)
-            return go_on(Store(folder), flying, command="faults", as_json=as_json)
+            require_no_values(
+                folder, sensors, kinds, components, pairs, phases, after, at, sets, vehicles, seed
+            )
+            return fly_campaign(Store(folder), flying, command="faults", as_json=as_json)
         loaded = load_scenario(scenario, sets or ())
         announce_compiling(not as_json)
-        matrix = matrix_of(
-            loaded,
-            sensors=sensors,
-            kinds=kinds,
-            components=components,
-            pairs=pairs,
-            phases=phases,
-            after_s=after,
-            at=at,
-        )
+        request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
+        matrix = matrix_of(loaded, request)
         plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)
         store = Store(out or Path("runs") / f"{'sensor-faults' if sensors else 'faults'}-{plan.name}")
-        if not resume:
-            return fly_plan(plan, store, flying, command="faults", force=force, as_json=as_json)
-        require_plan(store, plan, "faults")
-        return go_on(store, flying, command="faults", as_json=as_json)
+        if resume:
+            require_plan(store, plan, "faults")
+            return fly_campaign(store, flying, command="faults", as_json=as_json)
+        return fly_campaign(store, flying, plan, command="faults", force=force, as_json=as_json)
 
 
 def covariance(
@@ -323,7 +312,7 @@ def covariance(
             if out.suffix == ".csv":
                 write_budget(found, partial)
             else:
-                from edl6dof.report.campaign.covariance import ellipse_figure
+                from edl6dof.report.campaign.footprint import ellipse_figure
                 from edl6dof.report.matplotlib_figure import write_figure
 
                 write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)

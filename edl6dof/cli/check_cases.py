@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
-from rich.console import Console, JustifyMethod
+from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from edl6dof.cli.exit_status import refuse
 from edl6dof.cli.progress import announce_compiling
-from edl6dof.config.wording import counted, nearest
+from edl6dof.config.wording import counted, did_you_mean
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.verify.case import Result
 from edl6dof.verify.check import CASES, Report, draw, run_case
@@ -24,10 +25,8 @@ from edl6dof.verify.golden import difference, golden_names, read_golden, traced
 
 def run_cases(names: Sequence[str], as_json: bool, plots: Path | None, force: bool = False) -> int:
     """Run the named check cases, or all, and print the table; returns the exit status."""
-    unknown = [name for name in names if name not in CASES]
-    if unknown:
-        near = nearest(unknown[0], list(CASES))
-        hint = f"; did you mean {near!r}?" if near else ""
+    if unknown := [name for name in names if name not in CASES]:
+        hint = did_you_mean(unknown[0], CASES)
         return refuse(f"{unknown[0]}: no such check case{hint} (cases: {', '.join(CASES)})")
     if plots is not None:
         try:
@@ -42,28 +41,20 @@ def run_cases(names: Sequence[str], as_json: bool, plots: Path | None, force: bo
     drawn = _draw(reports, plots, force) if plots is not None else []
     passed = all(report.passed for report in reports)
     if as_json:
-        print(
-            json.dumps(
-                {"passed": passed, "seconds": round(seconds, 2), "cases": [r.as_dict() for r in reports]},
-                indent=1,
-            )
-        )
+        cases = [report.as_dict() for report in reports]
+        print(json.dumps({"passed": passed, "seconds": round(seconds, 2), "cases": cases}, indent=1))
     else:
         _show(reports, seconds, drawn)
     return 0 if passed else 1
 
 
 def _run(names: Sequence[str], quiet: bool) -> list[Report]:
-    talk = not quiet
-    announce_compiling(talk)
-    console = Console(stderr=True)
-    reports = []
+    announce_compiling(not quiet)
+    console, reports = Console(stderr=True, quiet=quiet or not sys.stderr.isatty()), []
     for number, name in enumerate(names, 1):
-        if talk and console.is_terminal:
-            console.print(f"{number}/{len(names)} {name}", end="\r", highlight=False)
+        console.print(f"{number}/{len(names)} {name}", end="\r", highlight=False)
         reports.append(run_case(name))
-        if talk and console.is_terminal:
-            console.print(" " * 40, end="\r")
+        console.print(" " * 40, end="\r")
     return reports
 
 
@@ -82,7 +73,7 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
     for report in reports:
         console.print(Text.assemble((report.name, "bold cyan"), f"  {report.note}" if report.note else ""))
         for (verifies, source), results in groupby(
-            report.results, key=lambda result: (result.verifies, result.source)
+            report.results, key=lambda one: (one.verifies, one.source)
         ):
             console.print(Padding(Text.assemble(verifies, (f"  [{source}]", "dim")), (0, 0, 0, 2)))
             console.print(Padding(_comparisons(list(results)), (0, 0, 1, 4)))
@@ -95,55 +86,37 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
 
 
 def _comparisons(results: Sequence[Result]) -> Table:
-    """Rows of one model against one source, in columns of fixed width so that the blocks line up; a repeated
-    reason is left out.
-    """
+    """Rows of one model against one source, in columns of fixed width; a repeated reason is left out."""
     table = Table(box=None, pad_edge=False, show_header=False)
-    columns: tuple[tuple[int, JustifyMethod], ...] = (
-        (25, "left"),
-        (7, "right"),
-        (1, "left"),
-        (5, "right"),
-        (5, "left"),
-        (4, "left"),
-    )
-    for width, align in columns:
-        table.add_column(width=width, justify=align)
+    for width in (25, 7, 1, 5, 5, 4):
+        table.add_column(width=width)
+    table.columns[1].justify = table.columns[3].justify = "right"
     table.add_column(style="dim")
     reason = ""
     for result in results:
-        mark, sign = (
-            (Text("ok", style="green"), "<") if result.passed else (Text("FAIL", style="bold red"), ">")
-        )
+        mark = Text("ok", style="green") if result.passed else Text("FAIL", style="bold red")
         unit = "" if result.unit == "-" else result.unit
         why, reason = "" if result.why == reason else result.why, result.why
-        table.add_row(
-            result.quantity, f"{result.error:.1e}", sign, f"{result.tolerance:.0e}", unit, mark, why
-        )
+        numbers = f"{result.error:.1e}", "<" if result.passed else ">", f"{result.tolerance:.0e}"
+        table.add_row(result.quantity, *numbers, unit, mark, why)
     return table
 
 
 def _summary_line(reports: Sequence[Report], seconds: float) -> Text:
     failed = [report.name for report in reports if not report.passed]
     count = sum(len(report.results) for report in reports)
+    compared = counted(count, "comparison")
     if failed:
-        return Text(
-            f"FAILED: {', '.join(failed)}; {counted(count, 'comparison')} in {seconds:.1f} s",
-            style="bold red",
-        )
-    ran = sum(not report.skipped for report in reports)
-    return Text(
-        f"all within tolerance: {counted(count, 'comparison')} in {counted(ran, 'case')}, {seconds:.1f} s",
-        style="bold green",
-    )
+        return Text(f"FAILED: {', '.join(failed)}; {compared} in {seconds:.1f} s", style="bold red")
+    ran = counted(sum(not report.skipped for report in reports), "case")
+    return Text(f"all within tolerance: {compared} in {ran}, {seconds:.1f} s", style="bold green")
 
 
 def fly_golden(names: Sequence[str], as_json: bool) -> int:
     """Fly golden flights, or some of them, and print what differs first in each; returns the exit status."""
     known = golden_names()
     if unknown := [name for name in names if name not in known]:
-        near = nearest(unknown[0], known)
-        hint = f"; did you mean {near!r}?" if near else ""
+        hint = did_you_mean(unknown[0], known)
         return refuse(f"{unknown[0]}: no golden flight{hint} (flights: {', '.join(known)})")
     announce_compiling(not as_json)
     golden, found = read_golden(), {}

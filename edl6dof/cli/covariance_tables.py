@@ -17,31 +17,24 @@ from edl6dof.campaign.covariance_flights import EventFigures
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.numbers import significant
-from edl6dof.report.terminal import print_whole
+from edl6dof.report.terminal import open_table, print_whole
 
-#: Figures beside each other in the budget on a terminal.
-_COLUMNS = 4
-#: Letters of a line of their headings.
-_HEADING = 12
-#: Letters of a line of a figure's name.
-_LABEL = 32
+#: Figures in a row of the budget on a terminal, letters in a line of their headings, and of a figure's name.
+_COLUMNS, _HEADING, _LABEL = 4, 12, 32
 _AXES = ("long half axis", "short half axis")
 #: Standard errors from which on a source is told from chance.
 _CLEAR = 3.0
 
 
 def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, took_s: float) -> None:
-    """Print the spread of every figure, beside the figures of a campaign's flights if given, and the
-    budget.
-    """
+    """Print the spread of every figure, also that of a campaign's flights if given, and the budget."""
     console = Console(highlight=False, soft_wrap=True)
     flights = 2 * len(found.pairs.odd)
     console.print(f"{name}, {event}: {counted(flights, 'flight')} in {took_s:.1f} s", style="bold")
     print_whole(_spreads(found, sampled))
     if sampled is not None:
-        console.print(
-            f"campaign: {counted(len(sampled), 'flight')}, {len(sampled) / flights:.1f} times as many"
-        )
+        share = len(sampled) / flights
+        console.print(f"campaign: {counted(len(sampled), 'flight')}, {share:.1f} times as many")
     if found.event.position:
         along, towards = (figure_of_merit(name).meaning for name in found.event.position)
         degrees = np.degrees(np.arctan2(found.axes[1, 0], found.axes[0, 0])) % 180.0
@@ -53,25 +46,21 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
 
 
 def _spreads(found: Covariance, sampled: np.ndarray | None) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    heads = ["figure", "unit", "mean", "1 sigma", "+-", "linear"]
-    if sampled is not None:
-        heads += ["campaign", "+-", "its middle 68 %", "difference"]
-    for head in heads:
-        table.add_column(head, justify="left" if head in ("figure", "unit") else "right", header_style="")
-    for label, unit, spread, beside in _rows(found, sampled):
+    beside = () if sampled is None else ("campaign>", "+->", "its middle 68 %>", "difference>")
+    table = open_table("", "figure", "unit", "mean>", "1 sigma>", "+->", "linear>", *beside)
+    for label, unit, spread, own in _rows(found, sampled):
         cells = [
-            "" if label in _AXES else significant(float(spread.mean[0])),
-            significant(float(spread.deviation[0])),
-            significant(float(spread.error[0]), 2),
+            "" if label in _AXES else significant(spread.mean[0]),
+            significant(spread.deviation[0]),
+            significant(spread.error[0], 2),
             f"{100.0 * (spread.linear[0] / spread.deviation[0]) ** 2:.0f} %",
         ]
-        if beside is not None:
+        if own is not None:
             cells += [
-                significant(float(beside.deviation[0])),
-                significant(float(beside.error[0]), 2),
-                significant(float(beside.core[0])),
-                f"{100.0 * (spread.deviation[0] / beside.deviation[0] - 1.0):+.1f} %",
+                significant(own.deviation[0]),
+                significant(own.error[0], 2),
+                significant(own.core[0]),
+                f"{100.0 * (spread.deviation[0] / own.deviation[0] - 1.0):+.1f} %",
             ]
         table.add_row("\n".join(wrap(label, _LABEL)), unit, *cells)
     return table
@@ -104,10 +93,10 @@ def _budget(found: Covariance) -> Table:
         if not shown.any():
             hidden += 1
             continue
-        cells = [significant(float(v), 3) if clear else "-" for v, clear in zip(values, shown, strict=False)]
+        cells = [significant(v, 3) if clear else "-" for v, clear in zip(values, shown, strict=False)]
         table.add_row(source, *cells)
-    table.add_row("rest: random, second order", *(significant(float(v), 3) for v in found.rest[: len(names)]))
-    table.add_row("all", *(significant(float(v), 3) for v in found.spread.deviation[: len(names)]))
+    table.add_row("rest: random, second order", *(significant(v, 3) for v in found.rest[: len(names)]))
+    table.add_row("all", *(significant(v, 3) for v in found.spread.deviation[: len(names)]))
     table.caption = f"-: less than {_CLEAR:g} standard errors; so are all of {counted(hidden, 'more source')}"
     return table
 
@@ -118,7 +107,10 @@ def show_alone(found: Alone, event: EventFigures) -> None:
     table = _table("parameter", names)
     targets = [target for source in found.found for draw in source.draws for target in draw.targets]
     for target, slopes, bends in zip(targets, found.slopes, found.bends, strict=True):
-        cells = map(_slope_and_bend, slopes[: len(names)], bends[: len(names)])
+        cells = [
+            f"{significant(slope, 2)}, {significant(bend, 2)}{'*' if abs(bend) > abs(slope) else ' '}"
+            for slope, bend in zip(slopes[: len(names)], bends[: len(names)], strict=True)
+        ]
         table.add_row(target.path, *cells)
     print("each alone about one flight: slope, bend over 1 sigma (*: not linear)")
     print_whole(table)
@@ -132,11 +124,6 @@ def _table(first: str, names: Sequence[str]) -> Table:
         heading = wrap(f"{figure.meaning} ({figure.unit.label or '1'})", _HEADING, break_long_words=False)
         table.add_column("\n".join(heading), justify="right", no_wrap=True, vertical="bottom")
     return table
-
-
-def _slope_and_bend(slope: float, bend: float) -> str:
-    mark = "*" if abs(bend) > abs(slope) else " "
-    return f"{significant(float(slope), 2)}, {significant(float(bend), 2)}{mark}"
 
 
 def write_budget(found: Covariance, path: Path) -> None:

@@ -11,10 +11,8 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.examples import examples
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS, UNAVAILABLE
-from edl6dof.cli.group import Command
-from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.cli.group import Command, Sets, argument, examples, flag, option
 from edl6dof.config.errors import refusal
 
 design = typer.Typer(
@@ -49,7 +47,7 @@ def design_entry(
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
     """
     activate(scenario)
-    from edl6dof.cli.entry_tables import designed_text, goal_of, show
+    from edl6dof.cli.design_tables import designed_text, goal_of, show
     from edl6dof.design.entry_profile import design_entry as optimise
     from edl6dof.runs.files import atomic_file
     from edl6dof.scenario.loading import load_scenario
@@ -116,7 +114,7 @@ def design_landing(
         message = "design landing needs cvxpy, which is not installed; try: pip install 'edl6dof[design]'"
         print(message, file=sys.stderr)
         return UNAVAILABLE
-    from edl6dof.cli.landing_tables import design_landing_of
+    from edl6dof.cli.design_tables import design_landing_of
     from edl6dof.interface.roles import POWERED_DECELERATION
     from edl6dof.scenario.loading import load_scenario
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 from edl6dof.api.functions import activate
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS, refuse
-from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.cli.group import Sets, argument, flag, option
 
 #: More flights than any mean, and than any mission, needs.
 MOST_FLIGHTS, MOST_OF_A_MISSION = 100_000, 1_000_000
@@ -53,8 +52,9 @@ def figures(
     """
     activate(scenario)
     from edl6dof.campaign.neighbours import FLIGHTS, fly_neighbours, sample_means
-    from edl6dof.cli.figure_tables import plain, show
+    from edl6dof.cli.evidence_tables import plain_means, show_figures
     from edl6dof.cli.progress import count_runs
+    from edl6dof.config.dump import json_text
     from edl6dof.scenario.loading import load_scenario
 
     count = FLIGHTS if flights is None else flights
@@ -65,9 +65,9 @@ def figures(
         rows = fly_neighbours(loaded, count, progress=lambda done, row: progress(done, count))
     means = sample_means(rows, loaded.scenario.published)
     if as_json:
-        print(json.dumps(plain(loaded, rows, means), indent=1))
+        print(json_text(plain_means(loaded, rows, means)), end="")
     else:
-        show(loaded, rows, means)
+        show_figures(loaded, rows, means)
     return 0 if all(row["success"] for row in rows) else NOT_WITHIN_LIMITS
 
 
@@ -93,7 +93,7 @@ def validate(
     Exit status: 0 nine in ten flown values within three sigma, 1 not, 2 bad input, 130 interrupted.
     """
     activate(*(names or []))
-    from edl6dof.cli.figure_tables import show_missions
+    from edl6dof.cli.evidence_tables import show_missions
     from edl6dof.cli.progress import count_runs
     from edl6dof.missions.mission import compare, load_mission, reached_goal, shipped_missions
     from edl6dof.missions.write import to_json, write_validation
@@ -142,7 +142,7 @@ def calibrate(
     activate(scenario)
     from edl6dof.api.calibration import found_by, write_findings
     from edl6dof.calibration.problem import load_calibration
-    from edl6dof.cli.calibration_tables import show
+    from edl6dof.cli.evidence_tables import show_calibration
     from edl6dof.cli.progress import count_runs
     from edl6dof.runs.folder import atomic_folder, default_folder
 
@@ -156,7 +156,7 @@ def calibrate(
     if as_json:
         print(summary, end="")
     else:
-        show(found, target)
+        show_calibration(found, target)
     return 0 if not found.unexplained else NOT_WITHIN_LIMITS
 
 

@@ -40,7 +40,7 @@ def refusing_damage(*folders: Path) -> Iterator[None]:
     Raises:
         ConfigError: with the place in this program that could not go on.
     """
-    from edl6dof.runs.needing import needing_channels
+    from edl6dof.runs.files import needing_channels
 
     try:
         with needing_channels(*folders):

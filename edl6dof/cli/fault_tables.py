@@ -17,7 +17,7 @@ from edl6dof.campaign.faults import can_be_known, is_right
 from edl6dof.campaign.store import Store
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.base import stated
-from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted
 
 #: A matrix of more moments or components is left to the report, and so are more lines of one kind.
@@ -66,7 +66,8 @@ def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) ->
     wrong = [f"{_case(row)}: named {row['wrongly_named']}" for row in rows if row.get("wrongly_named")]
     _lines(console, "magenta", wrong)
     for one in figures["acceptance"]:
-        console.print(_required(one))
+        words = f"{one['meaning']}: {one['value']:.2f} {one['unit']} (required: {one['limit']})"
+        console.print(Text(words, style="green" if one["met"] else "bold red"))
     flights = counted(len(rows), "flight")
     outcome = f"{len(lost)} of {flights} not within limits" if lost else f"{flights} within limits"
     console.print(Text(outcome, style="bold red" if lost else "bold green"))
@@ -90,21 +91,13 @@ def _lines(console: Console, style: str, lines: Sequence[str]) -> None:
         console.print(Text(f"and {len(lines) - _LINES} more, in report.html", style=style))
 
 
-def _required(one: Mapping[str, Any]) -> Text:
-    """``within limits: 99.10 % (required: at least 99.5 %)``."""
-    words = f"{one['meaning']}: {one['value']:.2f} {one['unit']} (required: {one['limit']})"
-    return Text(words, style="green" if one["met"] else "bold red")
-
-
 def _matrix(rows: Sequence[Row], kind: str) -> Table:
-    """Components by moments: green named rightly, magenta wrongly, yellow not named, red not within
-    limits.
-    """
+    """Components by moments: named rightly green, wrongly magenta, not yellow; out of limits red."""
     table = _empty(kind.replace("_", " "))
-    table.add_column("", header_style="")
+    table.add_column("")
     moments = list(dict.fromkeys(row["moment"] for row in rows))
     for moment in moments:
-        table.add_column(moment.replace("_", " "), justify="right", header_style="", vertical="bottom")
+        table.add_column(moment.replace("_", " "), justify="right", vertical="bottom")
     cells = {(row["component"], row["moment"]): _cell(row) for row in rows}
     for name in dict.fromkeys(row["component"] for row in rows):
         table.add_row(name, *(cells[name, moment] for moment in moments))
@@ -123,23 +116,13 @@ def _cell(row: Row) -> Text:
 
 def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
     """How many of each kind of fault and regime, and which share of them."""
-    headings = (
-        "flights",
-        "% in\nlimits",
-        "can be\nknown",
-        "% right\nname",
-        "% right\nkind",
-        "wrong\nnames",
-    )
+    headings = ("flights", "% in\nlimits", "can be\nknown", "% right\nname", "% right\nkind", "wrong\nnames")
     table = _by_group("", headings)
     for group in groups:
-        flights, known = group["flights"], group["can_be_known"]
-        table.add_row(
-            *(group["kind"], group["regime"]),
-            *(str(flights), _share(group["within_limits"], flights)),
-            *(str(known), _share(group["name_right"], known), _share(group["kind_right"], known)),
-            str(group["with_wrong_isolations"]),
-        )
+        flights, known, wrong = group["flights"], group["can_be_known"], group["with_wrong_isolations"]
+        right = (_share(group[name], known) for name in ("name_right", "kind_right"))
+        cells = (str(flights), _share(group["within_limits"], flights), str(known), *right, str(wrong))
+        table.add_row(group["kind"], group["regime"], *cells)
     return table
 
 
@@ -156,9 +139,9 @@ def _times(groups: Sequence[Mapping[str, Any]], start: str, title: str) -> Table
 def _by_group(title: str, headings: Sequence[str]) -> Table:
     table = _empty(title)
     for heading in ("kind", "regime"):
-        table.add_column(heading, header_style="", vertical="bottom", no_wrap=True)
+        table.add_column(heading, vertical="bottom", no_wrap=True)
     for heading in headings:
-        table.add_column(heading, justify="right", header_style="", vertical="bottom", no_wrap=True)
+        table.add_column(heading, justify="right", vertical="bottom", no_wrap=True)
     return table
 
 
@@ -168,6 +151,7 @@ def _empty(title: str) -> Table:
         title=title or None,
         title_justify="left",
         title_style="bold",
+        header_style="",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
         padding=(0, 1, 0, 0),

@@ -1,4 +1,4 @@
-"""The group of all commands, and what they have in common: exit status, version, and no traceback."""
+"""The group of all commands, how they are declared, and what they have in common."""
 
 from __future__ import annotations
 
@@ -10,9 +10,94 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from edl6dof.api.errors import naming_options
+from edl6dof.api.arguments import naming_options
 from edl6dof.cli.exit_status import BAD_INPUT, BROKEN_PIPE, INTERRUPTED
 from edl6dof.config.errors import ConfigError
+
+
+def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
+    """Declare an option with a value; ``names`` where they do not follow from the parameter."""
+    return typer.Option(*names, metavar=metavar, help=meaning, **bounds)
+
+
+def flag(meaning: str, *names: str) -> Any:
+    """Declare an option without a value."""
+    return typer.Option(*names, help=meaning)
+
+
+def argument(metavar: str, meaning: str) -> Any:
+    """Declare an argument."""
+    return typer.Argument(metavar=metavar, help=meaning)
+
+
+Sets = Annotated[
+    list[str] | None,
+    option("PATH=VALUE", "Change one parameter (edl6dof params lists them); repeatable.", "--set"),
+]
+
+
+EXAMPLES: dict[str, tuple[str, ...]] = {
+    "fly": (
+        "edl6dof fly tianwen1",
+        "edl6dof fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350",
+        "edl6dof fly tianwen1 --out runs/first --save-state 300",
+        "edl6dof fly --from runs/first/state.npz --out runs/second",
+    ),
+    "check": ("edl6dof check my.yaml", "edl6dof check my.yaml my_mc.yaml --set seed=3"),
+    "trust": ("edl6dof trust my_law.py", "edl6dof trust received/scenario.yaml"),
+    "scenarios": ("edl6dof scenarios", "edl6dof scenarios tianwen1 > mine.yaml"),
+    "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),
+    "schema": ("edl6dof schema > edl6dof.schema.json",),
+    "replay": (
+        "edl6dof replay runs/tianwen1",
+        "edl6dof replay runs/tianwen1 --html flight.html",
+        "edl6dof replay runs/tianwen1 --screenshot entry.png --at 120",
+        "edl6dof replay runs/tianwen1 --tour --video flight.mp4",
+    ),
+    "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),
+    "plot": (
+        "edl6dof plot runs/tianwen1 truth.mach truth.height_m",
+        "edl6dof plot runs/tianwen1 'truth.rate_*' --from 60 --to 280",
+        "edl6dof plot runs/tianwen1 truth.height_m --against truth.mach --out x.pdf",
+    ),
+    "compare": ("edl6dof compare runs/tianwen1 runs/heavy", "edl6dof compare runs/a_mc runs/b_mc --json"),
+    "export": ("edl6dof export runs/tianwen1 --format csv", "edl6dof export runs/tianwen1 - --nesc"),
+    "verify": ("edl6dof verify", "edl6dof verify kepler tumbling --plots plots"),
+    "validate": ("edl6dof validate", "edl6dof validate viking1_mc -n 1000"),
+    "figures": (
+        "edl6dof figures tianwen1 -n 30",
+        "edl6dof figures tianwen1 --set vehicle.mass.entry_kg=1350",
+    ),
+    "calibrate": (
+        "edl6dof calibrate tianwen1",
+        "edl6dof fly runs/calibration-tianwen1/calibrated.yaml --out runs/calibrated",
+    ),
+    "study": ("edl6dof study", "edl6dof study guidance --only fnpeg --only etpc -n 100"),
+    "campaign": (
+        "edl6dof campaign tianwen1_mc -n 1000",
+        "edl6dof campaign --resume runs/tianwen1_mc",
+        "edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'",
+    ),
+    "covariance": ("edl6dof covariance tianwen1_mc", "edl6dof covariance tianwen1_mc --at touchdown"),
+    "refly": ("edl6dof refly runs/tianwen1_mc 17",),
+    "faults": (
+        "edl6dof faults tianwen1",
+        "edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'",
+        "edl6dof faults tianwen1 --out runs/sensors --sensors",
+    ),
+    "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
+    "version": ("edl6dof version",),
+    "entry": (
+        "edl6dof design entry msl --out plan.yaml",
+        "edl6dof design entry msl --minimise dispersion",
+    ),
+    "landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
+}
+
+
+def examples(command: str) -> str:
+    """Text below the options of a command's help, a line for each example."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in EXAMPLES[command])
 
 
 class Command(TyperCommand):
@@ -59,9 +144,7 @@ def _called(argument: Any) -> str:
 
 
 class Commands(TyperGroup):
-    """All commands: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a
-    traceback.
-    """
+    """All commands; bad input ends with status 2 and a line per problem, Ctrl-C with 130."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for; the number that it returns is the exit status."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import accumulate, chain, groupby
 from pathlib import Path
 from textwrap import wrap
 
@@ -20,7 +20,7 @@ from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipp
 from edl6dof.config.document.source import parse_document, read_document
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.parameter_table import Row, rows
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import did_you_mean
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
@@ -70,14 +70,11 @@ def list_scenarios() -> None:
 
 
 def show_params(path: str, as_json: bool) -> int:
-    """Print the reference table from ``path`` downwards, or of all parameters whose path contains that
-    text.
-    """
+    """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
     table = rows(Scenario)
     found = select(table, path)
     if not found:
-        near = nearest(path, known_paths(table))
-        hint = f"; did you mean {near!r}?" if near else ""
+        hint = did_you_mean(path, known_paths(table))
         return refuse(f"{path}: no such parameter{hint} ('edl6dof params' lists all)")
     if as_json:
         print(json.dumps([row._asdict() for row in found], indent=1))
@@ -94,9 +91,7 @@ def show_params(path: str, as_json: bool) -> int:
 
 
 def select(table: list[Row], path: str) -> list[Row]:
-    """Rows at and below a dotted path, written with or without list indices, or else rows whose path contains
-    the text.
-    """
+    """Rows at and below a dotted path, with or without list indices, or else whose path contains the text."""
     wanted = _plain(path)
     below = [row for row in table if f"{_plain(row.path)}.".startswith(f"{wanted}.")] if wanted else table
     return below or [row for row in table if path.strip().casefold() in row.path.casefold()]
@@ -104,24 +99,18 @@ def select(table: list[Row], path: str) -> list[Row]:
 
 def known_paths(table: list[Row]) -> list[str]:
     """Dotted paths of all parameters and sections, without list brackets."""
-    paths = [_plain(row.path).split(".") for row in table]
-    return list(
-        dict.fromkeys(".".join(parts[:length]) for parts in paths for length in range(1, len(parts) + 1))
-    )
+    paths = (accumulate(_plain(row.path).split("."), "{}.{}".format) for row in table)
+    return list(dict.fromkeys(chain.from_iterable(paths)))
 
 
 def _plain(path: str) -> str:
-    """``vehicle.rcs.thrusters[].name`` or ``vehicle.rcs.thrusters.0.name`` as
-    ``vehicle.rcs.thrusters.name``.
-    """
+    """``vehicle.rcs.thrusters[].name`` and ``...thrusters.0.name`` as ``vehicle.rcs.thrusters.name``."""
     parts = path.strip().replace("[]", "").split(".")
     return ".".join(part for part in parts if part and not part.isdecimal())
 
 
 def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
-    """Aligned lines of one section and their style: key, default, unit and bounds; below it meaning, kind and
-    status.
-    """
+    """Lines of one section and their style: key, default, unit, bounds; below them meaning and status."""
     names = [row.path.rpartition(".")[2] for row in members]
     key_width = max(map(len, names))
     for name, row in zip(names, members, strict=True):
@@ -129,11 +118,8 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
         default = row.default if is_short else ""
         limits = row.bounds.replace(" and ", ", ")
         is_range = limits.startswith(("<", ">"))
-        yield (
-            f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  "
-            f"{limits if is_range else ''}".rstrip(),
-            "",
-        )
+        line = f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}"
+        yield line.rstrip(), ""
         if not is_short:
             yield from _paragraph(f"default: {row.default}", width)
         source = f"{row.printed} in {row.source}" if row.printed else row.source
@@ -152,9 +138,7 @@ def _paragraph(text: str, width: int) -> Iterator[tuple[str, str]]:
 
 
 def trust_plugins(files: Sequence[str], yes: bool) -> int:
-    """Show each plugin, ask whether it may run, and record the consent to what was shown; returns the exit
-    status.
-    """
+    """Show each plugin, ask for consent to run it, and record that; returns the exit status."""
     for path in [path for file in files for path in _plugins(file)]:
         try:
             content = plugin_content(path)
@@ -195,10 +179,7 @@ def _consent(path: Path) -> bool:
 
 
 def _printable(source: str) -> str:
-    """Source text for a terminal: lines as Python counts them, and control characters, which could hide some,
-    as escapes.
-    """
+    """Source text for a terminal, lines as Python counts them; escapes show control characters."""
     text = source.replace("\r\n", "\n").replace("\r", "\n")
-    return "".join(
-        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
-    )
+    kept = (one if one.isprintable() or one in "\n\t" else ascii(one)[1:-1] for one in text)
+    return "".join(kept)

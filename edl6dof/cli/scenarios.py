@@ -12,7 +12,7 @@ from typing import Annotated
 
 from edl6dof.api.functions import activate
 from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.options import Sets, argument, flag, option
+from edl6dof.cli.group import Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 
@@ -51,17 +51,19 @@ def fly(
     activate(scenario)
     from rich.console import Console
 
-    from edl6dof.api.flight import Flight, continued, flown_into, fly_loaded, saved_state
+    from edl6dof.api.flight import Flight, flown_into
     from edl6dof.api.functions import report as write_report
     from edl6dof.cli.progress import announce_compiling, flight_progress
     from edl6dof.manifest import listed
     from edl6dof.report.terminal import headline, show_flight
     from edl6dof.runs.folder import default_folder
     from edl6dof.scenario.loading import load_scenario
+    from edl6dof.sim import flight as sim
+    from edl6dof.sim.checkpoint import State
 
-    state = None if start is None else saved_state(start)
+    state = None if start is None else State.load(start)
     if state is not None:
-        loaded = continued(state, sets or ())
+        loaded = sim.continue_from(state, tuple(sets or ()))
     elif scenario is not None:
         loaded = load_scenario(scenario, sets or ())
     else:
@@ -73,7 +75,7 @@ def fly(
     def flown() -> Flight:
         announce_compiling(talk)
         with flight_progress(talk) as progress:
-            return fly_loaded(loaded, start=state, save_at_s=save_state, progress=progress)
+            return Flight.of(sim.fly(loaded, start=state, save_at_s=save_state, progress=progress))
 
     flight = flown_into(target, flown, replay=replay, force=force, release=True)
     if report:
@@ -136,7 +138,7 @@ def serve(
     Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
     """
     activate(scenario)
-    from edl6dof.serve.server import HOST, FlightServer
+    from edl6dof.serve.flight_server import HOST, FlightServer
     from edl6dof.serve.session import Session
 
     def begin() -> Session:

@@ -17,7 +17,7 @@ from rich.text import Text
 
 from edl6dof.cli.exit_status import refuse
 from edl6dof.cli.progress import count_runs
-from edl6dof.config.wording import counted, nearest
+from edl6dof.config.wording import counted, did_you_mean
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
@@ -30,12 +30,7 @@ MOST_RUNS = 1_000_000
 #: Letters of a line of a table.
 _WIDE = 80
 #: A number and the space to its unit, or to a percent sign.
-_UNIT, _PERCENT = (
-    re.compile(r"(?<!\S)([+-]?\d[\d.,]*) (?=[%a-zA-Z])"),
-    re.compile(r"(?<!\S)([+-]?\d[\d.,]*) (?=%)"),
-)
-
-
+_UNIT, _PERCENT = (re.compile(rf"(?<!\S)([+-]?\d[\d.,]*) (?={after})") for after in ("[%a-zA-Z]", "%"))
 #: A smaller spread, as a share of the value, is rounding: flights that do not differ in it.
 ROUNDING = 1e-6
 
@@ -53,8 +48,7 @@ def run_study(
     """Fly a study, write its folder, show what it found; returns the exit status."""
     study = STUDIES.get(name)
     if study is None:
-        near = nearest(name, list(STUDIES))
-        hint = f"; did you mean {near!r}?" if near else ""
+        hint = did_you_mean(name, STUDIES)
         return refuse(f"{name}: no such study{hint} (studies: {', '.join(STUDIES)})")
     if runs is not None and (not 1 <= runs <= MOST_RUNS or not study.counted):
         reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
@@ -109,14 +103,9 @@ def _table(experiment: str, findings: Iterable[Finding]) -> Table:
     figure.min_width = max(len(word) for finding, _ in rows for word in finding.label.split())
     figure.max_width = _WIDE
     for finding, cells in rows:
-        table.add_row(_figure(finding), *(cells[k] for k in filled))
+        note = [Padding(Text(finding.note, style="dim"), (0, 0, 0, 2))] if finding.note else []
+        table.add_row(Group(Text(finding.label), *note), *(cells[k] for k in filled))
     return table
-
-
-def _figure(finding: Finding) -> Group:
-    """Name a figure, and say below it what a reader must know to compare it."""
-    note = [Padding(Text(finding.note, style="dim"), (0, 0, 0, 2))] if finding.note else []
-    return Group(Text(finding.label), *note)
 
 
 def _causes(report: Report) -> list[str]:
@@ -135,15 +124,12 @@ def _outcome(report: Report) -> str:
     explained = sum(bool(finding.why) for finding in report.findings)
     values = [finding for finding in report.findings if finding.within is not None]
     reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
-    return (
-        "every requirement is kept" if not explained else "every figure that does not hold is explained"
-    ) + (reproduced if values else "")
+    kept = "every figure that does not hold is explained" if explained else "every requirement is kept"
+    return kept + (reproduced if values else "")
 
 
 def _grid(grid: Grid) -> Table:
-    """A table of many columns in 80 characters: narrow gaps, the words of a heading below each other, numbers
-    never cut.
-    """
+    """A table of many columns in 80 characters: narrow gaps, broken headings, whole numbers."""
     table = Table(
         title=_below_each_other(_bound(grid.title, _PERCENT), _WIDE),
         title_justify="left",
@@ -170,9 +156,7 @@ def _grid(grid: Grid) -> Table:
 
 
 def _headings(heads: Sequence[str], least: Sequence[int]) -> tuple[list[str], list[int]]:
-    """Headings, and the widths of their columns: numbers stay with their units where the table is not too
-    wide for it.
-    """
+    """Headings and widths of their columns; numbers stay with their units where there is room for it."""
     for together in (_UNIT, _PERCENT):
         bound = [_bound(head, together) for head in heads]
         widths = [max(most, *map(len, head.split(" "))) for head, most in zip(bound, least, strict=True)]
@@ -199,21 +183,16 @@ def _alike(grid: Grid) -> Iterator[list[float]]:
 
 
 def _decimals(column: Sequence[float], like: Sequence[float]) -> list[str]:
-    """Numbers of a column with as many decimals as give the middle one of those ``like`` it three digits, two
-    at most, none where all are whole; an infinite one is that of a flight that failed.
-    """
+    """Numbers with the decimals that give the median of ``like`` three digits; infinite: flight failed."""
     sizes = [abs(value) for value in like if isfinite(value) and value]
     whole = all(size.is_integer() for size in sizes)
     digits = 0 if whole else min(max(2 - floor(log10(median(sizes))), 0), 2)
-    return [
-        f"{value:.{digits}f}" if isfinite(value) else "fails" if isinf(value) else "-" for value in column
-    ]
+    return [f"{one:.{digits}f}" if isfinite(one) else "fails" if isinf(one) else "-" for one in column]
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:
-    published = (
-        "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
-    )
+    number = finding.published
+    published = "" if number is None else f"{finding.bound} {significant(number)}".strip()
     computed = "-" if isnan(finding.computed) else significant(finding.computed)
     if finding.spread is None:
         return computed, published
@@ -222,9 +201,7 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
-    """Say if a requirement is kept; of a flown value computed less published, and if that is
-    reproduced.
-    """
+    """Say if a requirement is kept; of a flown value its difference, and if it is reproduced."""
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
     result = Text(finding.result, style=style)
     if finding.bound or finding.published is None:

@@ -66,9 +66,7 @@ Title = Annotated[str, AfterValidator(_title)]
 
 @dataclass(frozen=True)
 class Within:
-    """Annotation of a field: the largest magnitude of its number, or of each of its numbers, where no bound
-    of its own is narrower.
-    """
+    """Annotation of a field: largest magnitude of its numbers, where it has no narrower bound of its own."""
 
     largest: float
 
@@ -89,9 +87,7 @@ class Within:
         return {**schema, **inner} if schema["type"] in ("nullable", "default", "list", "tuple") else schema
 
     def bounds(self, whole: bool, own: Container[str]) -> dict[str, float]:
-        """Bounds by their pydantic names, without the sides that ``own`` bounds; whole numbers must fit the
-        64 bits of a record.
-        """
+        """Bounds by pydantic name on the sides without ``own`` ones; whole numbers must fit 64 bits."""
         largest = int(min(self.largest, 2**63 - 1)) if whole else self.largest
         sides = {"ge": (("ge", "gt"), -largest), "le": (("le", "lt"), largest)}
         return {
@@ -105,9 +101,7 @@ _PLAIN = (str, int, float)
 
 
 class Params(BaseModel):
-    """Base of every parameter model: unknown keys, wrong types, and numbers not finite or absurdly large for
-    their unit are errors.
-    """
+    """Base of every parameter model: unknown keys, wrong types, infinite and absurd numbers are errors."""
 
     model_config = ConfigDict(
         extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True
@@ -145,9 +139,7 @@ class Hardware(Params):
 
 @dataclass(frozen=True)
 class Capacity:
-    """Annotation of a ``list[Model]`` field: how many slots its record array has; a longer list is a
-    validation error.
-    """
+    """Annotation of a list field: slots of its record array; a longer list is a validation error."""
 
     slots: int
 

@@ -1,7 +1,11 @@
-"""A validated model as YAML text with every default written out: enough to fly it again, bit for bit."""
+"""A validated model as YAML text with every default written out: enough to fly it again, bit for bit; and
+plain values as the JSON text of result files and ``--json``.
+"""
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -11,6 +15,22 @@ from pydantic_core import to_jsonable_python
 
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.document.scalars import write_flow, write_scalar
+
+
+def json_text(value: Any) -> str:
+    """Indented JSON; it has no NaN, so a figure that could not be formed becomes null."""
+    return json.dumps(_finite(value), indent=1, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
 
 WIDTH = 110
 

@@ -11,9 +11,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake and where it stands; ``line`` and ``column`` count from 1, 0 means that the place has no
-    lines.
-    """
+    """One mistake and its place; ``line`` and ``column`` count from 1, 0 where there are none."""
 
     file: str
     line: int
@@ -29,9 +27,7 @@ class Problem:
 
 
 class ConfigError(Exception):
-    """A configuration that cannot be used; ``problems`` holds every mistake found, in the order of the files
-    and lines.
-    """
+    """A configuration that cannot be used; ``problems`` has every mistake in order of files and lines."""
 
     def __init__(self, problems: Iterable[Problem]):
         found = tuple(dict.fromkeys(problems))
@@ -76,10 +72,9 @@ class UnknownName(KeyError):
         self.kind, self.name, self._known = kind, name, known
 
     def __str__(self) -> str:
-        from edl6dof.config.wording import nearest  # which loads pydantic
+        from edl6dof.config.wording import did_you_mean  # which loads pydantic
 
-        near = nearest(str(self.name), self._known)
-        return f"no {self.kind} {self.name!r}" + (f"; did you mean {near!r}?" if near else "")
+        return f"no {self.kind} {self.name!r}{did_you_mean(str(self.name), self._known)}"
 
 
 class Named(dict[str, Value]):

@@ -1,6 +1,4 @@
-"""Places of a parameter model by dotted path: the one walk that validation messages, ``--set`` and the
-reference share.
-"""
+"""Places of a parameter model by dotted path, for validation messages, ``--set`` and the reference."""
 
 from __future__ import annotations
 
@@ -19,21 +17,13 @@ from edl6dof.config.units import Unit, split_unit
 
 @dataclass(frozen=True)
 class Slot:
-    """A place for a value: the alternatives its type allows, and the bounds on it.
+    """A place for a value: the alternatives its type allows, and the bounds on it."""
 
-    Attributes:
-        name: nearest field name, which carries the unit.
-        options: alternatives of the type, ``None`` left out.
-        optional: whether ``None`` is allowed.
-        limits: pydantic metadata (bounds).
-        info: declaration, when the place is a field.
-    """
-
-    name: str
-    options: tuple[Any, ...]
-    optional: bool = False
-    limits: tuple[Any, ...] = ()
-    info: FieldInfo | None = None
+    name: str  # nearest field name, which carries the unit
+    options: tuple[Any, ...]  # alternatives of the type, ``None`` left out
+    optional: bool = False  # true if ``None`` is allowed
+    limits: tuple[Any, ...] = ()  # pydantic metadata (bounds)
+    info: FieldInfo | None = None  # declaration, when the place is a field
 
     @property
     def unit(self) -> Unit:
@@ -80,9 +70,7 @@ def is_model(option: Any) -> bool:
 
 
 def is_tag_of(option: Any, tag: Any) -> bool:
-    """Return whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a
-    ``Literal`` field.
-    """
+    """True if pydantic calls this alternative of a union ``tag``: its class name, or a ``Literal`` value."""
     if not is_model(option):
         return getattr(option, "__name__", None) == tag
     literals = (
@@ -99,9 +87,7 @@ def literal_names(slot: Slot) -> list[Any]:
 
 
 def bounds(slot: Slot) -> dict[str, Any]:
-    """Bounds by their pydantic name (``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``), those
-    of the unit included.
-    """
+    """Bounds by pydantic name (``gt``, ``ge``, ..., ``max_length``), those of the unit included."""
     found = own_bounds(slot)
     if number := {float, int}.intersection(slot.options):
         for limit in (limit for limit in slot.limits if isinstance(limit, Within)):

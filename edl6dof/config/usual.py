@@ -1,8 +1,8 @@
-"""Which values of a scenario are unusual: allowed, and far from what is known of such a parameter.
+"""Unusual values of a scenario: allowed, and far from those known of such a parameter.
 
 A declaration gives the usual range and its reason (``param(..., usual=(low, high, reason))``).  Without one,
 values up to ten times larger or smaller than the default are usual.  Parameters without either (directions,
-places, angles, times of a plan) have no usual range; :mod:`edl6dof.scenario.plausible` relates some of them
+places, angles, times of a plan) have no usual range; :mod:`edl6dof.scenario.loaded` relates some of them
 to the size of the vehicle.
 """
 
@@ -21,9 +21,7 @@ FACTOR = 10.0
 
 
 class Usual(NamedTuple):
-    """Range of usual values, in the unit of the parameter, and why; or of their largest magnitude, zero
-    aside.
-    """
+    """Range of usual values in the unit of the parameter, or of their magnitude; and the reason."""
 
     low: float
     high: float

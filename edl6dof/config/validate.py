@@ -1,6 +1,4 @@
-"""Check a document against a parameter model; all mistakes at once, in plain words, each with its file, line
-and key.
-"""
+"""Check a document against a parameter model; every mistake with its file, line and key."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
-from edl6dof.config.wording import expected, got, in_bounds, in_length, nearest, unknown_key
+from edl6dof.config.wording import did_you_mean, expected, got, in_bounds, in_length, unknown_key
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -79,9 +77,7 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
 
 
 def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[tuple, Slot, Slot | None]:
-    """Path in the document of a pydantic location (which also holds names of union alternatives), its place
-    and its parent's.
-    """
+    """Path of a pydantic location, which also names union alternatives; its place and its parent's."""
     path: list[str | int] = []
     slot, tagged = root_slot(model), False
     parent: Slot | None = None
@@ -162,9 +158,8 @@ def _wrong_name(slot: Slot, context: dict[str, Any], value: Any) -> str:
         names = _tags(slot, _tag_key(context))
     else:
         names = [str(name) for name in literal_names(slot)]
-    near = nearest(value, names) if isinstance(value, str) else None
-    hint = f"unknown name; did you mean {near!r}?" if near else "unknown name"
-    return f"{hint} (got {got(value)}; allowed {', '.join(names)})"
+    hint = did_you_mean(value, names) if isinstance(value, str) else ""
+    return f"unknown name{hint} (got {got(value)}; allowed {', '.join(names)})"
 
 
 def _tag_key(context: dict[str, Any]) -> str:

@@ -21,12 +21,15 @@ def nearest(name: str, allowed: Iterable[str]) -> str | None:
     return by_fold[found[0]] if found else None
 
 
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """``; did you mean 'entry'?`` where a known name resembles ``name``, else ``otherwise``."""
+    near = nearest(name, known)
+    return f"; did you mean {near!r}?" if near else otherwise
+
+
 def unknown(kind: str, name: object, known: Iterable[str]) -> str:
-    """What to say of a name that is none of those there are."""
-    near = nearest(str(name), known)
-    return f"no {kind} {name!r}" + (
-        f"; did you mean {near!r}?" if near else f" (there are: {', '.join(known)})"
-    )
+    """Message for a name that does not exist: the one probably meant, or all there are."""
+    return f"no {kind} {name!r}" + did_you_mean(str(name), known, f" (there are: {', '.join(known)})")
 
 
 def counted(number: int, word: str) -> str:
@@ -40,9 +43,7 @@ def unknown_key(key: str, inside: Slot | None) -> str:
     same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]
     if same:
         return f"unknown key; did you mean {same[0]!r}? (only the unit suffix differs)"
-    if (near := nearest(key, allowed)) is not None:
-        return f"unknown key; did you mean {near!r}?"
-    return f"unknown key; allowed: {', '.join(allowed) or 'none'}"
+    return "unknown key" + did_you_mean(key, allowed, f"; allowed: {', '.join(allowed) or 'none'}")
 
 
 def got(value: Any) -> str:
@@ -71,9 +72,7 @@ def kinds(slot: Slot) -> list[str]:
 
 
 def in_bounds(slot: Slot, context: dict[str, Any] | None = None) -> str:
-    """``> 0 and <= 2.5``: the bounds of a number, or empty; without those of its unit when ``context`` names
-    one that is its own.
-    """
+    """``> 0 and <= 2.5``, or empty; without the unit's bounds when ``context`` names one of its own."""
     own = own_bounds(slot)
     limits = own if context and context.keys() & own.keys() else {**(context or {}), **bounds(slot)}
     text = " and ".join(f"{sign} {_number(limits[name])}" for name, sign in _SIGNS.items() if name in limits)

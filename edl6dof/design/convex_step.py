@@ -222,7 +222,8 @@ def solve_step(landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float
     if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
         return None
     largest = max(float(np.abs(new.value - part).max()) for new, part in zip(unknowns, old, strict=True))
-    found = Nodes(x.value * scales.x, u.value * scales.u, time.value * scales.time, nodes.full)
+    solved_x, solved_u, solved_time = (np.asarray(one.value) for one in (x, u, time))
+    found = Nodes(solved_x * scales.x, solved_u * scales.u, solved_time * scales.time, nodes.full)
     return Step(found, float(cost.value), largest)
 
 

@@ -1,5 +1,4 @@
-"""Tables in the form of the NASA NESC 6-DOF check cases: their columns, their English units, one row each 0.1
-s.
+"""Tables in the form of the NASA NESC 6-DOF check cases: their columns, English units, one row each 0.1 s.
 
 Source: NASA/TM-2015-218675 and the header of its simulations' files.  Everything is formed from the
 telemetry; what telemetry does not hold (Euler angles, gravitation, pressure, speed of sound) is worked out
@@ -70,7 +69,7 @@ INTERVAL_S = 0.1
 def check_case_table(
     telemetry: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void, interval_s: float = INTERVAL_S
 ) -> dict[str, np.ndarray]:
-    """Columns of a check-case file.
+    """Return the columns of a check-case file.
 
     Args:
         telemetry: columns of a flight.

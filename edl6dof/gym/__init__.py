@@ -15,16 +15,14 @@ try:
 except ImportError:
     raise ImportError("edl6dof.gym needs gymnasium: pip install 'edl6dof[gym]'") from None
 
-from edl6dof.gym.environment import FlightEnv
-from edl6dof.gym.tasks import TASKS
-from edl6dof.gym.vector import FlightVectorEnv
+from edl6dof.gym.environments import TASKS, FlightEnv, FlightVectorEnv
 
 __all__ = ["TASKS", "FlightEnv", "FlightVectorEnv"]
 
 for _name in TASKS:
     gymnasium.register(
         f"edl6dof/{_name}-v0",
-        entry_point="edl6dof.gym.environment:FlightEnv",
-        vector_entry_point="edl6dof.gym.vector:FlightVectorEnv",
+        entry_point="edl6dof.gym.environments:FlightEnv",
+        vector_entry_point="edl6dof.gym.environments:FlightVectorEnv",
         kwargs={"task": _name},
     )

@@ -1,13 +1,10 @@
-"""Bank angle of the entry: from the beginning of lift control to the mortar, as near to the aim point as can
-be.
-"""
+"""Bank angle of the entry, from lift control to the mortar, as near to the aim point as possible."""
 
 from __future__ import annotations
 
 from math import inf, pi
 
 import numpy as np
-from gymnasium import spaces
 
 from edl6dof.gym.task import Feature, StepResult, Task, guide, nav
 from edl6dof.interface.roles import LIFT
@@ -22,6 +19,7 @@ class EntryBank(Task):
     """
 
     title = "bank angle of the entry"
+    size = 1
     role = LIFT
     interval_s, longest_s = 1.0, 300.0
     features = (
@@ -36,11 +34,6 @@ class EntryBank(Task):
         Feature("drag_ratio", 2.0, guide("drag_ratio")),
         Feature("lift_ratio", 2.0, guide("lift_ratio")),
     )
-
-    @property
-    def action_space(self) -> spaces.Box:
-        """Bank angle over its largest."""
-        return spaces.Box(-1.0, 1.0, (1,), np.float32)
 
     @property
     def _largest(self) -> float:

@@ -1,11 +1,8 @@
-"""The spot to land on: chosen on the map that the lander has made of the ground, while it descends from
-100 m.
-"""
+"""The spot to land on, chosen on the map of the ground while the lander descends from 100 m."""
 
 from __future__ import annotations
 
 import numpy as np
-from gymnasium import spaces
 
 from edl6dof.gym.task import Feature, StepResult, Task, nav
 from edl6dof.interface.roles import HAZARD_AVOIDANCE
@@ -15,9 +12,7 @@ _CELLS, _CLEAR_M = 32, 5.0
 
 
 def clearances(memories: np.ndarray) -> np.ndarray:
-    """Largest distance (m) from the nearest hazard in each part of the map, rows towards north and columns
-    towards east, shape (flights, 32 x 32).
-    """
+    """Largest distance (m) from a hazard in each part of the map, shape (flights, 32 x 32), north by east."""
     fine = memories["hazard"]["safety_map"]["clearance"]
     part = fine.shape[1] // _CELLS
     parts = fine.reshape(len(memories), _CELLS, part, _CELLS, part)
@@ -25,9 +20,7 @@ def clearances(memories: np.ndarray) -> np.ndarray:
 
 
 def on_map(memories: np.ndarray, place_L: np.ndarray) -> np.ndarray:
-    """Places, east and north of the landing site, from the middle of the map: 1 at its edges, shape
-    (flights, 2).
-    """
+    """Places (east, north) relative to the middle of the map, 1 at its edges, shape (flights, 2)."""
     corner, half = _map(memories)
     return (place_L - corner) / half - 1.0
 
@@ -45,6 +38,7 @@ class HazardDivert(Task):
     """
 
     title = "spot to land on, among rocks and craters"
+    size = 2
     scenario = "tianwen1_hazards"
     role = HAZARD_AVOIDANCE
     interval_s, longest_s = 1.0, 180.0
@@ -56,11 +50,6 @@ class HazardDivert(Task):
         Feature("height", 100.0, nav("height")),
         Feature("v_N", 3.0, nav("v_N"), 3),
     )
-
-    @property
-    def action_space(self) -> spaces.Box:
-        """Spot on the map."""
-        return spaces.Box(-1.0, 1.0, (2,), np.float32)
 
     def command(self, actions: np.ndarray) -> None:
         """Command the spot."""

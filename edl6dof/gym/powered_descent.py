@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from gymnasium import spaces
 
 import edl6dof
 from edl6dof.api.fleet import Fleet
@@ -32,6 +31,7 @@ class PoweredDescent(Task):
     """
 
     title = "powered descent by the thrust vector"
+    size = 3
     overrides = {
         "mission.phases.powered_deceleration.ways_out": [_CONTACT],
         "mission.phases.hover_imaging.until": None,
@@ -54,11 +54,6 @@ class PoweredDescent(Task):
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
         self._left = np.zeros(len(fleet))
-
-    @property
-    def action_space(self) -> spaces.Box:
-        """Acceleration beyond weight."""
-        return spaces.Box(-1.0, 1.0, (3,), np.float32)
 
     def command(self, actions: np.ndarray) -> None:
         """Command the thrust vector."""

@@ -1,5 +1,4 @@
-"""What makes a part of a flight a task to learn: where it begins, what is observed, what is commanded, what
-counts.
+"""A part of a flight as a task to learn: where it begins, observation, command and reward.
 
 A task works on a fleet, all its flights at once; an environment of one flight has a fleet of one.
 """
@@ -34,7 +33,7 @@ class Feature:
 
 
 class StepResult(NamedTuple):
-    """What a step came to, each shape (flights,): reward; whether the task is over; whether it was done."""
+    """Result of a step, each shape (flights,): reward, true where the task is over, and where it was done."""
 
     reward: np.ndarray
     over: np.ndarray
@@ -42,29 +41,18 @@ class StepResult(NamedTuple):
 
 
 class Task(ABC):
-    """A task.
-
-    Attributes:
-        scenario: scenario or campaign that episodes are taken from.
-        overrides: what differs in it.
-        faults: faults of which each flight has one.
-        role: role of the mission phase in which an episode begins.
-        later_s: how long after the beginning of that phase, s.
-        interval_s: time between two actions, s.
-        longest_s: after which an episode is cut off, s.
-        features: what is observed.
-        title: in a few words.
-    """
+    """A task."""
 
     title: str
-    scenario: str = "tianwen1_mc"
-    overrides: Mapping[str, Any] = {}
-    faults: tuple[Mapping[str, Any], ...] = ()
-    role: str
-    later_s: float = 0.0
-    interval_s: float
-    longest_s: float
-    features: tuple[Feature, ...]
+    scenario: str = "tianwen1_mc"  # scenario or campaign that episodes are taken from
+    overrides: Mapping[str, Any] = {}  # changes of it
+    faults: tuple[Mapping[str, Any], ...] = ()  # of which each flight has one
+    role: str  # of the mission phase in which an episode begins
+    later_s: float = 0.0  # time from the beginning of that phase to the episode, s
+    interval_s: float  # time between two actions, s
+    longest_s: float  # time after which an episode is cut off, s
+    features: tuple[Feature, ...]  # of an observation
+    size: int  # numbers of an action
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         self.loaded, self.fleet = loaded, fleet
@@ -78,12 +66,12 @@ class Task(ABC):
         return spaces.Box(-BOUND, BOUND, (size,), np.float32)
 
     @property
-    @abstractmethod
     def action_space(self) -> spaces.Space:
-        """What a policy may do."""
+        """Actions of a policy: ``size`` numbers between -1 and 1."""
+        return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """What the flight computers know, shape (flights, size); nothing of it is the truth."""
+        """Observe what the flight computers know, shape (flights, size); nothing of it is the truth."""
         columns = [
             np.asarray(feature.read(self.fleet.memories), float).reshape(len(self.fleet), -1) / feature.scale
             for feature in self.features
@@ -115,21 +103,21 @@ class Task(ABC):
 
     @abstractmethod
     def baseline(self) -> np.ndarray:
-        """What the flight software itself would do, as actions."""
+        """Return the actions of the flight software itself."""
 
     @abstractmethod
     def result(self) -> StepResult:
-        """What the step since came to."""
+        """Evaluate the step since the last call."""
 
     def begin(self, index: int) -> None:  # noqa: B027  few tasks remember anything
         """Forget the episode of a flight that begins anew."""
 
     def in_roles(self, *roles: str) -> np.ndarray:
-        """Whether each flight is in a phase of these roles, shape (flights,)."""
+        """True for each flight in a phase of these roles, shape (flights,)."""
         return np.isin(self.roles[self.fleet.memories["mission"]["phase"]], roles)
 
     def ended(self) -> np.ndarray:
-        """Whether each flight has ended, shape (flights,)."""
+        """True for each flight that has ended, shape (flights,)."""
         return ~self.fleet.flying
 
 

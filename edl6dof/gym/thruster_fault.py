@@ -43,12 +43,13 @@ class _ThrusterFault(Task):
 
 
 class DeadThruster(_ThrusterFault):
-    """Action: duty of each thruster, from the release of the backshell on.  Reward: a hundredth less a
-    hundredth of error (rad) and rate (rad/s) in each step, -1 where attitude is lost; done where the thrust
-    axis is where guidance wants it after 30 s.
+    """Action: duty of each thruster, -1 for none and 1 for all the time, from the release of the backshell
+    on.  Reward: a hundredth less a hundredth of error (rad) and rate (rad/s) in each step, -1 where attitude
+    is lost; done where the thrust axis is where guidance wants it after 30 s.
     """
 
     title = "attitude of powered descent by single thrusters, one of which is dead"
+    size = _THRUSTERS
     faults = _one_dead(POWERED_DECELERATION, FAILING)
     role = POWERED_DECELERATION
     interval_s, longest_s = 0.04, 60.0
@@ -62,11 +63,6 @@ class DeadThruster(_ThrusterFault):
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
         self._began = np.zeros(len(fleet))
-
-    @property
-    def action_space(self) -> spaces.Box:
-        """Duty of each thruster, -1 for none and 1 for all the time."""
-        return spaces.Box(-1.0, 1.0, (_THRUSTERS,), np.float32)
 
     def command(self, actions: np.ndarray) -> None:
         """Command the duties."""
@@ -131,7 +127,7 @@ class FaultDiagnosis(_ThrusterFault):
         external["isolated"][:, :_THRUSTERS] = self._named[:, None] == np.arange(1, _THRUSTERS + 1)
 
     def baseline(self) -> np.ndarray:
-        """What fault isolation has named."""
+        """Thruster that fault isolation has named, 0 for none."""
         diagnosis = self.fleet.memories["diagnosis"]
         first = diagnosis["isolated"]["thruster"][:, 0]
         return np.where(diagnosis["n_isolated"] > 0, first + 1, 0)

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
+from edl6dof.metrics.figure_forms import Flown
 from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Source, figure_of_merit
-from edl6dof.metrics.forms import Flown
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import great_circle
@@ -36,9 +36,7 @@ AT_EVENTS = (
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: the figure that it bounds by name and in words, this flight's value and the largest value
-    allowed, in ``unit``.
-    """
+    """One limit: figure by name and in words, this flight's value and the largest allowed, in ``unit``."""
 
     figure: str
     label: str
@@ -48,17 +46,17 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """Whether the limit is kept; a value that could not be formed does not keep it."""
+        """True if the limit is kept; a value that could not be formed does not keep it."""
         return bool(self.value <= self.limit)
 
     @property
     def of_balance(self) -> bool:
-        """Whether it judges the simulator and not the mission."""
+        """True if it judges the simulator and not the mission."""
         return figure_of_merit(self.figure).source == "balance"
 
     @property
     def told(self) -> str:
-        """What stands for it in the outcome: a broken balance with its numbers."""
+        """Words for it in the outcome: a broken balance with its numbers."""
         unit = f" {self.unit}" if self.unit else ""
         return (
             f"{self.label}: {self.value:.1e}, limit {self.limit:g}{unit}" if self.of_balance else self.label
@@ -66,9 +64,7 @@ class Check:
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that is set and whose point this flight reached, and every balance that it does not
-    keep.
-    """
+    """Every limit that is set and was reached, and every balance that is not kept."""
     bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
     found = [
         Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label)

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 from edl6dof.config.units import Unit, split_unit
 from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, begun
-from edl6dof.metrics.forms import (
+from edl6dof.metrics.figure_forms import (
     Form,
     Part,
     at,
@@ -234,9 +234,7 @@ DECLARED = frozenset(_BY_NAME)
 
 
 def figure_of_merit(name: str) -> FigureOfMerit:
-    """The figure of a name; one that is not declared, as in the files of another version, speaks for
-    itself.
-    """
+    """The figure of a name; one not declared, as of another version, is described by its name."""
     return _BY_NAME.get(name) or FigureOfMerit(name, split_unit(name)[0].replace("_", " "), "telemetry")
 
 

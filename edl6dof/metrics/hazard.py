@@ -1,5 +1,5 @@
-"""What hazard detection chose, beside the ground as it is; and how near backshell and canopy came to the
-lander once they had parted, between rows as well.
+"""Choice of hazard detection compared with the true ground, and least distance of backshell and canopy from
+the lander once they have parted, between rows as well.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.fsw.hazard.safety import SAFE
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.kernels import kernel
-from edl6dof.metrics.footing import COUNTED, FOOTPRINT
+from edl6dof.metrics.touchdown_terrain import COUNTED, FOOTPRINT
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import atan2, hypot
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
@@ -28,17 +28,14 @@ PARTED_S = 5.0
 
 
 class TrueSpot(NamedTuple):
-    """Where the chosen spot truly is, east and north of the landing site (m): as chosen, less the error of
-    navigation when the scan began.
-    """
+    """True place of the chosen spot, east and north of the site (m): as chosen less navigation error."""
 
     east: float
     north: float
 
 
 def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
-    """The chosen spot on the ground; ``None`` where none was chosen from a scan of this
-    telemetry."""
+    """The chosen spot on the ground; ``None`` where none was chosen from a scan of this telemetry."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
     # a flight that goes on from a saved state has no telemetry of what was before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
@@ -87,9 +84,7 @@ def hazard_figures(
 
 @kernel
 def _largest_rock(cases, east, north, up):
-    """Diameter (m) of the largest rock whose middle lies under the footprint around a place (east, north, up
-    of the landing site, m); 0 for none.
-    """
+    """Diameter (m) of the largest rock centred under the footprint about a place (m); 0 for none."""
     site, planet, terrain = cases[0].site, cases[0].planet, cases[0].terrain
     off = ned_to_fixed(site.sin_lat, site.cos_lat, site.sin_lon, site.cos_lon, (north, east, -up))
     r_F = add(take3(site.origin_F, 0), off)

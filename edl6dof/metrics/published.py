@@ -1,4 +1,4 @@
-"""What is published of the real flight, and how this flight's figures stand to it.
+"""Published figures of the real flight, compared with those of this flight.
 
 A flown value is compared on both sides: the difference, in standard deviations where its uncertainty is
 known.  Only what was required of the mission is a bound, and a bound is kept or broken.
@@ -67,27 +67,27 @@ class PublishedFigure(Params):
 
     @property
     def required(self) -> bool:
-        """Whether it is a requirement and not a flown value."""
+        """True if it is a requirement and not a flown value."""
         return self.at_most is not None or self.at_least is not None
 
     @property
     def planned(self) -> bool:
-        """Whether it was printed before the flight and not measured in it."""
+        """True if it was printed before the flight and not measured in it."""
         return self.evidence == "planned"
 
     @property
     def counted(self) -> bool:
-        """Whether it is a flown value that a flight can predict."""
+        """True if it is a flown value that a flight can predict."""
         return not self.required and self.evidence == "flown"
 
     @property
     def explainable(self) -> bool:
-        """Whether a calibration may explain it: a flown value that says how well it is known."""
+        """True if a calibration may explain it: a flown value that says how well it is known."""
         return self.sigma is not None and not self.planned
 
     @property
     def number(self) -> float:
-        """What was published, whatever it is."""
+        """The published number, of whatever kind."""
         return next(x for x in (self.value, self.magnitude, self.at_most, self.at_least) if x is not None)
 
     @property
@@ -99,13 +99,11 @@ class PublishedFigure(Params):
 
     @property
     def mark(self) -> str:
-        """What stands before the number."""
+        """Mark before the number: ``<=``, ``>=``, ``+-`` or nothing."""
         return f"{self.bound} " if self.required else "+-" if self.magnitude is not None else ""
 
     def of(self, own: float) -> float:
-        """What of a figure of this flight stands beside it: without its sign where that is how it was
-        published.
-        """
+        """Figure of this flight to compare with it: without its sign where it was published so."""
         return abs(own) if self.magnitude is not None else own
 
     def sigmas(self, own: float, deviation: float = 0.0) -> float | None:
@@ -125,7 +123,7 @@ class PublishedFigure(Params):
         return difference / width if width > 0.0 else copysign(inf, difference) if difference else 0.0
 
     def kept(self, own: float) -> bool | None:
-        """Whether a requirement is kept; ``None`` where it is none.  No number keeps no requirement."""
+        """True if a requirement is kept, ``None`` where it is none; NaN keeps no requirement."""
         if self.at_most is not None:
             return own <= self.at_most
         return own >= self.at_least if self.at_least is not None else None

@@ -1,6 +1,4 @@
-"""The state at first ground contact, from the located event itself and not from the nearest row of
-telemetry.
-"""
+"""The state at first ground contact, from the located event and not from a row of telemetry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A film of a recording: pictures of the viewer without a window at even times, put together by ffmpeg."""
+"""Films of a recording: pictures of the viewer without a window at even times, joined by ffmpeg."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class NoFilm(RuntimeError):
 
 
 class Cut(NamedTuple):
-    """What a film shows: first and last time of the flight, s, its own length, s, and frames per second."""
+    """First and last time of the flight (s), length of the film (s), and frames per second."""
 
     first_s: float
     last_s: float
@@ -34,12 +34,12 @@ class Cut(NamedTuple):
 
     @property
     def times(self) -> np.ndarray:
-        """Time of the flight (s) at each frame, evenly from the first to the last."""
+        """Time of the flight (s) at each frame, evenly spaced."""
         return np.linspace(self.first_s, self.last_s, max(2, round(self.length_s * self.fps)))
 
 
 def encoder() -> str:
-    """The ffmpeg program: the machine's own, or that of the package imageio-ffmpeg.
+    """Return the ffmpeg program: that of the machine, or of the package imageio-ffmpeg.
 
     Raises:
         NoFilm: there is neither.
@@ -58,8 +58,9 @@ def encoder() -> str:
     return found
 
 
-def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], None]) -> None:
-    """Write a film (MP4) of the recording; ``told`` hears after each frame how many of how many are done.
+def film(recording: Path, target: Path, cut: Cut, progress: Callable[[int, int], None]) -> None:
+    """Write a film (MP4) of the recording; ``progress`` is called after each frame with the counts done and
+    in all.
 
     Raises:
         NoFilm: there is no encoder, or it ended with an error.
@@ -69,12 +70,12 @@ def film(recording: Path, target: Path, cut: Cut, told: Callable[[int, int], Non
     with drawing(recording, float(times[0]), SIZE) as draw, _encoding(program, target, cut.fps) as frames:
         for k, t in enumerate(times):
             frames.write(draw(float(t)))
-            told(k + 1, len(times))
+            progress(k + 1, len(times))
 
 
 @contextmanager
 def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
-    """What takes the frames (PNG), one after the other; the film is complete when the block ends."""
+    """Open a stream for the frames (PNG), one after the other; the block's end completes the film."""
     words = [program, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png"]
     words += ["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(target.resolve())]
     with TemporaryFile() as log:
@@ -91,5 +92,5 @@ def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
             process.wait()
         if status:
             log.seek(0)
-            said = log.read().decode(errors="replace").split("\n")
-            raise NoFilm(f"ffmpeg ended with status {status}: {' '.join(said).strip()[-200:]}")
+            words = log.read().decode(errors="replace").split("\n")
+            raise NoFilm(f"ffmpeg ended with status {status}: {' '.join(words).strip()[-200:]}")

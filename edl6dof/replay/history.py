@@ -1,6 +1,4 @@
-"""What a replay is made of: the rows of a flight that can be drawn, thinned, and nothing else of its
-telemetry.
-"""
+"""The data of a replay: those rows of a flight that can be drawn, thinned."""
 
 from __future__ import annotations
 
@@ -9,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from edl6dof.telemetry.instruments import columns_of, instruments
+from edl6dof.telemetry.instrument_states import columns_of, instruments
 from edl6dof.telemetry.timeline import first_times
 
 if TYPE_CHECKING:
@@ -18,33 +16,20 @@ if TYPE_CHECKING:
 
 #: Rows kept per second.
 POSE_HZ = 25.0
-#: Rows from which on a flight keeps them all only beside its events, and how far beside, s.
+#: Rows from which on a flight keeps them all only near its events, and how near, s.
 MANY, BESIDE_S = 30_000, 60.0
 
-#: Columns that say where everything is.
+#: Whatever has a place of its own, and columns that say where everything is.
+PARTS = ("site", "canopy", "heat_shield", "backshell")
 POSES = (
-    *(
-        f"truth.{body}_{axis}_m"
-        for body in ("site", "canopy", "heat_shield", "backshell")
-        for axis in ("east", "north", "up")
-    ),
+    *(f"truth.{one}_{axis}_m" for one in PARTS for axis in ("east", "north", "up")),
     *(f"truth.q_I2B_{axis}" for axis in "wxyz"),
     *(f"truth.centre_{axis}_m" for axis in "xyz"),
     *(f"truth.v_{axis}_m_s" for axis in ("north", "east", "down")),
-    *(
-        "t_s",
-        "truth.height_m",
-        "truth.altitude_m",
-        "truth.heat_flux_w_cm2",
-        "truth.engine_thrust_n",
-        "truth.footpads",
-        "guide.phase",
-    ),
-    *(
-        "truth.trim_wing",
-        *(f"truth.aero_force_{axis}_n" for axis in "xyz"),
-        *(f"truth.disturbance_{axis}_nm" for axis in "xyz"),
-    ),
+    *(f"truth.aero_force_{axis}_n" for axis in "xyz"),
+    *(f"truth.disturbance_{axis}_nm" for axis in "xyz"),
+    *("t_s", "truth.height_m", "truth.altitude_m", "truth.heat_flux_w_cm2", "truth.engine_thrust_n"),
+    *("truth.footpads", "truth.trim_wing", "guide.phase"),
 )
 
 
@@ -61,11 +46,11 @@ class Flown(Protocol):
 
     @property
     def success(self) -> bool:
-        """Whether it reached its goal within all limits."""
+        """True if it reached its goal within all limits."""
 
     @property
     def scenario(self) -> Scenario:
-        """What was flown."""
+        """The scenario."""
 
     @property
     def phase_names(self) -> list[str]:
@@ -77,7 +62,7 @@ class Flown(Protocol):
 
     @property
     def landing_map(self) -> LandingMap | None:
-        """What the lander saw of the ground and chose on it."""
+        """The map of the ground and the choice on it, if it scanned the ground."""
 
     @property
     def telemetry(self) -> Mapping[str, np.ndarray]:
@@ -85,7 +70,7 @@ class Flown(Protocol):
 
 
 class Known(NamedTuple):
-    """What the flight software found out about a thruster, and when."""
+    """Time and text of the isolation of a thruster."""
 
     t_s: float
     text: str
@@ -103,7 +88,7 @@ class History:
         jets: names of the thrusters.
         instruments: what was made of each instrument, at these rows; none where sensors are perfect.
         failures: true state of the thrusters that fail, by name, at these rows; 0 works.
-        diagnosed: what the flight software found out, by thruster.
+        diagnosed: first isolation of each thruster, by its name.
         landing_map: what the lander saw of the ground and chose on it; ``None`` without a scan.
         when: time (s) of the first event of each key, and of the first phase of each role.
     """
@@ -111,14 +96,9 @@ class History:
     def __init__(self, flight: Flown, names: Iterable[str], plotted: Iterable[str] = ()) -> None:
         """Take the columns ``names`` besides the poses, thinned, and the columns ``plotted`` whole."""
         table = flight.telemetry
-        self.name, self.outcome, self.success, self.scenario = (
-            flight.name,
-            flight.outcome,
-            flight.success,
-            flight.scenario,
-        )
+        self.name, self.outcome, self.success = flight.name, flight.outcome, flight.success
+        self.scenario, self.landing_map = flight.scenario, flight.landing_map
         self.phase_names, self.events = flight.phase_names, flight.events
-        self.landing_map = flight.landing_map
         self.when = first_times(flight.events)
         rows = _drawable(table)
         with np.errstate(over="ignore"):  # of a flight that diverged
@@ -126,30 +106,30 @@ class History:
         self.series["t_s"] = table["t_s"][rows]
         rows = rows[poses(table["t_s"][rows], [event["t_s"] for event in flight.events])]
         components = flight.scenario.components if on_instruments(flight) else {}
-        wanted = dict.fromkeys([*POSES, *names, *columns_of(components)])
-        self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in wanted if name in table}
+        needed = dict.fromkeys([*POSES, *names, *columns_of(components)])
+        self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in needed if name in table}
         self.t = self.columns["t_s"]
         self.jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if f"rcs.{jet.name}" in table]
         self.duty = np.zeros((len(rows), len(self.jets)), np.float32)
         for k, jet in enumerate(self.jets if len(rows) else ()):
             self.duty[:, k] = _mean_between(np.nan_to_num(table[f"rcs.{jet}"]), rows)
-
         self.instruments = instruments(self.columns, components)
         states = {jet: table[f"fault.{jet}"][rows] for jet in self.jets if f"fault.{jet}" in table}
         self.failures = {jet: state for jet, state in states.items() if np.any(state > 0)}
-        self.diagnosed = _diagnosed(flight.events, self.jets)
+        isolations = [event for event in flight.events if event["key"] == "diagnosis"]
+        self.diagnosed = {one["thruster"]: Known(one["t_s"], one["isolated"]) for one in reversed(isolations)}
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
 
     def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
-        """Mean duty of some thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
+        """Return the mean duty of thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
         own = self.duty[:, [self.jets.index(name) for name in names]]
         return _mean_between(own, rows)
 
 
 def on_instruments(flight: Flown) -> bool:
-    """Whether the flight computer navigates, and does not take the word of perfect sensors."""
+    """Return True if the flight computer navigates on instruments, and not on a given state."""
     return flight.scenario.navigation_filter != "given"
 
 
@@ -167,23 +147,14 @@ def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return np.add.reduceat(values, rows, axis=0) / counts.reshape(-1, *[1] * (values.ndim - 1))
 
 
-def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
-    """First isolation of each thruster; a run that was written before events told the thruster has none."""
-    found: dict[str, Known] = {}
-    for event in events:
-        if event["key"] == "diagnosis" and event.get("thruster") in jets:
-            found.setdefault(event["thruster"], Known(event["t_s"], event.get("isolated", event["name"])))
-    return found
-
-
 def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:
-    """Columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
+    """Return columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
     return np.stack([columns[f"{stem}_{axis}{suffix}"] for axis in axes.split()], axis=-1)
 
 
 def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
-    """Rows in which the vehicle is drawn: ``POSE_HZ``; of a flight of hours about ``MANY``, all beside its
-    events and the others evenly.
+    """Return the rows in which the vehicle is drawn, at ``POSE_HZ``; of a flight of hours about ``MANY``, all
+    near its events and the others evenly.
     """
     rows = thin(t, POSE_HZ)
     if len(rows) <= MANY:
@@ -198,7 +169,7 @@ def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
 
 
 def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Rows of about ``rate_hz``, the first and the last row among them."""
+    """Return rows at about ``rate_hz``, with the first and the last row."""
     if len(t) < 2:
         return np.arange(len(t))
     step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))

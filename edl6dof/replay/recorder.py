@@ -1,8 +1,10 @@
-"""What everything that writes into the recording shares: the flight, its poses, and short ways to log."""
+"""The base of all writers of a recording: the flight, its poses, and helpers to log them.
+
+A negative radius is a size on the screen, in points.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +13,8 @@ import numpy as np
 from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.mesh import Mesh
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.layout import FLIGHTS, PHASES
-from edl6dof.replay.views.spatial import TIMELINE, root_of
+from edl6dof.replay.scene.poses import Motion
+from edl6dof.replay.views.pages import FLIGHTS, PHASES, TIMELINE, root_of
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Recorder:
 
     Attributes:
         number: of this flight in the recording; 0 owns the ground and the lanes.
-        label: tells this flight from others in the recording; empty when it is alone.
+        label: name of this flight among others in the recording; empty when it is alone.
         own: colour that does.
         root: entity under which lies what belongs to this flight alone.
     """
@@ -51,31 +52,63 @@ class Recorder:
         self.colours = np.array(PHASES, np.uint8)[place % len(PHASES)]
 
     def statics(self) -> None:
-        """What holds for all time; logged first, so that a slow viewer has it from the beginning."""
+        """Write timeless entities; first, so that a slow viewer has them from the beginning."""
 
     def motions(self) -> None:
-        """What changes with time."""
+        """Write everything that changes with time."""
 
     def static(self, entity: str, *what: Any) -> None:
-        """Log what holds for all time."""
+        """Log a timeless entity."""
         self.rec.log(entity, *what, static=True)
 
     def columns(self, entity: str, t: np.ndarray, columns: Any) -> None:
         """Log a series, one row for each time (s)."""
         self.rec.send_columns(entity, [self.rr.TimeColumn(TIMELINE, duration=t)], columns)
 
+    def poses(
+        self,
+        entity: str,
+        t: np.ndarray,
+        place: np.ndarray | None = None,
+        turn: np.ndarray | None = None,
+        scale: np.ndarray | None = None,
+    ) -> None:
+        """Log place (m), attitude (quaternions, scalar first) and scale of a frame, one row for each time."""
+        quaternion = None if turn is None else turns.xyzw(turn)
+        given = {"translation": place, "quaternion": quaternion, "scale": scale}
+        known = {name: values for name, values in given.items() if values is not None}
+        self.columns(entity, t, self.rr.Transform3D.columns(**known))
+
+    def series(
+        self,
+        entity: str,
+        t: np.ndarray,
+        kind: Any,
+        look: dict[str, Any],
+        data: dict[str, Any],
+        each: np.ndarray | None = None,
+    ) -> None:
+        """Log a series of one archetype with a constant look; ``each``: items of each row, if not one."""
+        self.static(entity, kind.from_fields(**look))
+        columns = kind.columns(**data)
+        self.columns(entity, t, columns if each is None else columns.partition(each))
+
+    def lines(self, entity: str, strips: Any, colour: Any, points: float) -> None:
+        """Log lines for all time, so many points wide on the screen."""
+        self.static(entity, self.rr.LineStrips3D(strips, colors=colour, radii=-points))
+
     def at(self, t: float, entity: str, *what: Any) -> None:
-        """Log what holds from time ``t`` (s) on."""
+        """Log an entity that exists from time ``t`` (s) on."""
         self.rec.set_time(TIMELINE, duration=float(t))
         self.rec.log(entity, *what)
         self.rec.reset_time()
 
     def gone(self, t: float, entity: str) -> None:
-        """Take an entity away at time ``t`` (s)."""
+        """Remove an entity at time ``t`` (s)."""
         self.at(t, entity, self.rr.Clear(recursive=False))
 
     def mesh(self, mesh: Mesh, **more: Any) -> rr.Mesh3D:
-        """The mesh as rerun takes it."""
+        """Return the mesh as a rerun archetype."""
         return self.rr.Mesh3D(
             vertex_positions=mesh.positions,
             triangle_indices=mesh.triangles,
@@ -85,7 +118,7 @@ class Recorder:
         )
 
     def own_mesh(self, part: str | None) -> list[Any] | None:
-        """The user's own mesh that shows a part, in its place in B; of ``None``, all that is not a part."""
+        """Return the user's mesh for a part, in its place in B; ``None``: for all that is not a part."""
         own = next((mesh for mesh in self.vehicle.appearance.meshes if mesh.part == part), None)
         if own is None:
             return None
@@ -101,14 +134,14 @@ class Recorder:
         return [self.rr.Asset3D(contents=file.content, media_type=file.media_type), place]
 
     def shown(self, part: str | None, mesh: Mesh, **more: Any) -> list[Any]:
-        """A part as rerun takes it; ``more`` goes with the drawn shape alone."""
+        """Return a part as rerun archetypes; ``more`` applies to our own shape only."""
         return self.own_mesh(part) or [self.mesh(mesh, **more)]
 
-    def marker(
-        self, name: str, place: Sequence[float] | np.ndarray, colour: tuple[int, int, int], size: float = 4.0
-    ) -> None:
-        """A labelled point that is seen from afar."""
-        point = self.rr.Points3D(
-            [place], labels=[name], colors=colour, radii=self.rr.Radius.ui_points(size), show_labels=True
-        )
-        self.static(f"{self.root}/labels/{name}", point)
+    def point(self, place: Any, words: str, colour: Any, points: float = 4.0) -> rr.Points3D:
+        """Return a labelled point of one size on the screen."""
+        return self.rr.Points3D([place], labels=[words], colors=colour, radii=-points, show_labels=True)
+
+
+def and_next(shown: np.ndarray) -> np.ndarray:
+    """Return the rows (bool) with something to show, and those after: a row without it ends it."""
+    return shown | np.append(False, shown[:-1])

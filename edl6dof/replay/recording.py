@@ -11,9 +11,8 @@ the timeline, ``/legend`` what colours mean.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,28 +20,20 @@ import numpy as np
 
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene.arrows import Arrows, scales
-from edl6dof.replay.scene.descent import Descent
-from edl6dof.replay.scene.ensemble import Ensemble, write_ensemble
-from edl6dof.replay.scene.flames import Flames
-from edl6dof.replay.scene.globe import Globe
-from edl6dof.replay.scene.ground import Ground
-from edl6dof.replay.scene.hazards import NAVIGATED, Beams, Hazards
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.scene.near_ground import NearGround
-from edl6dof.replay.scene.track import Track
-from edl6dof.replay.scene.vehicle import Vehicle
-from edl6dof.replay.views import charts, lanes, phase_plane, readout
-from edl6dof.replay.views.cameras import Cameras, ScaleBar
-from edl6dof.replay.views.charts import axis_range, drawn, ends, shown
-from edl6dof.replay.views.director import Director
-from edl6dof.replay.views.layout import GROUPS, Layout, spans_of
-from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.spatial import TIMELINE, Shown
-from edl6dof.telemetry.instruments import Instrument
+from edl6dof.replay.scene.arrows import Arrows
+from edl6dof.replay.scene.craft import Descent, Flames, Vehicle
+from edl6dof.replay.scene.ground import Ground, NearGround
+from edl6dof.replay.scene.poses import Motion
+from edl6dof.replay.scene.sensing import NAVIGATED, Beams, Hazards
+from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
+from edl6dof.replay.views import charts, lanes, readout
+from edl6dof.replay.views.blueprint import Layout
+from edl6dof.replay.views.cameras import Cameras, Director, ScaleBar
+from edl6dof.replay.views.charts import PhasePlanes
+from edl6dof.replay.views.pages import TIMELINE
 
 if TYPE_CHECKING:
-    import rerun as rr
+    pass
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
@@ -52,9 +43,9 @@ PARTS: tuple[type[Recorder], ...] = (
 
 
 def history(flight: Flown) -> History:
-    """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
+    """Return the data that a replay needs of a flight, whose telemetry may be released afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    columns = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
+    columns = (*charts.PLANE_COLUMNS, *readout.COLUMNS, *NAVIGATED)
     return History(flight, columns, (*charts.COLUMNS, *navigation))
 
 
@@ -68,7 +59,7 @@ def write_replay(
 ) -> None:
     """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
 
-    ``labels`` tell several flights apart, or one from the trajectories of a campaign in ``ensemble``; a
+    ``labels`` distinguish several flights, or one from the trajectories of a campaign in ``ensemble``; a
     flight alone needs none.
 
     Raises:
@@ -82,8 +73,8 @@ def write_replay(
     name = first.name if len(flights) == 1 else " and ".join(labels)
     stream = rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}")
     with _failing_as_the_system_says(path), stream as recording:
-        shown = _shown(flights, motions[0], recording, labels, ensemble is not None)
-        recording.save(str(path), default_blueprint=Layout(shown).blueprint(page))
+        layout = Layout(flights, motions[0], recording, labels, ensemble is not None)
+        recording.save(str(path), default_blueprint=layout.blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         drawable = [
             (k, flight, motion)
@@ -108,7 +99,7 @@ def write_replay(
 
 @contextmanager
 def _failing_as_the_system_says(path: Path) -> Iterator[None]:
-    """Raise ``OSError`` where rerun cannot write: it says that its writer has ended, but not of what."""
+    """Raise ``OSError`` with the system's reason: rerun only says that its writer has ended."""
     try:
         yield
     except RuntimeError as error:
@@ -118,7 +109,7 @@ def _failing_as_the_system_says(path: Path) -> Iterator[None]:
 
 
 def recorded_span(path: Path) -> tuple[float, float]:
-    """First and last time (s) at which a recording knows where its first flight is.
+    """Return the first and last time (s) of the first flight in a recording.
 
     Raises:
         ValueError: it knows of no flight.
@@ -134,76 +125,3 @@ def recorded_span(path: Path) -> tuple[float, float]:
         raise ValueError("not drawn by this version of edl6dof; --page Flight draws a run folder anew")
     seconds = np.concatenate(times) / np.timedelta64(1, "s")
     return float(seconds.min()), float(seconds.max())
-
-
-def _shown(
-    flights: Sequence[History],
-    motion: Motion,
-    recording: rr.RecordingStream,
-    labels: Sequence[str],
-    ensemble: bool,
-) -> Shown:
-    first = flights[0]
-    span = (
-        (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t)))
-        if len(first.t)
-        else (0.0, 1.0)
-    )
-    pages = {"Flight": span, **spans_of(span, first.when)}
-    places = motion.centre if len(motion.t) else np.zeros((1, 3))
-    deploy = motion.released(motion.canopy)
-    middle = motion.site.in_F(0.5 * (places[0] + places[-1])) / 1e3
-    jets = {jet.group for jet in first.scenario.vehicle.rcs.thrusters if jet.name in first.jets}
-    return Shown(
-        span=span,
-        when=first.when,
-        start=places[0],
-        end=places[-1],
-        deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.key for plot in shown(first)),
-        groups=tuple(group for group in GROUPS if group in jets),
-        jets=tuple(first.jets),
-        instruments=_by_kind(first.instruments),
-        lanes=lanes.Lanes(first, motion, recording).labels(pages) if len(first.t) else {},
-        scanned=_scanned(first, places),
-        labels=tuple(labels) or ("",),
-        size=motion.shape.size,
-        scales=scales(first, motion) if len(first.t) > 2 else "",
-        ranges=_ranges(flights, pages),
-        ensemble=ensemble,
-        globe_eye=2.3 * middle,
-        globe_target=0.0 * middle,
-    )
-
-
-def _ranges(
-    flights: Sequence[History], spans: Mapping[str, tuple[float, float]]
-) -> dict[tuple[str, str], tuple[float, float]]:
-    """First and last value on the axis of each plot in the time of each page, by page and entity, such that
-    the curves of all flights lie on it.
-    """
-    found = {}
-    curves: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-    for flight in flights:
-        for plot in shown(flight):
-            curves.setdefault(plot.key, []).append(drawn(plot, flight))
-    for key, page in product(curves, spans):
-        if values := [value for one in curves[key] for value in ends(*one, spans[page])]:
-            found[page, key] = axis_range(min(values), max(values))
-    return found
-
-
-def _by_kind(instruments: Sequence[Instrument]) -> dict[str, list[str]]:
-    """Names of instruments by their kind."""
-    found: dict[str, list[str]] = {}
-    for one in instruments:
-        found.setdefault(one.kind, []).append(one.name)
-    return found
-
-
-def _scanned(flight: History, places: np.ndarray) -> np.ndarray | None:
-    """Place from which the ground was scanned, m in L."""
-    if flight.landing_map is None:
-        return None
-    row = int(np.searchsorted(flight.t, flight.when["scan"]).clip(0, len(places) - 1))
-    return places[row]

@@ -1,19 +1,165 @@
-"""The viewer: open a recording on the desktop, or take its picture without a window."""
+"""The viewer: open a recording on the desktop, or take its picture without a window.
+
+If it fails, its last words say what the machine lacks.
+"""
 
 from __future__ import annotations
 
+import os
+import socket
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
+from typing import IO
 
-from edl6dof.replay.program import HOST, ViewerFailed, free_port, running
-from edl6dof.replay.views.spatial import TIMELINE
+from edl6dof.replay.views.pages import TIMELINE
 
+HOST = "127.0.0.1"
+STARTUP_S = 20.0
+
+#: Words of a viewer that cannot work here, and what to do about it.
+_LACKING = {
+    "Failed to get render context": (
+        "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
+        "(Debian: apt-get install mesa-vulkan-drivers)"
+    ),
+    "EventLoopError": (
+        "there is no display to open a window on; --web, --html FILE and --screenshot FILE need none"
+    ),
+    "error while loading shared libraries": "a library of the system is missing",
+}
+
+#: Becomes the program after asking Linux to end it (PR_SET_PDEATHSIG, SIGKILL) with the process that started
+#: it, however that ends.
+_TIED = (
+    "import ctypes, os, sys; ctypes.CDLL(None).prctl(1, 9); os.getppid() == int(sys.argv[1]) and "
+    "os.execv(sys.argv[2], sys.argv[2:])"
+)
 #: After so long (s) a recording is loaded and notices of the start have faded; what changes for longer never
 #: settles.
 START_S, MOST_S = 2.5, 60.0
+
+
+class ViewerFailed(RuntimeError):
+    """The viewer ended before its work was done, or does not do it."""
+
+
+class NoViewer(ViewerFailed):
+    """This machine lacks what the viewer needs; the text says what."""
+
+
+class Program:
+    """The viewer's program while it runs."""
+
+    def __init__(self, process: subprocess.Popen[bytes], log: IO[bytes]) -> None:
+        self._process, self._log = process, log
+
+    def wait(self) -> None:
+        """Wait until it ends by itself.
+
+        Raises:
+            ViewerFailed: with an error.
+        """
+        if self._process.wait():
+            raise self._why_ended()
+
+    def wait_for(self, port: int) -> None:
+        """Wait until it listens on a port.
+
+        Raises:
+            ViewerFailed: it ends instead, or never does.
+        """
+        end = time.monotonic() + STARTUP_S
+        while time.monotonic() < end:
+            if self._process.poll() is not None:
+                raise self._why_ended()
+            with socket.socket() as probe:
+                if probe.connect_ex((HOST, port)) == 0:
+                    return
+            time.sleep(0.1)
+        raise ViewerFailed(f"the viewer does not start within {STARTUP_S:g} s")
+
+    @contextmanager
+    def asked(self) -> Iterator[None]:
+        """Report a failed request in the viewer's own words, if it has ended.
+
+        Raises:
+            ViewerFailed: it does not do what it is asked for.
+        """
+        try:
+            yield
+        except Exception as error:  # the client raises bare exceptions of its transport
+            try:
+                self._process.wait(timeout=5.0)
+            except subprocess.TimeoutExpired:
+                raise ViewerFailed(f"the viewer cannot take a picture: {error}") from None
+            raise self._why_ended() from None
+
+    def _why_ended(self) -> ViewerFailed:
+        self._log.seek(0)
+        lines = [
+            line.strip() for line in self._log.read().decode(errors="replace").splitlines() if line.strip()
+        ]
+        for line in lines:
+            for words, remedy in _LACKING.items():
+                if words in line:
+                    return NoViewer(f"the viewer does not run on this machine: {remedy} ({_short(line)})")
+        telling = next(
+            (line for line in lines if line.lower().startswith("error") or "panicked at" in line),
+            lines[-1] if lines else "",
+        )
+        return ViewerFailed(f"the viewer ended with status {self._process.returncode}: {_short(telling)}")
+
+
+@contextmanager
+def running(*options: str) -> Iterator[Program]:
+    """Run the program with some options, bound to this machine, for as long as the block lasts.
+
+    On Linux it also ends when the thread that started it does.
+
+    Raises:
+        NoViewer: the installed rerun has none.
+    """
+    command = [str(_path()), "--bind", HOST, *options]
+    if sys.platform == "linux":
+        command = [sys.executable, "-ISc", _TIED, str(os.getpid()), *command]
+    with TemporaryFile() as log:
+        quiet = {**os.environ, "NO_COLOR": "1"}
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, env=quiet
+        )
+        try:
+            yield Program(process, log)
+        finally:
+            process.kill()
+            process.wait()
+
+
+def free_port() -> int:
+    """Return a port that nothing listens on."""
+    with socket.socket() as probe:
+        probe.bind((HOST, 0))
+        return int(probe.getsockname()[1])
+
+
+def _path() -> Path:
+    """The program of the installed rerun; its ``python -m rerun`` is a wrapper that could outlive us."""
+    found = find_spec("rerun_cli")
+    folder = Path(found.origin).parent if found is not None and found.origin is not None else Path()
+    names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")
+    program = next((path for name in names if (path := folder / name).is_file()), None)
+    if program is None:
+        raise NoViewer("the installed rerun-sdk has no viewer for this machine")
+    return program
+
+
+def _short(line: str) -> str:
+    return line if len(line) <= 200 else f"{line[:100]} ... {line[-95:]}"
 
 
 def show(recording: Path) -> None:
@@ -31,7 +177,7 @@ def show(recording: Path) -> None:
 
 
 def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] = (1920, 1080)) -> None:
-    """Picture (PNG) of the recording at time ``t`` (s), from the viewer without a window.
+    """Write a picture (PNG) of the recording at time ``t`` (s), from the viewer without a window.
 
     Raises:
         NoViewer: this machine lacks what it needs.
@@ -45,8 +191,8 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
 def drawing(
     recording: Path, t: float, size: tuple[int, int] = (1920, 1080)
 ) -> Iterator[Callable[[float], bytes]]:
-    """What draws the recording at a time (s) as PNG, in a viewer without a window that has had time to load
-    it, first at time ``t`` (s).
+    """Open a viewer without a window and return a function that draws the recording at a time (s) as PNG,
+    first at ``t``.
 
     It loads while nobody looks: with a software renderer, a picture of what is not yet complete costs as much
     as the loading.
@@ -94,7 +240,7 @@ def drawing(
 
 
 def _settled(look: Callable[[], bytes]) -> bytes:
-    """A picture that is the same twice in a row: until then views load, and show that they do."""
+    """A picture that is the same twice in a row: until then views load, and show it."""
     before, start = b"", time.monotonic()
     while time.monotonic() - start < MOST_S:
         now = look()

@@ -1,3 +1,3 @@
-"""Reports: what they say and show (``document``, ``figure``), and who writes them down: ``page`` with
-``plotly_figure`` as HTML to look into, ``pdf`` with ``matplotlib_figure`` for papers.
+"""Reports: their content (``document``, ``figure``) and its forms: ``page`` with ``plotly_figure`` for the
+screen, ``pdf`` with ``matplotlib_figure`` for paper.
 """

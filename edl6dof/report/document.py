@@ -1,5 +1,5 @@
-"""What a report says: a headline, figures at a glance, and sections of text, tables and figures.  It knows no
-HTML and no matplotlib.
+"""The content of a report: a headline, key figures, and sections of text, tables and figures, independent of
+HTML and matplotlib.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ Mood = Literal["good", "warn", "bad", "plain"]
 
 @dataclass(frozen=True)
 class Fact:
-    """A figure at a glance: what it is, its value with the unit, and how it is to be taken."""
+    """A key figure: its label, its value with the unit, and its mood."""
 
     label: str
     value: str
@@ -24,7 +24,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Cell:
-    """A table cell that says more than its text: by its mood, and by a bar of a share 0..1 (more is cut)."""
+    """A table cell with a mood, and with a bar for a share 0..1 (cut off beyond)."""
 
     text: str
     mood: Mood = "plain"
@@ -34,9 +34,14 @@ class Cell:
 Row = Sequence[str | Cell]
 
 
+def as_cell(item: str | Cell) -> Cell:
+    """Return an item of a row as a cell."""
+    return item if isinstance(item, Cell) else Cell(item)
+
+
 @dataclass(frozen=True)
 class Table:
-    """Rows under headings; a heading that ends in ``>`` is that of right-aligned numbers."""
+    """Rows under headings; a heading that ends in ``>`` marks a column of right-aligned numbers."""
 
     columns: Sequence[str]
     rows: Sequence[Row]
@@ -52,7 +57,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Listing:
-    """Lines of a file, folded away under a title; a status mark such as ``# [P]`` in them is coloured."""
+    """Lines of a file, folded under a title; status marks such as ``# [P]`` are coloured."""
 
     title: str
     text: str
@@ -64,9 +69,7 @@ Block = Figure | Table | Text | Listing
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report with an entry in its contents; keys are letters, digits and ``_``, each once in a
-    report.
-    """
+    """A part of the report with an entry in the contents; keys are unique letters, digits and ``_``."""
 
     key: str
     title: str
@@ -86,6 +89,6 @@ class Report:
     footer: str = ""
 
     def figures(self) -> Iterator[Figure]:
-        """All figures in their order."""
+        """Return all figures in order."""
         for section in self.sections:
             yield from (block for block in section.blocks if isinstance(block, Figure))

@@ -1,4 +1,4 @@
-"""What a figure shows, apart from who draws it.
+"""The content of a figure, independent of the library that draws it.
 
 One description has two drawings: by plotly.js in a page, where a reader zooms and reads values off, and by
 matplotlib on paper.
@@ -17,58 +17,11 @@ from typing import Literal
 
 import numpy as np
 
+from edl6dof.report.palette import GREY, SEQUENTIAL, SERIES
 from edl6dof.telemetry.thinning import bends, rows_to_draw
 
 Kind = Literal["line", "points", "steps", "bars", "region"]
 Dash = Literal["solid", "dash", "dot", "dashdot"]
-
-#: Each colour of paper, and the one in its place on a dark ground; both sets stay apart for the colour-blind.
-DARK: dict[str, str] = {}
-
-
-def _inks(*pairs: str) -> tuple[str, ...]:
-    """Colours of paper, each given with the one in its place on a dark ground."""
-    both = [pair.split() for pair in pairs]
-    DARK.update({paper: dark for paper, dark in both})
-    return tuple(paper for paper, _ in both)
-
-
-#: Okabe and Ito's palette, which stays apart for every kind of colour vision; its yellow is left out, which
-#: paper swallows.
-BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = SERIES = _inks(
-    "#0072B2 #2f8fdc", "#D55E00 #e8702a", "#009E73 #14b88c", "#CC79A7 #d98cc0", "#E69F00 #f2b93b",
-    "#56B4E9 #7cc8f7", "#1b1b1b #f0f2f4",
-)  # fmt: skip
-#: Words, words of less weight, lines of the grid, lines of axes and zero, the ground of a drawing and of a
-#: page.
-INK, GREY, SOFT, RULE, AXIS, PAPER, GROUND = _inks(
-    "#1f2933 #e4e8ec", "#8a8f98 #98a1ac", "#5b6572 #a2abb6", "#e3e6ea #2d343d", "#c3c8cf #4a535e",
-    "#ffffff #171b21", "#f5f6f8 #0f1216",
-)  # fmt: skip
-GOOD, WARN, BAD = _inks("#00795a #35c79a", "#a86700 #e0a63c", "#b3261e #ff7b72")
-#: Kinds of claims that a number is, besides those that are good.
-PUBLISHED, RECALLED, ESTIMATE = _inks("#0072b2 #7cc8f7", "#8c4f7c #d98cc0", "#b34700 #f0955f")
-#: Colours of mission phases, in their order; light enough to lie behind lines.
-PHASES = _inks(
-    "#cfe3f3 #1d3a52", "#f6d9c4 #573220", "#cdeadd #1c4434", "#f1dcea #4b2f41", "#fbe7c0 #544018",
-    "#d8effb #1b4557", "#e6e6e6 #3a3f46", "#dcd9f2 #3a345a",
-)  # fmt: skip
-#: Grounds of classes of cells, light enough for what is drawn on them: from the best to the worst, and
-#: those of which nothing can be known.
-SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = _inks(
-    "#b7e3c8 #1c7a52", "#aeb4bc #4c525a", "#f7d08a #d0a03a", "#e79a7c #a83f22", "#e6e8eb #343b44"
-)
-#: Sequential scale from paper white to dark blue: it saves ink, and lightness alone tells its order.
-SEQUENTIAL = _inks(
-    "#f7f9fb #1b2027", "#cfe1f2 #173a5e", "#93c4de #1f5f93", "#4a97c9 #3f8fc4", "#1764ab #86bfe3",
-    "#08306b #e2f0fa",
-)  # fmt: skip
-
-
-def rgb(colour: str) -> tuple[int, int, int]:
-    """A colour of paper as it is on a dark ground, by red, green and blue from 0 to 255."""
-    red, green, blue = bytes.fromhex(DARK[colour][1:])
-    return red, green, blue
 
 
 @dataclass(frozen=True)
@@ -81,8 +34,8 @@ class Axis:
     names: Sequence[str] = ()
 
     def decades(self, span: tuple[float, float]) -> list[float]:
-        """Numbers written along a logarithmic axis: 1, 2, 5 of each decade, of many decades 1 alone; none
-        where fewer than two of them lie in the span.
+        """Return the numbers along a logarithmic axis: 1, 2, 5 of each decade, only 1 over many decades; none
+        if fewer than two of them lie in the span.
         """
         low, high = (int(np.floor(np.log10(bound))) for bound in span)
         steps = (1, 2, 5) if high - low <= 3 else (1,)
@@ -118,9 +71,15 @@ class Trace:
     border: bool = False
 
     def edges(self) -> np.ndarray:
-        """Where bars that touch each other begin and end, shape (n + 1,); they are of one width."""
+        """Return the ends of adjacent bars, shape (n + 1,); all have one width."""
         half = 0.5 * np.min(np.diff(self.x)) if len(self.x) > 1 else 0.5
         return np.append(self.x - half, self.x[-1:] + half)
+
+
+def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
+    """Return a trace that only adds an entry to the legend."""
+    nowhere = np.array([np.nan])
+    return Trace(nowhere, nowhere, name, "points", colour, symbol="square", width=width, border=border)
 
 
 @dataclass(frozen=True)
@@ -131,7 +90,6 @@ class Heat:
     Attributes:
         colours: the scale; with a title of none, one colour for each whole number from ``low`` to ``high``.
         labels: words of each cell, shown where a reader points at it.
-        written: whether the labels stand in the cells on paper.
     """
 
     x: np.ndarray
@@ -142,11 +100,10 @@ class Heat:
     high: float
     colours: Sequence[str] = SEQUENTIAL
     labels: Sequence[Sequence[str]] = ()
-    written: bool = False
 
     @property
     def kinds(self) -> bool:
-        """Whether the cells are of kinds, each of one colour, which traces name in the legend."""
+        """True if the cells are of kinds, each of one colour, which traces name in the legend."""
         return not self.title
 
     @property
@@ -164,7 +121,7 @@ class Heat:
 
 
 def cell_edges(centres: np.ndarray) -> np.ndarray:
-    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
+    """Return the edges of cells about their centres, one more than these; a single cell is 1 wide."""
     if len(centres) == 1:
         return centres[0] + np.array([-0.5, 0.5])
     half = 0.5 * np.diff(centres)
@@ -183,9 +140,7 @@ class Band:
     outline: bool = False
 
     def bounds(self, axis: Literal["x", "y"], span: tuple[float, float]) -> tuple[float, float] | None:
-        """Ends along an axis of a panel with the range ``span``; ``None`` for a band across the whole
-        panel.
-        """
+        """Return the ends along an axis of range ``span``; ``None`` if the band crosses the panel."""
         low, high = self.x if axis == "x" else self.y
         if low is None and high is None:
             return None
@@ -194,7 +149,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Mark:
-    """A straight line across the panel at one value of an axis, with words beside it."""
+    """A straight line across the panel at one value of an axis, with a label."""
 
     axis: Literal["x", "y"]
     at: float
@@ -205,7 +160,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes and what is drawn on it; ``equal`` gives both axes the same scale."""
+    """One pair of axes and its content; ``equal`` gives both axes the same scale."""
 
     x: Axis
     y: Axis
@@ -218,7 +173,7 @@ class Panel:
     weight: float = 1.0
 
     def span(self, axis: Literal["x", "y"]) -> tuple[float, float]:
-        """Range of an axis: the one asked for, or that of traces and marks with a little room."""
+        """Return the range of an axis: the given one, or that of traces and marks with a margin."""
         mine = self.x if axis == "x" else self.y
         if mine.range is not None:
             return mine.range
@@ -249,7 +204,7 @@ class Panel:
         return low - room * (axis == "x" or not bars or low < 0.0), high + room
 
     def coloured(self) -> list[Trace]:
-        """The traces, those without a colour given the next one of the palette."""
+        """Return the traces, those without a colour given the next one of the palette."""
         free = iter(
             colour for colour in (*SERIES, *SERIES) if colour not in {trace.colour for trace in self.traces}
         )
@@ -282,17 +237,17 @@ class Figure:
 
     @property
     def entries(self) -> set[str]:
-        """Names in the legend: none where one alone would say nothing, but that of a lone kind of cells."""
+        """Names in the legend: none if there is one only, unless it names a kind of cells."""
         names = {trace.name for panel in self.panels for trace in panel.traces if trace.legend and trace.name}
         kinds = any(panel.heat is not None and panel.heat.kinds for panel in self.panels)
         return names if len(names) > 1 or kinds else set()
 
     def size(self, index: int) -> tuple[float, float]:
-        """Width and height (px) of one panel on a page 1000 px wide."""
+        """Return width and height (px) of one panel on a page 1000 px wide."""
         return 880.0 / self.columns, self.height * self.panels[index].weight
 
     def spans(self, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ranges of x and y of one panel; a shared x axis covers all panels of its column."""
+        """Return the ranges of x and y of one panel; a shared x axis covers all panels of its column."""
         panel = self.panels[index]
         column = self.panels[index % self.columns :: self.columns] if self.share_x else (panel,)
         x = [other.span("x") for other in column]
@@ -300,7 +255,7 @@ class Figure:
 
 
 def thinned(trace: Trace, most: int = 4000) -> Trace:
-    """The trace without points that no one would see, of one over rising ``x`` about ``most`` at most.
+    """Return the trace without points that cannot be seen, with about ``most`` points if its ``x`` rises.
 
     A peak keeps its height and its place, whatever the length of the flight; a curve in a plane, in which
     every point is seen, is thinned where it is straight alone.

@@ -1,4 +1,4 @@
-"""A figure by matplotlib, for papers: PNG, SVG or a page of a PDF."""
+"""Figures by matplotlib, for paper: PNG, SVG or a page of a PDF."""
 
 from __future__ import annotations
 
@@ -9,21 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    BLACK,
-    GREY,
-    INK,
-    RULE,
-    Axis,
-    Figure,
-    Heat,
-    Mark,
-    Panel,
-    Trace,
-    cell_edges,
-    thinned,
-)
-from edl6dof.report.labels import Side, sides, spelt
+from edl6dof.report.figure import Axis, Figure, Heat, Mark, Panel, Trace, cell_edges, thinned
+from edl6dof.report.label_layout import Side, sides, spelt
+from edl6dof.report.palette import GREY, INK, RULE
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -50,33 +38,32 @@ _NAMES_IN_LINE = 60
 _DASHES: dict[str, Any] = {
     "solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2)),
 }  # fmt: skip
-_SYMBOLS = {
-    "circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^",
-    "triangle-down": "v",
-}  # fmt: skip
+_SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X"}
 
 
-def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
-    """One figure in the form that the suffix of the path names."""
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write one figure in the format that the suffix of the path names."""
     with own_style():
-        matplotlib_figure(figure).savefig(path, dpi=dpi)
+        matplotlib_figure(figure).savefig(path, dpi=200)
 
 
 def styled(figure: Figure) -> Canvas:
-    """The figure in the lettering and lines of the report, whatever matplotlib is set to."""
+    """Return the figure in the style of the report, whatever matplotlib is set to."""
     with own_style():
         return matplotlib_figure(figure)
 
 
 def own_style() -> AbstractContextManager[None]:
-    """Own settings alone: a ``matplotlibrc`` of the current folder, perhaps a received one, has no say."""
+    """Return a context with our own settings only: a ``matplotlibrc`` of the current folder, which may be a
+    received one, is ignored.
+    """
     from matplotlib import style
 
     return style.context(["default", STYLE])
 
 
 def matplotlib_figure(figure: Figure) -> Canvas:
-    """The figure on a canvas as wide as the text of a page."""
+    """Return the figure on a canvas as wide as the text of a page."""
     from matplotlib.figure import Figure as Canvas
 
     canvas = Canvas(figsize=(WIDTH, height(figure)), layout="constrained")
@@ -85,7 +72,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
 
 
 def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
-    """Height (in) of a drawing ``letters`` wide whose panels are drawn smaller by a factor."""
+    """Return the height (in) of a drawing ``letters`` wide whose panels are smaller by a factor."""
     weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
     titled = 1 if figure.share_x else figure.rows
     names = figure.entries
@@ -95,7 +82,7 @@ def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
 
 
 def _entries_in_line(names: Collection[str], letters: int) -> int:
-    """Entries of a legend beside each other."""
+    """Number of legend entries in one line."""
     return max(min(len(names), letters // (max(map(len, names)) + 9)), 1)
 
 
@@ -141,16 +128,14 @@ def _panel(
         look: Any = {"facecolor": band.colour, "edgecolor": edge, "alpha": band.opacity, "zorder": order}
         axes.fill_between([left, right], low, high, linewidth=0.8, **look)
         axes.annotate(band.label, (right, high), (-2, -2), va="top", color=GREY, **small)
-    for mark in spelt(panel.marks, "x", x):
-        axes.axvline(mark.at, **_line(mark))
-        if x[0] <= mark.at <= x[1]:
-            place: Any = {"xy": (mark.at, 0.98), "xycoords": ("data", "axes fraction"), "rotation": 90}
-            axes.annotate(mark.label, xytext=(0, 0), va="top", color=mark.colour, **place, **small)
-    for mark in spelt(panel.marks, "y", y):
-        axes.axhline(mark.at, **_line(mark))
-        if y[0] <= mark.at <= y[1]:
-            place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data")}
-            axes.annotate(mark.label, xytext=(0, 0), va="bottom", color=mark.colour, **place, **small)
+    for mark in (*spelt(panel.marks, "x", x), *spelt(panel.marks, "y", y)):
+        upright, (low, high) = mark.axis == "x", x if mark.axis == "x" else y
+        (axes.axvline if upright else axes.axhline)(mark.at, **_line(mark))
+        if low <= mark.at <= high:
+            place: Any = (mark.at, 0.98) if upright else (0.995, mark.at)
+            frame: Any = ("data", "axes fraction") if upright else ("axes fraction", "data")
+            turned: Any = {"rotation": 90, "va": "top"} if upright else {"va": "bottom"}
+            axes.annotate(mark.label, place, (0, 0), frame, color=mark.colour, **turned, **small)
     if panel.heat is not None:
         _heat(axes, panel.heat)
     for k, trace in enumerate(panel.coloured()):
@@ -181,12 +166,12 @@ def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, 
 def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
     for x, y, words, side in zip(trace.x, trace.y, trace.labels, placed, strict=False):
         style: Any = {"fontsize": "small", "color": trace.colour, "textcoords": "offset points"}
-        axes.annotate(words, (x, y), **style, **_beside(side))
+        axes.annotate(words, (x, y), **style, **_offset(side))
     if trace.kind == "bars":
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
         return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
     if trace.kind == "points":
-        look: Any = {"s": (2.4 + 1.3 * trace.width) ** 2, "marker": _SYMBOLS.get(trace.symbol, "o")}
+        look: Any = {"s": (2.4 + 1.3 * trace.width) ** 2, "marker": _SYMBOLS[trace.symbol]}
         edge: Any = {"linewidths": 0.3, "edgecolors": "white", "zorder": 3}
         return axes.scatter(trace.x, trace.y, color=trace.colour, **look, **edge)
     if trace.kind == "region":
@@ -196,8 +181,8 @@ def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
     return axes.plot(trace.x, trace.y, color=trace.colour, **look)[0]
 
 
-def _beside(side: Side) -> dict[str, Any]:
-    """Where words stand from their point, pt."""
+def _offset(side: Side) -> dict[str, Any]:
+    """Offset (pt) and alignment of a label at its point."""
     up = ("above" in side) - ("below" in side)
     across = ("right" in side) - ("left" in side)
     offset = (4 if up else 5) * across, 4 * up
@@ -206,14 +191,6 @@ def _beside(side: Side) -> dict[str, Any]:
         "ha": ("center", "left", "right")[across],
         "va": ("center", "bottom", "top")[up],
     }
-
-
-def _write_cells(axes: Axes, heat: Heat) -> None:
-    middle = 0.5 * sum(heat.limits)
-    for y, line, words in zip(heat.y, heat.values, heat.labels, strict=True):
-        for x, value, word in zip(heat.x, line, words, strict=True):
-            ink = "white" if value > middle else BLACK
-            axes.annotate(word, (x, y), ha="center", va="center", fontsize="x-small", color=ink)
 
 
 def _heat(axes: Axes, heat: Heat) -> None:
@@ -230,7 +207,5 @@ def _heat(axes: Axes, heat: Heat) -> None:
         rasterized=True,
     )
     axes.grid(False)
-    if heat.written:
-        _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)

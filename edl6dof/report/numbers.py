@@ -1,4 +1,4 @@
-"""Numbers for people."""
+"""The format of numbers and units in reports and tables."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from math import floor, log10
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """A number to some significant digits; large ones whole, as 12346 is read more easily than 1.235e+04."""
+    """Format a number to some significant digits; large ones whole, not as 1.235e+04."""
     text = f"{value:.{digits}g}"
     return f"{value:.0f}" if "e+" in text else text
 
 
 def aligned(*values: float) -> list[str]:
-    """Numbers with the same decimals: two digits of the span between them, and four at most in all.
+    """Format numbers with the same decimals: two digits of the span between them, and four at most in all.
 
     >>> aligned(86.12345, 86.0, 86.9)
     ['86.12', '86.00', '86.90']
@@ -26,7 +26,7 @@ def aligned(*values: float) -> list[str]:
 
 
 def in_percent(share: float, decimals: int = 0) -> str:
-    """A share as it is printed.
+    """Format a share as a percentage.
 
     >>> in_percent(0.963, 2), in_percent(0.5)
     ('96.30 %', '50 %')
@@ -35,5 +35,5 @@ def in_percent(share: float, decimals: int = 0) -> str:
 
 
 def printed(unit: str) -> str:
-    """A unit as it is printed: its powers raised."""
+    """Format a unit for print, with raised powers."""
     return unit.translate(str.maketrans("234", "²³⁴"))

@@ -18,17 +18,17 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
-from edl6dof.report import figure
-from edl6dof.report.document import Cell, Listing, Report, Table
-from edl6dof.report.figure import DARK, Figure
+from edl6dof.report import palette
+from edl6dof.report.document import Listing, Report, Table, as_cell
+from edl6dof.report.figure import Figure
 from edl6dof.report.plotly_figure import TEMPLATE, plotly_figure, plotly_layout
 
 _HERE = Path(__file__).parent
-#: plotly.js for plots of two axes, compressed; where it is from stands beside it.
+#: plotly.js for plots of two axes, compressed; its source is stated next to it.
 PLOTLY = _HERE.parent / "data" / "plotly" / "plotly-cartesian.min.js.gz"
 #: Colours by their names in the style of the page.
 COLOURS: dict[str, str] = {
-    name: getattr(figure, name.upper())
+    name: getattr(palette, name.upper())
     for name in (
         *("ink", "soft", "rule", "axis", "paper", "ground"),
         *("good", "warn", "bad", "published", "recalled", "estimate"),
@@ -38,7 +38,7 @@ _MARK = re.compile(r"#\s*\[([" + "".join(STATUS_MARKS) + r"])\](.*)$")
 
 
 def page(report: Report) -> str:
-    """The whole page."""
+    """Return the whole page."""
     return (
         _environment()
         .get_template("page.html")
@@ -50,13 +50,13 @@ def page(report: Report) -> str:
             plotly=base64.b64encode(PLOTLY.read_bytes()).decode("ascii"),
             template=TEMPLATE,
             drawings={one.key: drawing(one) for one in report.figures()},
-            dark=DARK,
+            dark=palette.DARK,
         )
     )
 
 
 def drawing(shown: Figure) -> dict[str, Any]:
-    """What plotly.js draws; and where panels side by side go in a window too narrow for them."""
+    """Return the plotly.js drawing, with a second layout for narrow windows if panels stand side by side."""
     drawn = plotly_figure(shown)
     if shown.columns > 1:
         drawn["narrow"] = plotly_layout(replace(shown, columns=1))
@@ -67,7 +67,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, keep_trailing_newline=True
     )
-    environment.filters.update(as_cell=_as_cell, split_at_mark=_split_at_mark, first_of_words=_first_of_words)
+    environment.filters.update(as_cell=as_cell, split_at_mark=_split_at_mark, first_of_words=_first_of_words)
     for name, kind in (("figure", Figure), ("table", Table), ("listing", Listing)):
         environment.tests[name] = lambda block, kind=kind: isinstance(block, kind)
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
@@ -78,12 +78,8 @@ def _verbatim(path: Path) -> Markup:
     return Markup(path.read_text(encoding="utf-8").rstrip("\n"))
 
 
-def _as_cell(item: str | Cell) -> Cell:
-    return item if isinstance(item, Cell) else Cell(item)
-
-
 def _first_of_words(columns: Sequence[str]) -> int:
-    """The first column that holds words: in a narrow window it heads the card that a row becomes."""
+    """The first column of words: in a narrow window it heads the card of a row."""
     return next((k for k, name in enumerate(columns) if not name.endswith(">")), 0)
 
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.report.document import Cell, Report, Table
-from edl6dof.report.figure import BAD, GOOD, GREY, INK, WARN, Figure
+from edl6dof.report.document import Report, Table, as_cell
+from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import draw, height, own_style
+from edl6dof.report.palette import BAD, GOOD, GREY, INK, WARN
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -26,11 +27,13 @@ ROOM, GAP = A4[1] * (1.0 - 2.0 * MARGIN), 0.12
 #: Letters of a page of figures, and how many a column holds.
 COLUMN = 76
 LETTERS: Any = {"font.size": 6.0, "lines.markersize": 3.0}
+#: Lines at the head of a table: its caption and the names of its columns.
+_HEAD = 2
 _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": INK}
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Headline and tables on A4 pages, then the figures on A4 pages."""
+    """Write headline and tables, then the figures, on A4 pages."""
     import matplotlib
 
     with own_style():
@@ -47,7 +50,7 @@ def write_pdf(report: Report, path: Path) -> None:
 
 
 class Placed(NamedTuple):
-    """A figure on a page: inches from the top of the text to its top and foot, and the columns it fills."""
+    """A figure on a page: inches from the top of the text to its top and foot, and its columns."""
 
     figure: Figure
     top: float
@@ -56,9 +59,7 @@ class Placed(NamedTuple):
 
 
 def figure_pages(figures: Iterable[Figure]) -> Iterator[list[Placed]]:
-    """The figures of each page, in their order: panels side by side go across both columns, others into the
-    one that ends higher.
-    """
+    """Yield the figures of each page in order: wide ones across both columns, others in the shorter."""
     page: list[Placed] = []
     feet = [0.0, 0.0]
     for figure in figures:
@@ -98,30 +99,36 @@ def _figure_page(placed: Sequence[Placed]) -> Canvas:
     return canvas
 
 
+class Words(NamedTuple):
+    """Words of a line: place 0..1 of the side that is aligned, text, and style."""
+
+    x: float
+    text: str
+    size: float = 7.0
+    colour: str = "black"
+    bold: bool = False
+    align: str = "left"
+
+
+Line = list[Words]
+
+
 def _word_pages(report: Report) -> Iterator[Canvas]:
     """A4 pages with title, headline, facts and all tables."""
     from matplotlib.figure import Figure as Canvas
 
     for lines in _pages(report):
         canvas = Canvas(figsize=A4)
-        for row, cells in enumerate(lines):
-            for x, align, words, style in cells:
-                canvas.text(
-                    0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE, words, ha=align, va="top", **style
-                )
+        for row, line in enumerate(lines):
+            for x, text, size, colour, bold, align in line:
+                style: Any = {"fontsize": size, "color": colour, "fontweight": "bold" if bold else "normal"}
+                place = 0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE
+                canvas.text(*place, text, ha=align, va="top", **style)
         yield canvas
 
 
-#: Words at places of a line: place 0..1, alignment, text, style.
-Line = list[tuple[float, str, str, dict[str, Any]]]
-
-_SMALL = {"fontsize": 7.0}
-#: Lines at the head of a table: its caption and the names of its columns.
-_HEAD = 2
-
-
 def _pages(report: Report) -> Iterator[list[Line]]:
-    """Lines of each page; a table stays on one page if it fits there, else its head stands on every page."""
+    """Lines of each page; a table that fits on one page is not split, else its head is repeated."""
     page = list(_summary(report))
     for section in report.sections:
         for table in (block for block in section.blocks if isinstance(block, Table)):
@@ -135,51 +142,40 @@ def _pages(report: Report) -> Iterator[list[Line]]:
                 yield page[:ROWS_PER_PAGE]
                 page = [*lines[:_HEAD], *page[ROWS_PER_PAGE:]]
             page.append([])
-    yield page + [
-        [(0.0, "left", line, {**_SMALL, "color": GREY})] for line in textwrap.wrap(report.footer, 130)
-    ]
+    yield page + [[Words(0.0, line, colour=GREY)] for line in textwrap.wrap(report.footer, 130)]
 
 
 def _summary(report: Report) -> Iterator[Line]:
-    """What stands above the tables: title, headline and facts."""
-    yield [(0.0, "left", report.title, {"fontsize": 17, "fontweight": "bold"})]
+    """Title, headline and facts above the tables."""
+    yield [Words(0.0, report.title, 17.0, bold=True)]
     yield []
-    yield [(0.0, "left", report.subtitle, {"fontsize": 8, "color": GREY})]
-    yield [
-        (0.0, "left", report.headline, {"fontsize": 10, "fontweight": "bold", "color": _MOODS[report.mood]})
-    ]
+    yield [Words(0.0, report.subtitle, 8.0, GREY)]
+    yield [Words(0.0, report.headline, 10.0, _MOODS[report.mood], bold=True)]
     yield []
     for first in range(0, len(report.facts), 4):
         facts = list(enumerate(report.facts[first : first + 4]))
-        yield [
-            (k / 4, "left", fact.value, {"fontsize": 9.5, "fontweight": "bold", "color": _MOODS[fact.mood]})
-            for k, fact in facts
-        ]
-        yield [(k / 4, "left", fact.label, {**_SMALL, "color": GREY}) for k, fact in facts]
+        yield [Words(k / 4, fact.value, 9.5, _MOODS[fact.mood], bold=True) for k, fact in facts]
+        yield [Words(k / 4, fact.label, colour=GREY) for k, fact in facts]
         yield []
 
 
 def _table_lines(table: Table, caption: str) -> Iterator[Line]:
     """Caption, names and rows; columns are as wide as their longest text."""
-    yield [(0.0, "left", caption, {"fontsize": 9, "fontweight": "bold"})]
-    rows = [[item if isinstance(item, Cell) else Cell(item) for item in row] for row in table.rows]
-    widths = [
-        max([len(head.rstrip(">")), *(len(row[k].text) for row in rows)]) + 3
-        for k, head in enumerate(table.columns)
-    ]
+    yield [Words(0.0, caption, 9.0, bold=True)]
+    rows = [[as_cell(item) for item in row] for row in table.rows]
+    heads = [head.rstrip(">") for head in table.columns]
+    widths = [max(len(head), *(len(row[k].text) for row in rows), 0) + 3 for k, head in enumerate(heads)]
     total = max(sum(widths), 110)
     starts = np.concatenate([[0], np.cumsum(widths)]) / total
-    right = [column.endswith(">") for column in table.columns]
-    places = [
-        (starts[k + 1] - 2 / total if right[k] else starts[k], "right" if right[k] else "left")
-        for k in range(len(widths))
-    ]
-    yield [
-        (*place, head.rstrip(">"), {**_SMALL, "color": GREY})
-        for place, head in zip(places, table.columns, strict=True)
-    ]
-    for row in rows:
-        yield [
-            (*place, cell.text, {**_SMALL, "color": _MOODS[cell.mood]})
-            for place, cell in zip(places, row, strict=True)
+
+    def line(texts: Iterable[str], colours: Iterable[str]) -> Line:
+        return [
+            Words(starts[k + 1] - 2 / total, text, colour=colour, align="right")
+            if table.columns[k].endswith(">")
+            else Words(starts[k], text, colour=colour)
+            for k, (text, colour) in enumerate(zip(texts, colours, strict=True))
         ]
+
+    yield line(heads, [GREY] * len(heads))
+    for row in rows:
+        yield line((cell.text for cell in row), (_MOODS[cell.mood] for cell in row))

@@ -1,4 +1,4 @@
-"""A figure as plotly.js draws it: plain dicts, so that no plotly need be installed.
+"""Figures as plotly.js draws them: plain dicts, so that no plotly need be installed.
 
 :data:`TEMPLATE` holds what all figures have in common; the dicts of a figure say what is its own.
 """
@@ -11,20 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    AXIS,
-    GREY,
-    INK,
-    PAPER,
-    RULE,
-    Axis,
-    Figure,
-    Heat,
-    Panel,
-    Trace,
-    thinned,
-)
-from edl6dof.report.labels import Side, sides, spelt
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, thinned
+from edl6dof.report.label_layout import Side, sides, spelt
+from edl6dof.report.palette import AXIS, GREY, INK, PAPER, RULE
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 #: Pixels around and between panels, and of the title of a panel.
@@ -54,7 +43,7 @@ _VERTICAL = {"above": "top", "below": "bottom"}
 
 
 def plotly_figure(figure: Figure) -> dict[str, Any]:
-    """``{"data": [...], "layout": {...}}`` for ``Plotly.newPlot``; the template is left out."""
+    """Return ``{"data": [...], "layout": {...}}`` for ``Plotly.newPlot``, without the template."""
     data: list[dict[str, Any]] = []
     named: set[str] = set()
     for index, panel in enumerate(figure.panels):
@@ -70,7 +59,7 @@ def plotly_figure(figure: Figure) -> dict[str, Any]:
 
 
 def plotly_layout(figure: Figure) -> dict[str, Any]:
-    """Where everything stands; that of the figure with other ``columns`` fits the same data."""
+    """Return the layout; that of the figure with other ``columns`` fits the same data."""
     weights = [panel.weight for panel in figure.panels[:: figure.columns]]
     gap = GAP_SHARED if figure.share_x else GAP
     height = figure.height * sum(weights) + gap * (figure.rows - 1)
@@ -107,7 +96,7 @@ def plotly_layout(figure: Figure) -> dict[str, Any]:
 
 
 def _number(index: int) -> str:
-    """What stands behind the names of a panel's axes."""
+    """Suffix of the names of a panel's axes."""
     return "" if index == 0 else str(index + 1)
 
 
@@ -129,7 +118,7 @@ def _axis(axis: Axis, span: tuple[float, float], titled: bool = True) -> dict[st
 
 
 def _power(value: float) -> str:
-    """A number of a logarithmic axis: as it is, or as a power of ten where it is long."""
+    """A number of a logarithmic axis, as a power of ten if it is long."""
     if 1e-3 <= value < 1e5:
         return f"{value:,.10g}"
     exponent = int(np.floor(np.log10(value) + 1e-9))
@@ -141,7 +130,7 @@ def _shapes(panel: Panel, number: str, spans: Sequence[tuple[float, float]]) -> 
     """Bands, below or above the data, and marks across the whole panel."""
 
     def along(axis: str, ends: tuple[float, float] | None) -> dict[str, Any]:
-        """Ends along an axis; without any from edge to edge."""
+        """Ends along an axis; from edge to edge without any."""
         if ends is None:
             return {f"{axis}ref": f"{axis}{number} domain", f"{axis}0": 0, f"{axis}1": 1}
         return {f"{axis}ref": f"{axis}{number}", f"{axis}0": float(ends[0]), f"{axis}1": float(ends[1])}
@@ -170,7 +159,7 @@ def _words(panel: Panel, number: str, spans: Sequence[tuple[float, float]]) -> l
     """Panel title, and the words of marks and bands."""
 
     def words(text: str, x: Any, y: Any, anchors: tuple[str, str], **more: Any) -> dict[str, Any]:
-        """Words at a place, of which a text is a share of the panel."""
+        """Words at a place; a coordinate given as text is a share of the panel."""
         found = {"text": text, "xanchor": anchors[0], "yanchor": anchors[1], **more}
         for axis, at in (("x", x), ("y", y)):
             found[f"{axis}ref"] = f"{axis}{number}" + (" domain" if isinstance(at, str) else "")
@@ -267,7 +256,7 @@ def _scale(heat: Heat, across: list[float], up: list[float]) -> dict[str, Any]:
 
 
 def packed(values: Any) -> dict[str, str] | list[Any]:
-    """Numbers as plotly's packed array in single precision; a short list as it is."""
+    """Return numbers as plotly's packed array in single precision; a short list as it is."""
     array = np.asarray(values, float)
     if len(array) < 8:
         return [None if not np.isfinite(value) else float(value) for value in array]

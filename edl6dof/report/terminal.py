@@ -1,4 +1,4 @@
-"""What a flight looks like on a terminal: timeline, comparison with the published flight, limits, outcome."""
+"""A flight on a terminal: timeline, comparison with the published flight, limits, outcome."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 #: No table has more letters in a line.
 _WIDEST = 400
-#: What is said of a limit or a requirement.
+#: Status of a limit or a requirement.
 LIMIT_STATUS = {True: "kept", False: "broken"}
-#: What is said below the figures of one flight.
+#: Remark below the figures of one flight.
 ONE_DRAW = "One flight is one draw; mean and spread of many: edl6dof figures SCENARIO"
 #: Figures of navigation and their formats.
 NAVIGATION = {
@@ -35,9 +35,8 @@ NAVIGATION = {
 
 
 class Compared(NamedTuple):
-    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a requirement
-    is, if it is one; ``sigmas`` is the difference in standard deviations, where they are known: one flight
-    does not tell how far flights differ.
+    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``: the
+    difference in standard deviations, if these are known.
     """
 
     figure: str
@@ -50,14 +49,12 @@ class Compared(NamedTuple):
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """What a table shows."""
+        """Cells of a table."""
         return self[:6]
 
 
 def show_flight(console: Console, flight: Flight) -> None:
-    """Print timeline, the table against the published flight, errors of navigation, limits, and last, where
-    the eye is, the outcome.
-    """
+    """Print timeline, comparison, navigation errors, limits, and last the outcome."""
     console.print(timeline_table(flight))
     if flight.scenario.published:
         rows = comparison(flight.metrics, flight.scenario.published)
@@ -73,7 +70,7 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 
 def timeline_table(flight: Flight) -> Table:
-    """Events in order of time; what happens inside a phase is indented below it."""
+    """Tabulate events in order of time, those inside a phase indented."""
     # a heading of one line would leave no room for the events in 80 columns
     heads = ("\nt (s)>", "\nevent", "height above\nground (m)>", "\nspeed (m/s)>", "\nMach>")
     table = open_table("Timeline", *heads)
@@ -85,14 +82,14 @@ def timeline_table(flight: Flight) -> Table:
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        told = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
-        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", told
+        number = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
+        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", number
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
 
 
 def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
-    """Figures beside the published ones, whatever the difference; ``own`` heads this product's."""
+    """Tabulate figures and the published ones; ``own`` heads this product's."""
     spread = any(row.sigmas for row in rows)
     heads = ["figure", "unit", f"{own}>", "published>", "difference>", *(["sigma>"] if spread else [])]
     table = open_table(title, *heads)
@@ -106,21 +103,21 @@ def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
 def comparison(
     figures: Mapping[str, float | None], published: Published, deviations: Mapping[str, float] | None = None
 ) -> list[Compared]:
-    """A row for each published figure.
+    """Return a row for each published figure.
 
     Args:
         figures: of a flight, or means.
-        published: what stands beside them.
+        published: the published ones.
         deviations: standard deviations, where the figures are means; of one flight there are none.
     """
     return [
-        _compared(beside, figures.get(beside.figure.name), (deviations or {}).get(beside.figure.name))
-        for beside in published_figures(published)
+        _compared(pair, figures.get(pair.figure.name), (deviations or {}).get(pair.figure.name))
+        for pair in published_figures(published)
     ]
 
 
 def navigation_table(flight: Flight) -> Table:
-    """How far the estimated state was from the truth, of a flight on instruments."""
+    """Tabulate the errors of navigation."""
     table = open_table("Navigation", "figure", "unit", "this flight>")
     for name, form in NAVIGATION.items():
         if (value := flight.metrics.get(name)) is not None:
@@ -130,7 +127,7 @@ def navigation_table(flight: Flight) -> Table:
 
 
 def limits_table(flight: Flight) -> Table:
-    """Limits of the mission."""
+    """Tabulate the limits of the mission."""
     table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
         mark = Text(LIMIT_STATUS[check.ok], style="green" if check.ok else "bold red")
@@ -140,13 +137,13 @@ def limits_table(flight: Flight) -> Table:
 
 
 def headline(flight: Flight) -> Text:
-    """One line: how it ended."""
+    """Return the outcome in one line."""
     style = "bold green" if flight.success else "bold yellow" if flight.termination.reached else "bold red"
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 
 def open_table(title: str, *columns: str) -> Table:
-    """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
+    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers."""
     table = Table(
         title=Text(title, style="bold") if title else None,
         title_justify="left",
@@ -165,12 +162,12 @@ def open_table(title: str, *columns: str) -> Table:
 
 
 def print_whole(table: Table) -> None:
-    """Print a table as wide as it is: numbers are never cut, and a terminal breaks its lines."""
+    """Print a table at its full width: numbers are never cut, and a terminal breaks its lines."""
     Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
-def _compared(beside: Beside, own: float | None, deviation: float | None) -> Compared:
-    figure, published = beside
+def _compared(pair: Beside, own: float | None, deviation: float | None) -> Compared:
+    figure, published = pair
     places = _published_places(published.number)
     head, shown = (figure.meaning, figure.unit.label), f"{published.mark}{published.number:,.{places}f}"
     if own is None or not math.isfinite(own):
@@ -184,14 +181,12 @@ def _compared(beside: Beside, own: float | None, deviation: float | None) -> Com
 
 
 def _published_places(value: float) -> int:
-    """Decimal places with which a figure was published: as many as it has, and not more than six."""
+    """Decimal places of a published figure, six at most."""
     return min(len(repr(float(value)).rstrip("0").partition(".")[2]), 6) if abs(value) >= 1e-4 else 0
 
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
-    """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look
-    kept.
-    """
+    """Format value and limit with three digits of the limit, or more if a missed limit would look kept."""
     places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
         places += 1

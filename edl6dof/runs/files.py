@@ -3,6 +3,8 @@
 The folder of a result remembers the SHA-256 of every file that was made from it: report, plots, pages,
 pictures, films, exports, wherever they were written.  A file that still is one of these, byte for byte, can
 be made from the result again; any other file is the user's.
+
+Every command imports this before it knows which plugins to load: it must import no family.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from edl6dof.config.errors import refusal
+from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.durable import put_in_place, write_atomic
 from edl6dof.manifest import MADE, hash_of
 
@@ -52,9 +54,7 @@ def atomic_file(target: Path, force: bool, made_from: Path | None = None) -> Ite
 
 
 def refuse_existing_file(target: Path, force: bool, made_from: Path | None = None) -> None:
-    """Raise :class:`ConfigError` when ``target`` must not be written; the arguments are those of
-    :func:`atomic_file`.
-    """
+    """Raise :class:`ConfigError` when ``target`` must not be written; see :func:`atomic_file`."""
     if target.is_dir():
         raise refusal(target, "is a folder; name a file")
     if force or not os.path.lexists(target):
@@ -97,3 +97,17 @@ def _remembered(result: Path) -> list[str]:
     except (OSError, ValueError, RecursionError):
         return []
     return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []
+
+
+@contextmanager
+def needing_channels(*folders: Path) -> Iterator[None]:
+    """Turn a channel that the runs in the folders lack into one line.
+
+    Raises:
+        ConfigError: the runs lack a channel.
+    """
+    try:
+        yield
+    except UnknownName as error:
+        words = f"no {error.kind} {error.name!r}, which is needed here; plot and export show what there is"
+        raise refusal(", ".join(map(str, folders)), words) from None

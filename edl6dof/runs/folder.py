@@ -77,9 +77,7 @@ def atomic_folder(target: Path, kind: Kind, force: bool) -> Iterator[Path]:
 
 @contextmanager
 def _swapped(target: Path) -> Iterator[Path]:
-    """A new folder that takes the place of ``target`` at the end; whatever goes wrong, ``target`` and its
-    parents stay as they were.
-    """
+    """A new folder that replaces ``target`` at the end; after any failure all is as it was."""
     made = _make_folders(target.parent)
     _sweep(target)
     owner = f"{os.getpid()}-{_host()}"
@@ -105,9 +103,7 @@ def _swapped(target: Path) -> Iterator[Path]:
 
 
 def _refuse_existing(target: Path, kind: Kind, force: bool) -> None:
-    """Raise :class:`ConfigError` when ``target`` must not be replaced: only a whole result of the same kind
-    ever is, and nothing else.
-    """
+    """Refuse to replace ``target`` unless forced, and then unless it is a whole result of the same kind."""
     if target.exists() and not target.is_dir():
         raise refusal(target, "is a file, not a folder; choose another folder with --out")
     if not target.is_dir() or not any(target.iterdir()):

@@ -1,6 +1,4 @@
-"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown
-again, and no code is loaded.
-"""
+"""A run folder read back, for reports, plots and exports: nothing is flown, no code is loaded."""
 
 from __future__ import annotations
 
@@ -15,7 +13,7 @@ from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.manifest import Manifest
-from edl6dof.runs.contents import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
+from edl6dof.runs.run_files import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
@@ -131,9 +129,7 @@ class Run(Mapping[str, np.ndarray]):
         return float(interpolate(t, self.t, self[name]))
 
     def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is
-        empty or did not happen.
-        """
+        """Rows between two events, shape (rows,), bool; unbounded where one is empty or did not happen."""
         return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
     def file(self, name: str) -> Path:

@@ -95,10 +95,9 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
                 build_aero_table(inputs)
     if scenario.vehicle.aero.model == "body":
         with _collected(problems, "vehicle.aero.body.file"):
-            gas, sheds = scenario.planet.gas, scenario.vehicle.showing("capsule") is not None
-            build_body_table(
-                body_inputs(scenario.vehicle.aero.body, gas.shock_layer_heat_capacity_ratio, sheds)
-            )
+            ratio = scenario.planet.gas.shock_layer_heat_capacity_ratio
+            sheds = scenario.vehicle.showing("capsule") is not None
+            build_body_table(body_inputs(scenario.vehicle.aero.body, ratio, sheds))
     for k, mesh in enumerate(scenario.vehicle.appearance.meshes):
         with _collected(problems, f"{'.'.join(MESHES)}.{k}.file"):
             read_mesh_file(Path(mesh.file))
@@ -118,9 +117,8 @@ def _collected(problems: dict[str, str], key: str) -> Iterator[None]:
 
 def _words(error: Exception) -> str:
     if isinstance(error, OSError):
-        return f"cannot be read: {error.strerror or error}" + (
-            f" ({shown(Path(error.filename))})" if error.filename else ""
-        )
+        file = f" ({shown(Path(error.filename))})" if error.filename else ""
+        return f"cannot be read: {error.strerror or error}{file}"
     if isinstance(error, ModuleNotFoundError):
         return str(error)
     if isinstance(error, UnicodeDecodeError):
@@ -133,9 +131,7 @@ def _words(error: Exception) -> str:
 
 
 def with_whole_paths(document: Document) -> Document:
-    """The document, the files of its vehicle's meshes and of its body with their whole paths; what is of
-    another form is left for the validation to refuse.
-    """
+    """Make the paths of mesh and body files whole; values of another form are left to validation."""
     found = _at(document, MESHES)
     for k, mesh in enumerate(found if isinstance(found, list) else ()):
         _make_whole(document, (*MESHES, k), mesh)

@@ -111,26 +111,22 @@ class InitialState(Params):
 
     @model_validator(mode="after")
     def _each_given_once(self) -> Self:
-        problems = {**self._height_problems(), **self._velocity_problems(), **self._attitude_problems()}
+        problems = {**self._velocity_problems(), **self._attitude_problems()}
+        if self.altitude_m is None and self.height_above_areoid_m is None:
+            problems["altitude_m"] = _NO_HEIGHT
+        if self.altitude_m is not None and self.height_above_areoid_m is not None:
+            problems["altitude_m"] = "must not stand beside height_above_areoid_m: the height is given twice"
         if problems:
             raise Inconsistent(problems)
         return self
-
-    def _height_problems(self) -> dict[str, str]:
-        if self.altitude_m is None and self.height_above_areoid_m is None:
-            return {"altitude_m": _NO_HEIGHT}
-        if self.altitude_m is None or self.height_above_areoid_m is None:
-            return {}
-        return {"altitude_m": "must not stand beside height_above_areoid_m: the height is given twice"}
 
     def _velocity_problems(self) -> dict[str, str]:
         given = [name for name in _PATH if getattr(self, name) is not None]
         if self.velocity_ned_m_s is None:
             hint = "" if given else _OR_COMPONENTS
             return {name: _MISSING[name] + hint for name in _PATH if name not in given}
-        problems = {
-            name: "must not stand beside velocity_ned_m_s: the velocity is given twice" for name in given
-        }
+        message = "must not stand beside velocity_ned_m_s: the velocity is given twice"
+        problems = dict.fromkeys(given, message)
         if self.speed > 20000.0:
             problems["velocity_ned_m_s"] = f"must have a length of at most 20000 (got {self.speed:g})"
         return problems

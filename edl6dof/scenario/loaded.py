@@ -1,14 +1,29 @@
-"""A validated scenario with the files that it was read from."""
+"""A validated scenario, the files it was read from, and its warnings: values that are allowed and unusual,
+alone or for a vehicle of this size.
+
+Nozzles lie within two radii of the centre of mass, the radii of gyration between a tenth and the whole of the
+radius, and the ballistic coefficient at a drag coefficient of 1.5 between 10 and 1,000 kg/m2 (Stardust 60,
+Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import dist, pi, sqrt
 
 from edl6dof.config.document.document import Document
+from edl6dof.config.usual import unusual
 from edl6dof.config.validate import steps
-from edl6dof.scenario.plausible import unusual_in
 from edl6dof.scenario.schema import Scenario
+from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Distance of a nozzle from the centre of mass, and radius of gyration, over the radius of the vehicle.
+REACH = 2.0
+GYRATION = (0.1, 1.0)
+#: Ballistic coefficient, kg/m2, and the drag coefficient that it is formed with.
+BALLISTIC = (10.0, 1000.0)
+BLUNT = 1.5
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,3 +48,52 @@ class LoadedScenario:
         """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
         found = unusual_in(self.scenario) | unusual_in(self.truth)
         return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
+
+
+def unusual_in(scenario: Scenario) -> dict[str, str]:
+    """Return what is unusual in a validated scenario: dotted path to one line."""
+    proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
+    return unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
+
+
+def radius_m(vehicle: VehicleParams) -> float:
+    """Radius of the vehicle at entry, from its aerodynamic shape; 0 where that says nothing of its size."""
+    aero = vehicle.aero
+    if aero.model == "capsule":
+        return 0.5 * aero.capsule.diameter_m
+    areas_m2 = {
+        "constant": aero.constant.reference_area_m2,
+        "lift_drag": aero.lift_drag.reference_area_m2,
+        "body": aero.body.reference_area_m2,
+    }
+    return sqrt(areas_m2.get(aero.model, 0.0) / pi)
+
+
+def _out_of_proportion(vehicle: VehicleParams) -> dict[str, str]:
+    radius, mass = radius_m(vehicle), vehicle.mass
+    if radius == 0.0:
+        return {}
+    found = {}
+    nozzles = {f"rcs.thrusters.{k}.position_m": jet.position_m for k, jet in enumerate(vehicle.rcs.thrusters)}
+    nozzles |= {f"engines.{k}.nozzle_m": engine.nozzle_m for k, engine in enumerate(vehicle.engines)}
+    for path, place in nozzles.items():
+        off = dist(place, mass.entry_centre_m)
+        if off > REACH * radius:
+            found[path] = (
+                f"{off:.3g} m from the centre of mass is unusual: up to {REACH:g} radii of the vehicle, "
+                f"{REACH * radius:.3g} m"
+            )
+    for k, inertia in enumerate(mass.entry_inertia_kg_m2 or ()):
+        share = sqrt(inertia / mass.entry_kg) / radius
+        if not GYRATION[0] <= share <= GYRATION[1]:
+            found[f"mass.entry_inertia_kg_m2.{k}"] = (
+                f"{inertia:g} kg m2 is unusual: a radius of gyration of {share:.2g} radii of the vehicle, "
+                f"not {GYRATION[0]:g} to {GYRATION[1]:g}"
+            )
+    ballistic = mass.entry_kg / (BLUNT * pi * radius * radius)
+    if not BALLISTIC[0] <= ballistic <= BALLISTIC[1]:
+        found["mass.entry_kg"] = (
+            f"{mass.entry_kg:g} kg is unusual: ballistic coefficient {ballistic:.3g} kg/m2 at this size, "
+            f"not {BALLISTIC[0]:g} to {BALLISTIC[1]:g}"
+        )
+    return found

@@ -1,4 +1,9 @@
-"""Scenario files read: their values checked, how they fit together, and what is true of them alone."""
+"""Scenario files read and checked: to be flown, or only to be shown.
+
+The scenario of a result is shown without loading its plugins: what only a plugin brings (its section, and the
+choice of its law or controller) is left out; vehicle, planet, ground, phases and the controllers of the
+package are what pictures and exports need.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +11,13 @@ import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import apply_overrides, with_values
-from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.config.document.source import parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.introspect import Slot, literal_names, root_slot
 from edl6dof.config.validate import refuse, validate
 from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
@@ -34,9 +41,7 @@ _LABELS = re.compile(
 
 @cache
 def truth_problem(path: str) -> str:
-    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
-    path.
-    """
+    """Say why ``truth`` cannot hold a dotted path; empty where it can, or where there is no such path."""
     section = path.strip().partition(".")[0]
     if section not in Scenario.model_fields:
         return ""
@@ -106,3 +111,52 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
     document = with_whole_paths(expand_daveml(document))
     changed = apply_overrides(document, overrides, Scenario)
     return check_document(with_whole_paths(expand_daveml(changed)))
+
+
+#: Models of the air and wind in the place of those that only a plugin has: they need no table.
+_STAND_INS = {"atmosphere": "us76", "wind": "none"}
+
+
+def viewed_scenario(text: str, file: str) -> LoadedScenario:
+    """Read the scenario of a resolved file, as far as the package itself knows it.
+
+    Args:
+        text: its content.
+        file: the name shown in messages.
+
+    Raises:
+        ConfigError: every problem, with line and key.
+    """
+    document = parse_document(text, file)
+    if document.data.pop("plugins", None):
+        document.data = _known(document.data, root_slot(Scenario))
+        for name, stand_in in _STAND_INS.items():
+            if isinstance(section := document.data.get(name), dict):
+                section.setdefault("model", stand_in)
+    return check_document(document)
+
+
+def _known(value: Any, slot: Slot) -> Any:
+    """Return plain data without the keys that the models do not declare, and the names that no choice has."""
+    if isinstance(value, dict):
+        inside = {key: (item, slot.child(key)) for key, item in value.items()}
+        return {
+            key: _known(item, child)
+            for key, (item, child) in inside.items()
+            if child is not None and not _is_foreign(item, child)
+        }
+    if isinstance(value, list) and (item_slot := slot.child(0)) is not None:
+        return [_known(item, item_slot) for item in value if not _is_foreign(item, item_slot)]
+    return value
+
+
+def _is_foreign(value: Any, slot: Slot) -> bool:
+    """True for an unknown name, a list with one, or a mapping whose required choice is one."""
+    if isinstance(value, list) and (item_slot := slot.child(0)) is not None and literal_names(item_slot):
+        return any(_is_foreign(item, item_slot) for item in value)
+    if isinstance(value, dict):
+        declared = [field for model in slot.models for field in model.model_fields.items()]
+        needed = [key for key, info in declared if info.is_required() and key in value]
+        return any(_is_foreign(value[key], child) for key in needed if (child := slot.child(key)) is not None)
+    names = literal_names(slot)
+    return isinstance(value, str) and bool(names) and value not in names and str not in slot.options

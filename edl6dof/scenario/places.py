@@ -25,9 +25,7 @@ def start_of(scenario: Scenario) -> Start:
 
 
 def vertical_axes(scenario: Scenario) -> tuple[float, float, float, float]:
-    """Sines and cosines of the latitude and longitude of the vertical that the initial velocity and attitude
-    are given to.
-    """
+    """Sines and cosines of latitude and longitude of the vertical that initial velocity refers to."""
     initial, planet = scenario.initial, scenario.planet
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
     vertical = lat

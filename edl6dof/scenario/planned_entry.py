@@ -102,9 +102,7 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
 
 
 def _met(miss: Callable[[float], float], about: float | None) -> float:
-    """Where ``miss`` is zero, within all shifts that change anything; the end nearest to that where it is
-    nowhere.
-    """
+    """Zero of ``miss`` within all shifts that change anything, or the end nearest to one."""
     widest = (-2.0, 2.0)
     spans = [widest] if about is None else [(about - 0.05, about + 0.05), widest]
     for low, high in spans:

@@ -22,19 +22,15 @@ from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, gro
 from edl6dof.fsw.diagnosis.flow import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
-from edl6dof.scenario.belief import believe
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.places import start_of, vertical_axes
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.truth import build_case
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
-from edl6dof.spatial.frames import (
-    attitude_from_wind_angles,
-    ned_attitude,
-    ned_to_fixed,
-)
+from edl6dof.spatial.frames import attitude_from_wind_angles, ned_attitude, ned_to_fixed
 from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.body_table import BodyInputs, body_inputs, build_body_table
@@ -54,9 +50,7 @@ TABLES = np.dtype(
 
 
 class TableInputs(NamedTuple):
-    """Inputs of the tables of a scenario; ``aero`` only for a capsule, ``body`` for a body of any
-    shape.
-    """
+    """Inputs of the tables of a scenario; ``aero`` for a capsule only, ``body`` for any other shape."""
 
     air: AirInputs
     aero: AeroInputs | None
@@ -107,10 +101,17 @@ def _tables(inputs: TableInputs) -> np.ndarray:
 
 #: Sections of a scenario that the flight computer's belief follows from.
 BELIEVED = frozenset(
-    (
-        *("planet", "atmosphere", "terrain", "vehicle", "initial", "dynamics", "sensors"),
-        *("flight_software", "mission"),
-    )
+    [
+        "planet",
+        "atmosphere",
+        "terrain",
+        "vehicle",
+        "initial",
+        "dynamics",
+        "sensors",
+        "flight_software",
+        "mission",
+    ]
 )
 
 
@@ -130,9 +131,7 @@ def _onboard(believed: Scenario, inputs: TableInputs) -> np.ndarray:
 
 
 class Records(NamedTuple):
-    """Records that one flight reads, each shape (1,): the truth, the large tables it shares with others, the
-    belief.
-    """
+    """Records that one flight reads, each shape (1,): truth, large tables that flights share, belief."""
 
     case: np.ndarray
     tables: np.ndarray

@@ -222,9 +222,7 @@ class Scenario(Params):
 
     @property
     def sensors_in_flight(self) -> SensorParams:
-        """The sensors as they fly: those of a point mass, which has no body to carry any, are perfect, with
-        the navigation error that it is given.
-        """
+        """The sensors as they fly; a point mass has perfect ones, with its given navigation error."""
         if self.dynamics == "six_dof":
             return self.sensors
         return self.sensors.model_copy(update={"set": "perfect"})

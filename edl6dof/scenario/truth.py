@@ -14,14 +14,12 @@ from edl6dof.interface.capacities import MAX_EVENTS, MAX_PARACHUTES, MAX_SURFACE
 from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.records import FLAG
-from edl6dof.scenario.events import event_number, fill_events
 from edl6dof.scenario.initial import InitialState
+from edl6dof.scenario.mission_events import event_number, fill_events
 from edl6dof.scenario.places import fill_site
 from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
 from edl6dof.sensors.registry import SENSOR_UNITS, draw_sensor_units, fill_sensor_params
-from edl6dof.spatial.frames import (
-    LOCAL_FRAME,
-)
+from edl6dof.spatial.frames import LOCAL_FRAME
 from edl6dof.vehicle.faults.fault import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
 from edl6dof.vehicle.motion.point_mass import DYNAMICS, PointMassParams

@@ -1,4 +1,4 @@
-"""What a client may ask of its flight, and the answers.
+"""Requests of a client to its flight, and the answers.
 
 Everything in a request was written by somebody else: each field is looked at before the flight goes on, and
 an answer says what is wrong and what was probably meant.
@@ -11,10 +11,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import edl6dof
-from edl6dof.api.description import described
-from edl6dof.api.errors import naming_arguments
-from edl6dof.api.overrides import texts
-from edl6dof.api.simulation import Simulation
+from edl6dof.api.arguments import naming_arguments, texts
+from edl6dof.api.simulation import Simulation, described
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.wording import got, unknown
 
@@ -72,9 +70,6 @@ class Session:
                 )
         return act(self, **request)
 
-    def _describe(self) -> Answer:
-        return {"protocol": PROTOCOL, **described(self.simulation)}
-
     def _reset(self, seed: Any = None, overrides: Any = None) -> Answer:
         """Begin anew, with these changes and no others; what fails leaves the flight as it is."""
         number = None if seed is None else _whole("seed", seed, LARGEST_SEED, 0)
@@ -96,21 +91,12 @@ class Session:
         return {**self._standing(), **self._look(names)}
 
     def _look(self, names: Any) -> Answer:
-        """What is observed of what is wanted: all, names in a list, or nothing."""
+        """Observe what is requested: everything, the names in a list, or nothing."""
         if names is None or names is False:
             return {}
         if names is not True and not isinstance(names, list):
             raise ValueError(f"what is to be observed is true, or a list of names (got {got(names)})")
         return {"observation": self.simulation.observe(None if names is True else map(str, names))}
-
-    def _own(self) -> Answer:
-        return {"own": self.simulation.own()}
-
-    def _truth(self) -> Answer:
-        return {"truth": self.simulation.truth()}
-
-    def _state(self) -> Answer:
-        return {"state": self.simulation.state().packed()}
 
     def _restore(self, state: Any = None) -> Answer:
         if not isinstance(state, bytes):
@@ -124,28 +110,22 @@ class Session:
 
     def _standing(self) -> Answer:
         """Where the flight stands; how it ended once it has."""
-        simulation = self.simulation
-        found: Answer = {
-            "flying": simulation.flying,
-            "cycle": simulation.cycle,
-            "time_s": simulation.time_s,
-        }
-        if not simulation.flying:
-            found["outcome"] = simulation.outcome
-        return found
+        now = self.simulation
+        found: Answer = {"flying": now.flying, "cycle": now.cycle, "time_s": now.time_s}
+        return found if now.flying else {**found, "outcome": now.outcome}
 
     def _changed(self, changes: tuple[str, ...]) -> Simulation:
         return Simulation(self._scenario, (*self._sets, *changes), telemetry=False)
 
 
 _REQUESTS: dict[str, tuple[Callable[..., Answer], tuple[str, ...]]] = {
-    "describe": (Session._describe, ()),
+    "describe": (lambda session: {"protocol": PROTOCOL, **described(session.simulation)}, ()),
     "reset": (Session._reset, ("seed", "overrides")),
     "step": (Session._step, ("command", "cycles", "observe")),
     "observe": (Session._observe, ("names",)),
-    "own": (Session._own, ()),
-    "truth": (Session._truth, ()),
-    "state": (Session._state, ()),
+    "own": (lambda session: {"own": session.simulation.own()}, ()),
+    "truth": (lambda session: {"truth": session.simulation.truth()}, ()),
+    "state": (lambda session: {"state": session.simulation.state().packed()}, ()),
     "restore": (Session._restore, ("state",)),
     "close": (Session._close, ()),
 }

@@ -8,14 +8,13 @@ depth.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from socket import socket
 from time import monotonic
 from typing import Any
 
 import numpy as np
 
-from edl6dof.api.optional import library
+from edl6dof.api.arguments import library
 
 #: Bytes of a message; the largest saved state fits.
 LARGEST = 16 * 1024 * 1024
@@ -30,7 +29,7 @@ _MESSAGE_S = 30.0
 
 
 class Unreadable(ValueError):
-    """What follows cannot be made out: where the next message begins is not known."""
+    """The rest of the stream cannot be read: the start of the next message is unknown."""
 
 
 class Wire:
@@ -66,12 +65,18 @@ class Wire:
         return exactly(line, size, _MESSAGE_S)
 
     def unpack(self, body: bytes) -> Any:
-        """What a message says.
+        """Unpack the content of a message.
 
         Raises:
             ValueError: it is no MessagePack, or not what a request may be made of.
         """
-        count = _counter()
+        left = iter(range(_CONTAINERS))
+
+        def count(container: Any) -> Any:
+            if next(left, None) is None:
+                raise _TooMany(f"a request holds at most {_CONTAINERS} lists and maps")
+            return container
+
         try:
             return self._msgpack.unpackb(
                 body,
@@ -115,19 +120,6 @@ def exactly(line: socket, size: int, within_s: float) -> bytes | None:
 
 class _TooMany(Exception):
     """A message unpacks to more than any request holds."""
-
-
-def _counter() -> Callable[[Any], Any]:
-    left = _CONTAINERS
-
-    def count(container: Any) -> Any:
-        nonlocal left
-        left -= 1
-        if left < 0:
-            raise _TooMany(f"a request holds at most {_CONTAINERS} lists and maps")
-        return container
-
-    return count
 
 
 def _listed(value: Any) -> Any:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.metrics.balance import balance_figures
-from edl6dof.metrics.diagnosis import diagnosis_figures
+from edl6dof.metrics.balance_figures import balance_figures
 from edl6dof.metrics.evaluation import (
     deployment_figures,
     event_figures,
@@ -13,11 +12,11 @@ from edl6dof.metrics.evaluation import (
     peak_figures,
     relaxation_figures,
 )
-from edl6dof.metrics.exclusions import exclusion_figures
-from edl6dof.metrics.footing import footing_figures
-from edl6dof.metrics.forms import Flown
+from edl6dof.metrics.figure_forms import Flown
 from edl6dof.metrics.hazard import drift_figures, hazard_figures
+from edl6dof.metrics.out_of_use import diagnosis_figures, exclusion_figures
 from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.metrics.touchdown_terrain import footing_figures
 from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.telemetry.timeline import first_times, moments
 

@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
-from edl6dof.metrics.exclusions import Exclusion, exclusions
+from edl6dof.metrics.out_of_use import Exclusion, IsolatedFault, exclusions, isolated_faults
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State

@@ -17,7 +17,7 @@ import pyarrow as pa
 
 import edl6dof
 from edl6dof.campaign.executor import Collect, Row, table_of
-from edl6dof.config.document.jsontext import json_text
+from edl6dof.config.dump import json_text
 from edl6dof.config.units import split_unit
 
 

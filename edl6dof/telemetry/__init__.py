@@ -1,1 +1,1 @@
-"""What is recorded of a flight: channels, the sample that compiled code fills, columns, the timeline."""
+"""The record of a flight: channels, the sample that compiled code fills, columns, the timeline."""

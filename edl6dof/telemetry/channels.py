@@ -16,9 +16,7 @@ from edl6dof.interface.capacities import MAX_BEAMS, MAX_BRANCHES, MAX_THRUSTERS
 
 
 class Channel(NamedTuple):
-    """One telemetry column: dotted name with unit suffix, what it means, and whether figures and timeline are
-    formed from it, so that a flight of a campaign records it too (``brief``).
-    """
+    """One telemetry column: name with unit suffix, meaning, and if campaigns record it too (``brief``)."""
 
     name: str
     meaning: str

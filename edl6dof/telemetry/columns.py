@@ -55,17 +55,13 @@ class Telemetry(Mapping[str, np.ndarray]):
         return Telemetry(self._log[start:stop], *self._names)
 
     def beside(self, t: float) -> Telemetry:
-        """The two rows before and after time ``t`` (s), or the nearest two; one row of a log that has no
-        more.
-        """
+        """The rows before and after time ``t`` (s), or the nearest two; one of a log with no more."""
         times = self["t_s"]
         after = max(1, min(int(np.searchsorted(times, t)), len(times) - 1))
         return self.rows(after - 1, after + 1)
 
     def at(self, t: float, *names: str) -> list[float]:
-        """Values of some channels at time ``t`` (s), on the straight lines between the rows beside it; beyond
-        an end its value is held.
-        """
+        """Values of channels at time ``t`` (s), interpolated linearly; held beyond the ends."""
         near = self.beside(t)
         table, times = np.array([near[name] for name in names]), near["t_s"]
         if len(times) == 1:
@@ -87,9 +83,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         return float(np.max(lengths(np.stack(columns, axis=-1)))) * from_si[0]
 
     def nearest(self, place: Sequence[str], other: Sequence[str]) -> float:
-        """Least distance (m) over all rows of two places, each given by its channels, ``nan`` where there are
-        none.
-        """
+        """Least distance (m) of two places, given by their channels, over all rows; ``nan`` of none."""
         steps = [self[one] - self[two] for one, two in zip(place, other, strict=True)]
         return float(np.fmin.reduce(lengths(np.stack(steps, axis=-1)), initial=nan))
 
@@ -119,9 +113,7 @@ class Telemetry(Mapping[str, np.ndarray]):
 
 
 class _Slot(NamedTuple):
-    """Columns that stand for each thruster, radar beam or propellant branch: how their names begin and end,
-    the field of the log, whose they are, and what they mean.
-    """
+    """Columns for each thruster, beam or branch: affixes of names, field of the log, owner, meaning."""
 
     prefix: str
     suffix: str
@@ -182,9 +174,7 @@ _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
 
 def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
-    """Group and field of the log record, and factor to the unit, of every column that is not of a
-    thruster.
-    """
+    """Group and field in the log record, and factor to the unit, of every column not of a thruster."""
     return {
         "t_s": ("t", "", 1.0),
         **{channel.name: (channel.group, channel.field, channel.from_si) for channel in channels},

@@ -1,4 +1,4 @@
-"""What a lander saw of the ground below it, and why it went where it went: for reports and pictures."""
+"""The map of the ground that a lander made, and the choice on it: for reports and pictures."""
 
 from __future__ import annotations
 
@@ -19,54 +19,33 @@ class LandingMap(NamedTuple):
     Places are metres east and north of the landing site as the flight computer took them: off the ground by
     the error of navigation then (channels ``nav.error_...``).  Rows run north, columns east; a cell that was
     not seen has ``nan``.
-
-    Attributes:
-        cell_m: side of a cell.
-        corner_m: south-west corner of the map, east and north, shape (2,).
-        elevation_m: mean elevation above the ground below the hover, as navigated, shape (n, n).
-        slope_deg: slope of the plane of the footprint around each cell; ``nan`` where not all of it is known.
-        roughness_m: largest distance of a cell of the footprint from that plane, likewise.
-        cell_class: index in ``CELL_CLASSES``: safe, edge (not all known), slope, rock.
-        probability: that slope and roughness keep their limits; an upper bound where they do not.
-        clearance_m: distance from the nearest cell that is not safe.
-        hover_m: where the scan began: east, north, and height above the map's level, shape (3,).
-        spot_m: spot that was chosen, east and north, shape (2,).
-        found: whether it is safe, shape ().
-        rejected_m: spots that the search passed over, shape (k, 2).
-        rejected_class: why, shape (k,).
-        drift_m: predicted way of backshell and canopy: east, north, height above the ground, shape (p, 3).
-        coarse_m: target of each part of the landing image, shape (parts, 2).
-        coarse_obstacles: share of obstacles of each, shape (parts,).
-        coarse_part: which was taken, shape ().
     """
 
-    cell_m: np.ndarray
-    corner_m: np.ndarray
-    elevation_m: np.ndarray
-    slope_deg: np.ndarray
-    roughness_m: np.ndarray
-    cell_class: np.ndarray
-    probability: np.ndarray
-    clearance_m: np.ndarray
-    hover_m: np.ndarray
-    spot_m: np.ndarray
-    found: np.ndarray
-    rejected_m: np.ndarray
-    rejected_class: np.ndarray
-    drift_m: np.ndarray
-    coarse_m: np.ndarray
-    coarse_obstacles: np.ndarray
-    coarse_part: np.ndarray
+    cell_m: np.ndarray  # side of a cell
+    corner_m: np.ndarray  # south-west corner of the map, east and north, shape (2,)
+    elevation_m: np.ndarray  # mean elevation above the ground below the hover, as navigated, shape (n, n)
+    slope_deg: np.ndarray  # of the plane of the footprint around each cell; nan where not all of it is known
+    roughness_m: np.ndarray  # largest distance of a cell of the footprint from that plane, nan as the slope
+    cell_class: np.ndarray  # index in CELL_CLASSES: safe, edge (not all known), slope, rock
+    probability: np.ndarray  # that slope and roughness keep their limits; an upper bound where they do not
+    clearance_m: np.ndarray  # distance from the nearest cell that is not safe
+    hover_m: np.ndarray  # where the scan began: east, north, and height above the map's level, shape (3,)
+    spot_m: np.ndarray  # spot that was chosen, east and north, shape (2,)
+    found: np.ndarray  # true if it is safe, shape ()
+    rejected_m: np.ndarray  # spots that the search passed over, shape (k, 2)
+    rejected_class: np.ndarray  # class of the cell for which each was passed over, shape (k,)
+    drift_m: np.ndarray  # predicted way of backshell and canopy: east, north, height (m), shape (p, 3)
+    coarse_m: np.ndarray  # target of each part of the landing image, shape (parts, 2)
+    coarse_obstacles: np.ndarray  # share of obstacles of each, shape (parts,)
+    coarse_part: np.ndarray  # index of the part that was taken, shape ()
 
     def reasons(self) -> list[str]:
-        """Why each of the rejected spots was passed over: ``edge``, ``slope`` or ``rock``."""
+        """Reason why each rejected spot was passed over: ``edge``, ``slope`` or ``rock``."""
         return [CELL_CLASSES[int(cell_class)] for cell_class in self.rejected_class]
 
 
 def landing_map(fsw: np.void) -> LandingMap | None:
-    """The map in the memory of a flight computer at the end of a flight; ``None`` where no spot was chosen
-    from a scan.
-    """
+    """The map in the memory of a flight computer; ``None`` where no spot was chosen from a scan."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
     if not np.isfinite(hazard["spot_t"]):
         return None

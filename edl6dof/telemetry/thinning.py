@@ -1,4 +1,4 @@
-"""Which rows of a series a picture needs: those without which a curve would look another, and every peak."""
+"""Rows of a series that a picture needs: those that shape the curve, and every peak."""
 
 from __future__ import annotations
 
@@ -56,9 +56,7 @@ def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
-    """Rows at the ends of about so many stretches of equal length, and those in each of which a column is
-    least and greatest; the edges of every gap too.
-    """
+    """Rows at the ends and at the extremes of every column of equal stretches, and edges of gaps."""
     n = len(values)
     size = -(-n // stretches)
     padded = np.concatenate([values, np.full((-n % size, values.shape[1]), np.nan)])

@@ -64,9 +64,7 @@ def moment(t: float, key: str, name: str, **about: Any) -> Moment:
 
 
 def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: VehicleParams) -> list[Moment]:
-    """What plant and flight computer note themselves when it happens, each at most once; no telemetry is
-    needed for it.
-    """
+    """Collect what plant and flight computer note themselves, each at most once; it needs no telemetry."""
     found = [
         moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
         for phase, t in zip(mission.phases, fsw["mission"]["entered"], strict=False)
@@ -92,7 +90,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
 
 
 def guard_moments(navigation: np.void) -> list[Moment]:
-    """What the guards of navigation found, each for the first time, and that the vertical was found again."""
+    """First time of each finding of the guards of navigation, and the recovery of the vertical."""
     given = zip(CHECKS, navigation["guard"]["first_t"], strict=True)
     found = [moment(t, "guard", f"guard: {words}") for words, t in given if t > 0.0]
     if (t := navigation["recovery"]["found_t"]) > 0.0:
@@ -101,7 +99,7 @@ def guard_moments(navigation: np.void) -> list[Moment]:
 
 
 def hazard_moments(hazard: np.void) -> list[Moment]:
-    """What hazard detection did: the coarse choice on an image, the scan, and the choice of the spot."""
+    """Steps of hazard detection: the coarse choice on an image, the scan, and the choice of the spot."""
     spot = "safe spot chosen" if hazard["choice"]["found"] else "no spot safe: the best of them chosen"
     return [
         moment(hazard["image_t"], "image", "image taken, coarse point chosen"),
@@ -111,20 +109,18 @@ def hazard_moments(hazard: np.void) -> list[Moment]:
 
 
 def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:
-    """That a tank is empty: ``propellant exhausted`` where there is no other."""
+    """Name of the event that a tank is empty: ``propellant exhausted`` where there is no other."""
     return "propellant exhausted" if len(vehicle.tanks) == 1 else f"tank {tank.name} empty"
 
 
 def in_words(event: Event) -> str:
-    """What an event did: ``heat shield jettisoned``; what lands need not be a gear, and has the event's own
-    name.
-    """
+    """Describe an event: ``heat shield jettisoned``; landing gear goes by the event's own name."""
     thing = event.name if event.thing == "landing_gear" else event.thing
     return DONE[event.action].format(thing.replace("_", " "))
 
 
 def milestone(event: Event, vehicle: VehicleParams) -> str:
-    """What an event is to figures, reports and pictures, from what it does and to which thing."""
+    """Milestone that figures, reports and pictures take an event for, from its action and its object."""
     if event.action == "jettison":
         shapes = {part.name: part.shape for part in vehicle.parts}
         return UNCOVERED.get(shapes[event.thing], NO_MILESTONE)
@@ -134,9 +130,7 @@ def milestone(event: Event, vehicle: VehicleParams) -> str:
 
 
 def first_times(events: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    """Time (s) of the first event of each key, an event of the mission under its milestone, whatever its
-    name; and under ``begun(role)`` of the first phase of each role.
-    """
+    """Time (s) of the first event of each key or milestone, and of each phase role as ``begun(role)``."""
     when: dict[str, float] = {}
     for event in events:
         when.setdefault(event.get("milestone", event["key"]), event["t_s"])

@@ -16,8 +16,8 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import edl6dof.gym as gym  # noqa: E402
-from edl6dof.gym.starts import StartPool  # noqa: E402
-from edl6dof.gym.tasks import task_called  # noqa: E402
+from edl6dof.gym.environments import task_called  # noqa: E402
+from edl6dof.gym.episodes import StartPool  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -126,13 +126,13 @@ def test_a_case_that_ends_early_is_replaced_by_one_of_no_pool(monkeypatch):
     """The beginning of a task is reached at the second try."""
     asked = []
     pool = StartPool(task_called("FaultDiagnosis"), 2, 0)
-    begin = pool._flights.at_phase
+    begin = pool.flights.at_phase
 
     def second_comes(case, *about):
         asked.append(case)
         return begin(case, *about) if len(asked) > 1 else None
 
-    monkeypatch.setattr(pool._flights, "at_phase", second_comes)
+    monkeypatch.setattr(pool.flights, "at_phase", second_comes)
     pool[1]
     first, second = asked
     assert first == 1

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.api.overrides import texts
+from edl6dof.api.arguments import texts
 from edl6dof.sim.flight import fly as fly_flight
 
 SHORT = {"simulation.time_limit_s": 20.0, "mission.goal": "time"}
@@ -183,7 +183,7 @@ def test_a_folder_is_what_the_command_writes(flight, folder, tmp_path, monkeypat
 
 
 def test_a_folder_that_must_not_be_replaced_is_refused_before_the_flight(folder, monkeypatch):
-    monkeypatch.setattr("edl6dof.api.flight.fly_loaded", lambda *_, **__: pytest.fail("flown in vain"))
+    monkeypatch.setattr("edl6dof.sim.flight.fly", lambda *_, **__: pytest.fail("flown in vain"))
     with pytest.raises(edl6dof.ConfigError, match="exists"):
         edl6dof.fly("tianwen1", SHORT, out=folder)
 

@@ -11,8 +11,8 @@ from scipy.io import loadmat, netcdf_file
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.export.ccsds import write_aem, write_oem
-from edl6dof.export.tables import Description, plain, write_mat, write_netcdf
+from edl6dof.export.ccsds import About, write_aem, write_oem
+from edl6dof.export.forms import Description, plain, write_mat, write_netcdf
 
 EPOCH = datetime(2021, 5, 14, tzinfo=UTC)
 MARS = {
@@ -36,8 +36,8 @@ def columns() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("write", [write_oem, write_aem])
 def test_a_message_has_the_lines_of_an_ordinary_one(write):
     ordinary, forged = io.StringIO(), io.StringIO()
-    write(ordinary, "lander", MARS, EPOCH, columns(), ["fine"])
-    write(forged, EVIL, MARS, EPOCH, columns(), [EVIL * 10])
+    write(ordinary, About("lander", MARS, EPOCH, ["fine"]), columns())
+    write(forged, About(EVIL, MARS, EPOCH, [EVIL * 10]), columns())
     assert forged.getvalue().isascii()
     lines = forged.getvalue().splitlines()
     assert [line.partition(" ")[0] for line in lines] == [
@@ -50,7 +50,7 @@ def test_a_message_has_the_lines_of_an_ordinary_one(write):
 
 def test_a_name_of_nothing_printable_is_unknown():
     stream = io.StringIO()
-    write_oem(stream, "\n\x00", MARS, EPOCH, columns(), [])
+    write_oem(stream, About("\n\x00", MARS, EPOCH), columns())
     assert "OBJECT_NAME = UNKNOWN\n" in stream.getvalue()
 
 

@@ -12,7 +12,7 @@ from campaign_run import write_drop
 
 from edl6dof.campaign.documents import Info, Summary
 from edl6dof.manifest import hash_of, read_sealed, write_sealed
-from edl6dof.report.campaign.results import Results
+from edl6dof.report.campaign.campaign_results import Results
 
 GRID = """\
 sweep:

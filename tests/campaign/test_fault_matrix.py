@@ -16,8 +16,8 @@ from campaign_run import write_drop
 from forked import Forked
 
 import edl6dof
-from edl6dof.api import fault_matrix
-from edl6dof.api.fault_matrix import matrix_of, moments_at
+from edl6dof.api import fault_choice
+from edl6dof.api.fault_choice import FaultRequest, matrix_of, moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.campaign.faults import matrix_plan
@@ -58,7 +58,7 @@ def tianwen1():
 
 def plan(wanted, scenario="tianwen1", sets=(), vehicles=None, seed=None):
     loaded = load_scenario(scenario, sets)
-    return matrix_plan(scenario, matrix_of(loaded, **wanted), sets, vehicles, seed)
+    return matrix_plan(scenario, matrix_of(loaded, FaultRequest(**wanted)), sets, vehicles, seed)
 
 
 def test_moments_are_times_intervals_and_events_of_the_nominal_flight(tianwen1, nominal):
@@ -190,7 +190,7 @@ def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
         require_no_values(Path("m"), None, given)
 
 
-@pytest.mark.parametrize("owner, name", [(fault_matrix, "matrix_of"), (executor.CaseRunner, "prepared")])
+@pytest.mark.parametrize("owner, name", [(fault_choice, "matrix_of"), (executor.CaseRunner, "prepared")])
 def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
     def interrupt(*_, **__):
         raise KeyboardInterrupt

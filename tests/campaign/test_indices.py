@@ -14,8 +14,8 @@ from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.design.sampling import PROFILES, Swaps
 from edl6dof.campaign.sensitivity import sobol_indices
 from edl6dof.config.errors import ConfigError
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.drivers import indices
-from edl6dof.report.campaign.results import Results
 
 PI = np.pi
 

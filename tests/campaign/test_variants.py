@@ -16,8 +16,8 @@ from edl6dof.campaign.design.variants import Variants
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
-from edl6dof.scenario.belief import believe
 from edl6dof.scenario.loading import check_document
+from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.table import FLOWN, AeroInputs, aero_inputs, build_aero_table
 

@@ -130,7 +130,7 @@ def test_command_lines_are_understood(page):
 
 
 def test_examples_in_the_help_are_understood():
-    from edl6dof.cli.examples import EXAMPLES
+    from edl6dof.cli.group import EXAMPLES
 
     assert {name.removeprefix("design ") for name in COMMANDS} == set(EXAMPLES)
     lines = [line.removeprefix("edl6dof ") for found in EXAMPLES.values() for line in found]

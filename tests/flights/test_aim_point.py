@@ -9,7 +9,7 @@ import pytest
 
 import edl6dof
 from edl6dof.scenario import records
-from edl6dof.scenario.aim import drift
+from edl6dof.scenario.entry_target import drift
 
 EXPECTED = "flight_software.guidance.entry.expected_wind"
 CALM = ("wind.model=none", f"{EXPECTED}.table_factor=0")

@@ -12,7 +12,7 @@ from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.landing_area.census import list_within
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.terrain import ground
-from edl6dof.scenario.relief import Relief
+from edl6dof.scenario.terrain_preview import Relief
 from edl6dof.sim.outcome import LANDED, TIME_LIMIT, TIPPED_OVER
 from edl6dof.spatial.frames import geodetic
 

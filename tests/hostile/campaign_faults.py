@@ -40,7 +40,7 @@ from edl6dof.campaign.store import Store
 from edl6dof.cli import campaigns
 from edl6dof.cli.exit_status import INTERRUPTED
 from edl6dof.config.errors import ConfigError
-from edl6dof.report.campaign import build  # noqa: F401  loaded once, not in every child
+from edl6dof.report.campaign import campaign_report  # noqa: F401  loaded once, not in every child
 
 #: Two parts, the second not full.
 CASES = 70

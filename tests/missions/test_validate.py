@@ -14,7 +14,7 @@ import edl6dof
 from edl6dof.calibration.problem import load_calibration
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.cli.figure_tables import show_missions
+from edl6dof.cli.evidence_tables import show_missions
 from edl6dof.config.errors import ConfigError
 from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.missions.mission import Mission, compare, inside, load_mission, reached_goal, shipped_missions

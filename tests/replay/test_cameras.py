@@ -10,10 +10,10 @@ from made_up import MORTAR, SHELL, SHIELD, synthetic_flight
 
 import edl6dof
 from edl6dof.replay.recording import history
-from edl6dof.replay.scene.aeroshell import canopy
-from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.craft_shapes import canopy
+from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.views.cameras import SEPARATION_S, Spheres, away, facing, steady, together
-from edl6dof.replay.views.spatial import EYE, FIELD_DEG
+from edl6dof.replay.views.pages import EYE, FIELD_DEG
 from edl6dof.spatial import rotations as turns
 
 #: The narrowest shape of a view, width over height.
@@ -62,7 +62,7 @@ def motion(request) -> Motion:
 
 
 def test_vehicle_and_canopy_are_in_the_frame_until_they_have_parted(motion):
-    kept = steady(motion.t, motion.centre, together(motion))
+    kept = steady(motion, together(motion))
     picture = Picture(motion, kept)
     size = 0.6 * motion.shape.size * np.array([*np.eye(3), *-np.eye(3)])
     for row in range(0, len(motion.t), 25):
@@ -79,7 +79,7 @@ def test_vehicle_and_canopy_are_in_the_frame_until_they_have_parted(motion):
 
 def test_camera_moves_without_a_jump(motion):
     """Zoom and place change by less than a hundredth and a twentieth of what is seen from row to row."""
-    kept = steady(motion.t, motion.centre, together(motion))
+    kept = steady(motion, together(motion))
     assert np.abs(np.diff(np.log(kept.radius))).max() < 0.06
     shift = np.diff(kept.centre - motion.centre, axis=0)
     assert (np.linalg.norm(shift, axis=-1) / kept.radius[1:]).max() < 0.06

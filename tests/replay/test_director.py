@@ -11,11 +11,9 @@ from made_up import SHELL, SHIELD, entities, synthetic_flight
 import edl6dof
 from edl6dof.replay.history import History
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.cameras import ROOM, SEPARATION_S
-from edl6dof.replay.views.director import CLEAR_M, LANDING_DISTANCE, shots
-from edl6dof.replay.views.layout import TOUR
-from edl6dof.replay.views.spatial import FIELD_DEG
+from edl6dof.replay.scene.poses import Motion
+from edl6dof.replay.views.cameras import CLEAR_M, LANDING_DISTANCE, ROOM, SEPARATION_S, shots
+from edl6dof.replay.views.pages import FIELD_DEG, TOUR
 
 
 class Shown:

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from made_up import END
 
-from edl6dof.api.errors import naming_options
+from edl6dof.api.arguments import naming_options
 from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.results import replay
+from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.replay import film, viewer
 from edl6dof.replay.film import Cut, NoFilm
-from edl6dof.replay.program import NoViewer
+from edl6dof.replay.viewer import NoViewer
 
 #: A program that keeps what it reads in the file named last, as ffmpeg does.
 KEEPS = "import sys; open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())"

@@ -8,7 +8,7 @@ from made_up import read
 
 import edl6dof
 from edl6dof.replay.scene.landscape import NEAR, Landscape
-from edl6dof.replay.scene.site import Site
+from edl6dof.replay.scene.poses import Site
 
 pytest.importorskip("rerun")
 

@@ -11,8 +11,7 @@ from made_up import SHELL, read, synthetic_flight
 
 from edl6dof.environment.calendar import days_since_j2000, local_true_solar_time, solar_longitude, utc
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.scene.site import ANYWHERE, Site, light, towards_sun
+from edl6dof.replay.scene.poses import ANYWHERE, Motion, Site, light, towards_sun
 from edl6dof.scenario.loading import load_scenario
 
 pytest.importorskip("rerun")

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.results import replay
-from edl6dof.replay import program, viewer
-from edl6dof.replay.program import HOST, NoViewer, ViewerFailed, free_port, running
+from edl6dof.cli.run_outputs import replay
+from edl6dof.replay import viewer
+from edl6dof.replay.viewer import HOST, NoViewer, ViewerFailed, free_port, running
 
 ROOT = Path(__file__).parents[2]
 WEB = ("--serve-web", "--web-viewer-port")
@@ -47,7 +47,7 @@ def test_servers_listen_on_this_machine_only():
 def test_the_program_ends_with_its_parent(number):
     port, data = free_port(), free_port()
     text = (
-        "from edl6dof.replay.program import running\n"
+        "from edl6dof.replay.viewer import running\n"
         f"with running('--serve-web', '--web-viewer-port', '{port}', '--port', '{data}') as started:\n"
         f"    started.wait_for({port})\n    print('ready', flush=True)\n    input()\n"
     )
@@ -78,7 +78,7 @@ def pretended(tmp_path, monkeypatch):
         script = tmp_path / "viewer"
         script.write_text(f"#!/bin/sh\ncat >&2 <<'END'\n{said}\nEND\nexit 3\n", encoding="utf-8")
         script.chmod(0o755)
-        monkeypatch.setattr(program, "_path", lambda: script)
+        monkeypatch.setattr(viewer, "_path", lambda: script)
 
     return pretend
 

@@ -9,10 +9,9 @@ import pytest
 from live_page import opened, settled, wait_until_it_plays
 from PIL import Image
 
-from edl6dof.replay import page as html
-from edl6dof.replay.program import NoViewer
-from edl6dof.replay.viewer import screenshot
-from edl6dof.report.figure import BLACK, BLUE, rgb
+from edl6dof.replay import browser
+from edl6dof.replay.viewer import NoViewer, screenshot
+from edl6dof.report.palette import BLACK, BLUE, rgb
 
 SIZE = (1280, 800)
 #: Of a browser, which draws without graphics hardware: the smaller, the sooner.
@@ -85,7 +84,7 @@ def test_curves_and_phase_colours_are_painted(picture):
 def page(recording, tmp_path):
     """The HTML file of the replay."""
     path = tmp_path / "replay.html"
-    path.write_bytes(html.page(recording, "made up & <tested>"))
+    path.write_bytes(browser.page(recording, "made up & <tested>"))
     return path
 
 

@@ -11,10 +11,9 @@ from made_up import SHELL, synthetic_flight
 from PIL import Image
 
 import edl6dof
-from edl6dof.replay.program import NoViewer
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene.site import Site
-from edl6dof.replay.viewer import screenshot
+from edl6dof.replay.scene.poses import Site
+from edl6dof.replay.viewer import NoViewer, screenshot
 from edl6dof.spatial import rotations as turns
 
 pytest.importorskip("rerun")

@@ -9,16 +9,16 @@ import pytest
 
 import edl6dof
 from edl6dof.api import replays
-from edl6dof.api.errors import naming_options
+from edl6dof.api.arguments import naming_options
 from edl6dof.api.flight import RecordedFlight
 from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.results import replay
+from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.replay import viewer
-from edl6dof.replay.program import NoViewer
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.runs.run_writer import write_run
+from edl6dof.replay.viewer import NoViewer
+from edl6dof.runs.run_files import write_run
 
 
 @pytest.fixture(scope="module")

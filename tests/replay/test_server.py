@@ -17,8 +17,7 @@ import pytest
 from live_page import opened, wait_until_it_plays
 
 from edl6dof.api.replays import _ended_by_signals
-from edl6dof.replay.page import page
-from edl6dof.replay.server import PageServer
+from edl6dof.replay.browser import PageServer, page
 
 ROOT = Path(__file__).parents[2]
 PAGE = b"<!doctype html><title>the page</title>"

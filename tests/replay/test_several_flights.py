@@ -33,7 +33,7 @@ def test_several_flights_share_one_scene(flight, tmp_path):
 def test_a_campaign_is_a_layer_coloured_by_how_its_cases_ended(flight, tmp_path):
     from rerun.chunk import RrdReader
 
-    from edl6dof.replay.scene.ensemble import CAUSES, SUCCESS, Ensemble, Trajectory
+    from edl6dof.replay.scene.tracks import CAUSES, SUCCESS, Ensemble, Trajectory
 
     line = np.outer(np.arange(5.0), [100.0, 0.0, -50.0])
     cases = [

@@ -10,10 +10,10 @@ import pytest
 from made_up import entities, synthetic_flight
 
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene import aeroshell, lander
-from edl6dof.replay.scene.aeroshell import canopy
-from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene import craft_shapes
+from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.outline import outline
+from edl6dof.replay.scene.poses import Motion
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
@@ -34,7 +34,7 @@ def extent(mesh) -> np.ndarray:
 def test_the_cannonball_is_a_sphere_of_six_inches(case):
     shape = outline(vehicle(f"nesc/{case}"))
     assert shape.body == "sphere" and shape.lander == "none"
-    assert extent(aeroshell.body(shape)) == pytest.approx(0.1524, rel=1e-3)
+    assert extent(craft_shapes.body(shape)) == pytest.approx(0.1524, rel=1e-3)
 
 
 def test_the_brick_has_the_sides_that_its_inertia_and_mass_give():
@@ -50,7 +50,7 @@ def test_capsules_are_as_wide_as_their_reference_area(name):
     area = {"capsule": lambda a: np.pi / 4.0 * a.capsule.diameter_m**2}.get(
         own.aero.model, lambda a: getattr(a, a.model).reference_area_m2
     )(own.aero)
-    mesh = aeroshell.heat_shield(outline(own))
+    mesh = craft_shapes.heat_shield(outline(own))
     assert np.pi / 4.0 * extent(mesh)[1:] ** 2 == pytest.approx(area, rel=2e-3)
 
 
@@ -69,7 +69,7 @@ def test_the_lander_lies_inside_its_aeroshell_whatever_its_size(kind, diameter):
         f"vehicle.appearance.lander={kind}",
     ).model_copy(update={"rcs": RcsParams()})  # whose struts go wherever the thrusters are
     shape = outline(own)
-    place = lander.lander(own, shape).positions
+    place = craft_shapes.lander(own, shape).positions
     shell = np.array(sorted([*shape.forebody, *shape.afterbody]))
     assert np.all(np.hypot(place[:, 1], place[:, 2]) < np.interp(place[:, 0], *shell.T, left=0.0, right=0.0))
     assert np.hypot(place[:, 1], place[:, 2]).max() > 0.35 * 0.5 * diameter, "and not a toy"
@@ -78,9 +78,9 @@ def test_the_lander_lies_inside_its_aeroshell_whatever_its_size(kind, diameter):
 def test_legs_are_drawn_where_there_are_footpads_and_a_platform_has_none():
     assert outline(vehicle("tianwen1", "vehicle.appearance={}")).lander == "legs"
     flat = vehicle("tianwen1", "vehicle.appearance.lander=platform")
-    assert lander.legs(flat, outline(flat), np.zeros(4)) is None
+    assert craft_shapes.legs(flat, outline(flat), np.zeros(4)) is None
     none = vehicle("tianwen1", "vehicle.appearance.lander=none")
-    assert lander.lander(none, outline(none)) is None
+    assert craft_shapes.lander(none, outline(none)) is None
 
 
 def test_own_meshes_take_the_place_of_parts_and_lander(tmp_path):

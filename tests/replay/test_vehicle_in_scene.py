@@ -12,8 +12,7 @@ from made_up import DIAGNOSIS, FAILURE, SHELL, SHIELD, entities, read
 from pyquaternion import Quaternion
 
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.scene.site import Site
+from edl6dof.replay.scene.poses import Motion, Site
 from edl6dof.spatial.frames import fixed_to_enu, from_geodetic
 
 pytest.importorskip("rerun")

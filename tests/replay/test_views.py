@@ -13,13 +13,12 @@ import pytest
 from made_up import END, MORTAR, SHELL, flight_on_instruments, read, synthetic_flight
 
 from edl6dof.replay.recording import history, recorded_span, write_replay
-from edl6dof.replay.scene.arrows import COVERED, forces, scales
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.callouts import Label, laid_out, screen
+from edl6dof.replay.scene.arrows import COVERED, Label, forces, laid_out, scales, screen
+from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.views.charts import axis_range
 from edl6dof.replay.views.lanes import fitted
-from edl6dof.replay.views.spatial import body_eye
-from edl6dof.report.panels import BANK, RANGE, RATES
+from edl6dof.replay.views.pages import body_eye
+from edl6dof.report.catalogue import BANK, RANGE, RATES
 
 RrdReader = pytest.importorskip("rerun.chunk").RrdReader
 

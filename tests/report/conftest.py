@@ -6,7 +6,7 @@ import pytest
 
 from edl6dof.manifest import seal
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 
 
 @pytest.fixture(scope="session")

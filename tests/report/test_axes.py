@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
-from edl6dof.report.flight import parts
+from edl6dof.report.flight import common
 from edl6dof.report.plotly_figure import plotly_figure
 
 
@@ -35,10 +35,10 @@ def test_numbers_of_a_logarithmic_axis_are_written_out():
 
 def test_a_single_peak_leaves_the_rest_of_a_torque_to_be_seen():
     torque = np.sin(np.arange(5000.0))
-    assert parts._clipped([torque]) is None
-    assert parts._clipped([2.9 * torque]) is None
+    assert common._clipped([torque]) is None
+    assert common._clipped([2.9 * torque]) is None
     torque[-1] = 6000.0
-    first, last = parts._clipped([torque, np.zeros(5000)])
+    first, last = common._clipped([torque, np.zeros(5000)])
     assert -first == last == pytest.approx(1.1, abs=0.01)
 
 

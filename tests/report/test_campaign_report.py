@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from edl6dof.report.campaign import drivers, isolation, landing, margins
-from edl6dof.report.campaign.results import Results
+from edl6dof.report.campaign import drivers, footprint, margins
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Figure
-from edl6dof.report.flight import site
+from edl6dof.report.flight import trajectory
 from edl6dof.report.numbers import aligned
 
 LIMITS = [("parachute_mach", "Mach at mortar fire", 2.1, "")]
@@ -88,7 +88,7 @@ def test_what_flies_until_its_time_is_up_has_no_target(goal, name):
     class Known(dict):
         scenario, summary, when = {"mission": {"goal": goal}}, {"figures": {}}, {}
 
-    figure = site.ground_track(Known({site.EAST: np.arange(3.0), site.NORTH: np.zeros(3)}))
+    figure = trajectory.ground_track(Known({trajectory.EAST: np.arange(3.0), trajectory.NORTH: np.zeros(3)}))
     assert name in [trace.name for trace in figure.panels[0].traces]
 
 
@@ -102,7 +102,7 @@ def test_limits_lie_inside_their_axes(height):
         parachute_height_m=rng.normal(height, 500.0, 100),
         parachute_total_alpha_deg=rng.exponential(1.0, 100),
     )
-    figure = landing.deployment(known)
+    figure = footprint.deployment(known)
     for panel in figure.panels:
         for mark in panel.marks:
             low, high = panel.span(mark.axis)
@@ -114,7 +114,7 @@ def test_words_at_points_stand_apart():
     """Of five outermost points two lie side by side: one of these has its number."""
     x = np.array([0.0, 0.0, 0.0, -5.0, 5.0, 5.05])
     y = np.array([0.1, -0.1, 0.0, 0.0, 0.0, 0.1])
-    (trace,) = landing._points(results(6), x, y, (10.0, 10.0))
+    (trace,) = footprint._points(results(6), x, y, (10.0, 10.0))
     assert sum(label in ("case 4", "case 5") for label in trace.labels) == 1
     assert "case 3" in trace.labels
 
@@ -170,7 +170,7 @@ def test_a_report_loads_neither_the_simulator_nor_what_takes_longer_than_the_rep
     """Half of the time of a campaign's report once went into importing these."""
     heavy = ("numba", "pandas", "scipy.stats", "scipy.optimize")
     loaded = f"print(sys.modules.keys() & {set(heavy)})"
-    words = f"import sys, edl6dof.report.campaign.build, edl6dof.report.page; {loaded}"
+    words = f"import sys, edl6dof.report.campaign.campaign_report, edl6dof.report.page; {loaded}"
     said = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True)
     assert said.stdout == "set()\n"
 
@@ -183,12 +183,12 @@ def test_faults_that_every_flight_carries_are_told_with_how_many_flights_isolate
     missed = np.array([0.0] * 38 + [1.0, np.nan])  # the last one crashed before any of them began
     known = results(40, missed_isolations=missed, time_to_detect_s=np.linspace(0.1, 0.5, 40))
     known.has_faults, known.document = False, {"faults": faults}
-    assert isolation.injected(known) == [
+    assert margins.injected(known) == [
         "D7 stuck off at hazard avoidance + 2 s",
         "weak thrusters at 129.5 s",
     ]
-    shares, times = isolation.blocks(known)
+    shares, times = margins.isolation(known)
     assert shares.rows == [["every failed thruster isolated", "38 of 39", "97.44 % (86.82 .. 99.55 %)"]]
     assert times.rows[0][1:] == ["s", "0.30 (0.23 .. 0.37)"]
     known.document = {}
-    assert not isolation.injected(known) and not list(isolation.blocks(known))
+    assert not margins.injected(known) and not list(margins.isolation(known))

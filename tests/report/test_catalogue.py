@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from edl6dof.replay.views.layout import PAGES
-from edl6dof.report import panels
-from edl6dof.report.channels import chosen
-from edl6dof.report.panels import BOUND, CATALOGUE, STACKS, Plot, Stack
+from edl6dof.replay.views.pages import PAGES
+from edl6dof.report import catalogue
+from edl6dof.report.catalogue import BOUND, CATALOGUE, STACKS, Plot, Stack, chosen
 from edl6dof.telemetry.channels import CHANNELS
 
 CHANNEL = {channel.name: channel for channel in CHANNELS}
-ALL_STACKS = [one for one in vars(panels).values() if isinstance(one, Stack)]
+ALL_STACKS = [one for one in vars(catalogue).values() if isinstance(one, Stack)]
 ALL_STACKS += [stack for stacks in STACKS.values() for stack in stacks]
 DRAWN = [
     *(plot for page in PAGES.values() for plot in page),
@@ -42,16 +41,16 @@ def test_values_are_in_the_unit_that_stands_on_the_axis():
     plot = Plot("k", "height", {"truth.height_m": "above the ground"}, kilo=True)
     (value,) = plot.values({"truth.height_m": np.array([1500.0, 2000.0])}, slice(1, None))
     assert plot.label == "height (km)" and value.tolist() == [2.0]
-    assert panels.LOAD.label == "load (Earth g)" and panels.MACH.label == "Mach number (1)"
+    assert catalogue.LOAD.label == "load (Earth g)" and catalogue.MACH.label == "Mach number (1)"
 
 
 def test_bounds_stand_on_both_sides_of_an_error_that_is_alone():
     columns = {f"nav.{name}_height_m": np.array([value]) for name, value in (("error", 2.0), ("sigma", 5.0))}
-    assert [float(one[0]) for one in panels.HEIGHT_ERROR.values(columns, slice(None))] == [
+    assert [float(one[0]) for one in catalogue.HEIGHT_ERROR.values(columns, slice(None))] == [
         2.0, 5.0 * BOUND, -5.0 * BOUND,
     ]  # fmt: skip
-    assert panels.POSITION_ERROR.sigma == ""
-    assert [one.sigma for one in panels.POSITION_ERROR.apart()] == [
+    assert catalogue.POSITION_ERROR.sigma == ""
+    assert [one.sigma for one in catalogue.POSITION_ERROR.apart()] == [
         f"nav.sigma_{axis}_m" for axis in ("north", "east", "down")
     ]
 

@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment.planet import OrientationParams
+from edl6dof.export.ccsds import days_since_j2000, icrf_to_fixed
 from edl6dof.export.forms import FILES, write_export
-from edl6dof.export.orientation import days_since_j2000, icrf_to_fixed
 from edl6dof.manifest import seal
 from edl6dof.runs.run import Run
 

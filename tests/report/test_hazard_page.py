@@ -9,11 +9,11 @@ import pytest
 
 import edl6dof
 from edl6dof.manifest import seal
-from edl6dof.report.flight import hazards
-from edl6dof.report.flight.build import flight_report
-from edl6dof.report.panels import CELLS
+from edl6dof.report.catalogue import CELLS
+from edl6dof.report.flight import hazard_maps
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 from edl6dof.telemetry.landing_map import CELL_CLASSES
 
 
@@ -28,7 +28,7 @@ def seen(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def drawn(seen):
-    return {figure.key: figure for figure in hazards.figures(seen)}
+    return {figure.key: figure for figure in hazard_maps.figures(seen)}
 
 
 def named(panel):

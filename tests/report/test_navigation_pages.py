@@ -11,13 +11,13 @@ from rich.console import Console
 import edl6dof
 from edl6dof.manifest import seal
 from edl6dof.report import terminal
-from edl6dof.report.flight import navigation, parts
-from edl6dof.report.flight.build import flight_report
-from edl6dof.report.panels import STATES
+from edl6dof.report.catalogue import STATES
+from edl6dof.report.flight import common, navigation_errors
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 from edl6dof.telemetry.channels import CHANNELS
-from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
+from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 
 FLOWN_WITH = (
     "sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",
@@ -58,8 +58,8 @@ class MadeUp(dict):
 def made_up():
     run = MadeUp()
     t = run.t
-    for _, _, _, stem, suffix in navigation.ESTIMATED:
-        for k, axis in enumerate(navigation.AXES, 1):
+    for _, _, _, stem, suffix in navigation_errors.ESTIMATED:
+        for k, axis in enumerate(navigation_errors.AXES, 1):
             run[f"nav.error{stem}_{axis}{suffix}"] = k * (100.0 - t)
             run[f"nav.sigma{stem}_{axis}{suffix}"] = np.full(len(t), 50.0 * k)
     run["nav.error_height_m"], run["nav.sigma_height_m"] = 0.01 * t, np.full(len(t), 1.0)
@@ -74,22 +74,22 @@ def made_up():
 
 
 def found(run):
-    return {block.key: block for block in navigation.figures(run) if hasattr(block, "key")}
+    return {block.key: block for block in navigation_errors.figures(run) if hasattr(block, "key")}
 
 
 def test_perfect_sensors_have_no_such_pages():
-    assert [*navigation.figures(MadeUp())] == []
+    assert [*navigation_errors.figures(MadeUp())] == []
 
 
 def test_table_holds_error_and_three_sigma_at_each_moment(made_up):
-    table = navigation.at_moments(made_up)
+    table = navigation_errors.at_moments(made_up)
     assert table.columns == ["error", "unit", "mortar fire>", "ignition>", "touchdown>"]
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["position east"] == ["m", "160.0 ± 300.0", "80.0 ± 300.0", "21.0 ± 300.0"]
     assert rows["height above the ground"] == ["m", "0.20 ± 3.00", "0.60 ± 3.00", "0.90 ± 3.00"]
     assert len(rows) == 10
     del made_up.when["touchdown"]
-    assert navigation.at_moments(made_up).columns[-1] == "ignition>", "only what the flight came to"
+    assert navigation_errors.at_moments(made_up).columns[-1] == "ignition>", "only what the flight came to"
 
 
 def test_velocity_before_the_radar_ends_with_its_first_echo(made_up):
@@ -109,7 +109,7 @@ def test_bounds_are_symmetrical_and_scales_too(made_up):
 
 def test_a_bound_far_beyond_the_error_does_not_flatten_it(made_up):
     made_up["nav.sigma_east_m"][:] = 1e6
-    assert found(made_up)["nav_position"].panels[1].y.range[1] == pytest.approx(1.08 * parts.FAR * 200.0)
+    assert found(made_up)["nav_position"].panels[1].y.range[1] == pytest.approx(1.08 * common.FAR * 200.0)
 
 
 def test_innovations_are_shown_while_there_are_echoes_with_the_gate_of_the_filter(made_up):
@@ -180,10 +180,10 @@ def test_a_flight_with_a_failed_gyro_says_so(flown):
 
 def test_table_of_the_flight_agrees_with_its_figures(flown):
     flight, run = flown
-    rows = {row[0]: row for row in navigation.at_moments(run).rows}
+    rows = {row[0]: row for row in navigation_errors.at_moments(run).rows}
     height = flight.metrics["ignition_nav_height_m"]
     assert float(rows["height above the ground"][3].split(" ± ")[0]) == pytest.approx(height, abs=0.006)
-    speed = [float(rows[f"velocity {axis}"][4].split(" ± ")[0]) for axis in navigation.AXES]
+    speed = [float(rows[f"velocity {axis}"][4].split(" ± ")[0]) for axis in navigation_errors.AXES]
     assert np.linalg.norm(speed) == pytest.approx(flight.metrics["touchdown_nav_velocity_m_s"], abs=0.002)
 
 

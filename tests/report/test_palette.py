@@ -7,7 +7,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from edl6dof.report.figure import (
+from edl6dof.report.flight.flight_report import flight_report
+from edl6dof.report.page import drawing
+from edl6dof.report.palette import (
     DARK,
     GREEN,
     INK,
@@ -23,8 +25,6 @@ from edl6dof.report.figure import (
     UNKNOWN,
     UNSEEN,
 )
-from edl6dof.report.flight.build import flight_report
-from edl6dof.report.page import drawing
 from edl6dof.report.plotly_figure import TEMPLATE
 
 #: What each kind of eye sees of linear red, green and blue, which it lacks wholly.  Source: Machado, Oliveira

@@ -18,12 +18,12 @@ import pytest
 from PIL import Image, ImageChops
 
 from edl6dof.api import reports
-from edl6dof.cli.comparison import MOST
+from edl6dof.cli.result_views import MOST
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.report.channels import channel_plot, chosen
+from edl6dof.report.catalogue import channel_plot, chosen
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
-from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table, overlaid
 from edl6dof.report.matplotlib_figure import matplotlib_figure, write_figure
 from edl6dof.report.pdf import write_pdf

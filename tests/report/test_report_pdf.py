@@ -8,12 +8,12 @@ import numpy as np
 
 from edl6dof.report.document import Report, Section, Table
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
-from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.pdf import ROOM, ROWS_PER_PAGE, _pages, figure_pages
 
 
 def words(lines):
-    return [line[0][2] if line else "" for line in lines]
+    return [line[0].text if line else "" for line in lines]
 
 
 def test_tables_are_not_torn():

@@ -18,23 +18,11 @@ from browser import Shown, share, show
 from live_page import NO_GL, opened
 
 from edl6dof.report.document import Report, Section
-from edl6dof.report.figure import (
-    BLUE,
-    DARK,
-    GOOD,
-    GREEN,
-    PAPER,
-    PURPLE,
-    VERMILION,
-    Axis,
-    Figure,
-    Mark,
-    Panel,
-    Trace,
-)
-from edl6dof.report.flight.build import flight_report
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.flight.overlay import comparison_report, darker
 from edl6dof.report.page import page
+from edl6dof.report.palette import BLUE, DARK, GOOD, GREEN, PAPER, PURPLE, VERMILION
 
 
 @pytest.fixture(scope="module")

@@ -12,14 +12,14 @@ import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.manifest import seal
-from edl6dof.report import labels as label_layout
+from edl6dof.report import label_layout
 from edl6dof.report.figure import Axis, Panel, Trace
-from edl6dof.report.flight import actuators, corridor, diagnosis, phase_planes, site
-from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight import corridor, phase_planes, thrusters, trajectory
+from edl6dof.report.flight.flight_report import flight_report
+from edl6dof.report.flight.phase_planes import aimed_rate, firing_error
 from edl6dof.report.plotly_figure import plotly_figure
-from edl6dof.report.zones import aimed_rate, firing_error
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def test_thruster_map_holds_the_mean_duty(run, figures):
 
 
 def test_thruster_propellant_is_what_the_tank_lost_before_the_engine(run):
-    table = actuators.use(run)
+    table = thrusters.use(run)
     before = run.t < run.when["ignition"]
     share = sum(
         float(row[-1]) * run[f"rcs.{row[0]}"][before].sum() / max(run[f"rcs.{row[0]}"].sum(), 1e-12)
@@ -120,9 +120,9 @@ def test_thruster_propellant_is_what_the_tank_lost_before_the_engine(run):
 
 
 def test_table_of_branches_sums_up_what_thrusters_drew_and_meters_counted(run):
-    table = diagnosis.branch_use(run)
+    (table,) = thrusters.branch_use(run)
     assert [row[:2] for row in table.rows][:2] == [["D16", "D1, D6"], ["D25", "D2, D5"]]
-    by_thruster = sum(float(row[-1]) for row in actuators.use(run).rows)
+    by_thruster = sum(float(row[-1]) for row in thrusters.use(run).rows)
     true, metered = (sum(float(row[k]) for row in table.rows) for k in (2, 3))
     assert true == pytest.approx(by_thruster, rel=0.05)
     assert metered == pytest.approx(true, rel=0.1)
@@ -223,7 +223,7 @@ def test_planned_ellipse_is_drawn_to_scale_where_the_scenario_has_one(run, figur
     terrain = {**run.scenario["terrain"], "ellipse_length_m": 0.0}
     plain = Run(run.folder)
     plain.scenario = {**run.scenario, "terrain": terrain}
-    without = site.landing_site(plain)
+    without = trajectory.landing_site(plain)
     assert [panel.title for panel in without.panels] == ["from the parachute on", "powered descent"]
     assert "allowed distance" in [trace.name for trace in without.panels[0].traces]
 

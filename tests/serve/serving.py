@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
 
-from edl6dof.serve.server import IDLE_S, FlightServer
+from edl6dof.serve.flight_server import IDLE_S, FlightServer
 from edl6dof.serve.session import Session
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "serve"

@@ -58,7 +58,7 @@ def test_without_msgpack_it_says_what_to_install(monkeypatch):
     def missing(name):
         raise ImportError(name)
 
-    monkeypatch.setattr("edl6dof.api.optional.import_module", missing)
+    monkeypatch.setattr("edl6dof.api.arguments.import_module", missing)
     done = called(*SHORT)
     assert (done.returncode, done.stdout) == (69, "")
     assert done.stderr == "edl6dof serve needs msgpack: pip install 'edl6dof[serve]'\n"

@@ -229,7 +229,7 @@ def test_a_defect_is_called_one_and_the_server_lives_on(line, monkeypatch, capfd
 
 
 def test_a_port_that_is_taken_is_refused(server):
-    from edl6dof.serve.server import FlightServer
+    from edl6dof.serve.flight_server import FlightServer
 
     with pytest.raises(edl6dof.ConfigError, match="--port: .* cannot be had: Address already in use"):
         FlightServer(lambda: None, server.port)

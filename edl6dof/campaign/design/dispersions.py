@@ -25,8 +25,8 @@ from edl6dof.campaign.design.distributions.base import DistributionParams, devia
 from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultMatrixParams
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
-from edl6dof.config.document.overrides import make_room
-from edl6dof.config.document.yamltree import Path
+from edl6dof.config.document.overrides import ensure_path
+from edl6dof.config.document.yamltree import Keys
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, bounds, root_slot
 from edl6dof.config.model_paths import value_at
@@ -54,7 +54,7 @@ class Target:
     path: str
     nominal: Any
     slot: Slot
-    place: Path
+    place: Keys
 
 
 @dataclass(frozen=True)
@@ -86,19 +86,19 @@ class Locator:
         self.problems: list[Problem] = []
         self._template = copy.deepcopy(loaded.document)
 
-    def targets(self, of: Of, path: str, place: Path) -> Iterator[Target]:
+    def targets(self, of: Of, path: str, place: Keys) -> Iterator[Target]:
         """Every parameter that a path means; more than one where it has a ``*``."""
         model = self.loaded.scenario if of == "belief" else self.loaded.truth
         try:
             if of == "truth" and (words := truth_problem(path)):
                 raise ValueError(words)
             for found in _expanded(model, path):
-                keys = make_room(self._template, found, Scenario)
+                keys = ensure_path(self._template, found, Scenario)
                 yield Target(of, found, value_at(model, found), _slot(keys), place)
         except (ValueError, AttributeError, LookupError) as error:
             self.refuse(place, str(error))
 
-    def refuse(self, place: Path, message: str) -> None:
+    def refuse(self, place: Keys, message: str) -> None:
         """Note a problem."""
         self.problems.append(self.document.problem(place, message))
 
@@ -128,7 +128,7 @@ def _expanded(model: BaseModel, path: str) -> list[str]:
     return [found for key in keys for found in _expanded(model, f"{before}{key}{after}")]
 
 
-def _slot(keys: Path) -> Slot:
+def _slot(keys: Keys) -> Slot:
     slot = root_slot(Scenario)
     for key in keys:
         slot = stated(slot.child(key))
@@ -201,7 +201,7 @@ def check_values(target: Target, values: np.ndarray, first: int, locator: Locato
     return False
 
 
-def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Path, str]]:
+def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Keys, str]]:
     """All that is wrong with a fault, written as under ``faults:``: the place inside it, and words."""
     scenario = locator.loaded.scenario
     try:

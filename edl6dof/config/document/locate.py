@@ -1,6 +1,4 @@
-"""Where scenarios, vehicles and planets are found: beside the user's files, in the repository, or in the
-installed package; and which names do as those of folders on every system.
-"""
+"""Where scenarios, vehicles and planets are found, and which names can be those of folders."""
 
 from __future__ import annotations
 
@@ -34,17 +32,13 @@ def shipped_folders(kind: str) -> list[Path]:
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of all shipped files of one kind, sorted; one in a folder of the shipped ones is called
-    ``folder/name``.
-    """
+    """Names of all shipped files of one kind, sorted; ``folder/name`` for one in a folder of them."""
     found = ((folder, file) for folder in shipped_folders(kind) for file in folder.rglob("*" + SUFFIX))
     return sorted({file.relative_to(folder).with_suffix("").as_posix() for folder, file in found})
 
 
 def find_shipped(kind: str, name: str) -> Path | None:
-    """The shipped file of a name such as ``mars`` or ``nesc/case06`` (with or without ``.yaml``), or
-    ``None``.
-    """
+    """The shipped file of a name such as ``mars``, with or without ``.yaml``, or ``None``."""
     stem = name.removesuffix(SUFFIX)
     if not stem or Path(stem).is_absolute() or Path(stem).as_posix() != stem or ".." in Path(stem).parts:
         return None
@@ -122,7 +116,7 @@ def shown(path: Path) -> str:
 
 
 def why_no_folder(name: str) -> str | None:
-    """Why a name does not do as that of a folder; ``None`` when it does."""
+    """Say why a name cannot be that of a folder; ``None`` when it can."""
     if not _FOLDER_NAME.fullmatch(name):
         return (
             "must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the "

@@ -12,22 +12,19 @@ from pydantic_core import PydanticUndefined, to_jsonable_python
 from edl6dof.config.base import Params
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import INCLUDES, Mark, include
-from edl6dof.config.document.yamltree import REPLACE, Path, parse_yaml
+from edl6dof.config.document.yamltree import REPLACE, Keys, dotted, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, root_slot
-from edl6dof.config.wording import got, nearest, unknown_key
+from edl6dof.config.wording import did_you_mean, got, unknown_key
+
+_FORM = "must have the form path.to.key=value"
 
 
-class _Refused(Exception):
-    """Why one override cannot be applied."""
+class _Refused(ValueError):
+    """An override cannot be applied; the text says why."""
 
 
-def apply_overrides(
-    document: Document,
-    overrides: Iterable[str],
-    model: type[BaseModel],
-    includes: Mapping[str, str] = INCLUDES,
-) -> Document:
+def apply_overrides(document: Document, overrides: Iterable[str], model: type[BaseModel]) -> Document:
     """A copy of ``document`` with every ``dotted.path=value`` applied, in the order given.
 
     Args:
@@ -36,22 +33,15 @@ def apply_overrides(
             value is YAML.
         model: root parameter model; it decides which paths exist, so a default that the file leaves out can
             be set too.
-        includes: top-level keys whose text value is the name of a file.
 
     Raises:
         ConfigError: every override that is malformed or names a path that does not exist.
     """
-    changes, problems = [], []
-    for text in overrides:
-        path, equals, value = text.partition("=")
-        mark = Mark(f"--set {text}")
-        try:
-            if not equals:
-                raise _Refused("must have the form path.to.key=value")
-            changes.append((path.strip(), _parse(value), mark))
-        except _Refused as error:
-            problems.append(Problem(*mark, path.strip(), str(error)))
-    return _with(document, changes, model, includes, problems)
+    parts = ((text, *text.partition("=")) for text in overrides)
+    changes = [
+        (path, value if equals else None, Mark(f"--set {text}")) for text, path, equals, value in parts
+    ]
+    return _with(document, changes, model, _parse)
 
 
 def with_values(
@@ -71,23 +61,22 @@ def with_values(
     Raises:
         ConfigError: every path that does not exist.
     """
-    changes = [(path.strip(), value, mark(path)) for path, value in values.items()]
-    return _with(document, changes, model, INCLUDES, [])
+    return _with(document, [(path, value, mark(path)) for path, value in values.items()], model, deepcopy)
 
 
 def _with(
     document: Document,
     changes: Iterable[tuple[str, Any, Mark]],
     model: type[BaseModel],
-    includes: Mapping[str, str],
-    problems: list[Problem],
+    read: Callable[[Any], Any],
 ) -> Document:
-    result = document.copy()
-    for path, value, mark in changes:
+    """A copy with changes: path, value as ``read`` understands it, and the place where it was given."""
+    result, problems = document.copy(), list[Problem]()
+    for path, given, mark in changes:
         try:
-            _set(result, _parts(path), deepcopy(value), mark, model, includes)
+            _set(result, _parts(path.strip()), read(given), mark, model)
         except _Refused as error:
-            problems.append(Problem(*mark, path, str(error)))
+            problems.append(Problem(*mark, path.strip(), str(error)))
         except ConfigError as error:
             problems += error.problems
     if problems:
@@ -98,11 +87,14 @@ def _with(
 def _parts(path: str) -> list[str]:
     parts = path.split(".")
     if not all(parts):
-        raise _Refused("must have the form path.to.key=value")
+        raise _Refused(_FORM)
     return parts
 
 
-def _parse(text: str) -> Any:
+def _parse(text: str | None) -> Any:
+    """Value of an override as YAML; ``None`` stands for an override without ``=``."""
+    if text is None:
+        raise _Refused(_FORM)
     if not text.strip():
         raise _Refused("no value after '='; write null for none")
     try:
@@ -114,38 +106,32 @@ def _parse(text: str) -> Any:
     return tree.data
 
 
-def _set(
-    document: Document,
-    parts: list[str],
-    value: Any,
-    mark: Mark,
-    model: type[BaseModel],
-    includes: Mapping[str, str],
-) -> None:
+def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: type[BaseModel]) -> None:
     node, parent, path = _reach(document, parts, mark, model)
     key = path[-1]
     _forget(document, path)
     document.marks[path] = mark
     if isinstance(node, dict):
         _drop_foreign(node, parent, parts[-1], value)
-        for name in _decided(parent, parts[-1]).intersection(node):
+        deciding = (one for one in parent.models if issubclass(one, Params))
+        for name in {name for one in deciding for name in one.decided_by(parts[-1])}.intersection(node):
             del node[name]
             _forget(document, (*path[:-1], name))
     node[key] = value
-    if len(parts) == 1 and parts[0] in includes and isinstance(value, str):
-        include(document, parts[0], value, includes[parts[0]])
+    if len(parts) == 1 and parts[0] in INCLUDES and isinstance(value, str):
+        include(document, parts[0], value, INCLUDES[parts[0]])
 
 
 def _reach(
     document: Document, parts: list[str], mark: Mark, model: type[BaseModel]
-) -> tuple[Any, Slot, Path]:
+) -> tuple[Any, Slot, Keys]:
     """Container that holds the value at a path, its place in the model, and the path as keys and indices.
 
     Containers on the way that the file leaves out are filled with their defaults.
     """
     node: Any = document.data
     slot = root_slot(model)
-    path: Path = ()
+    path: Keys = ()
     for part in parts[:-1]:
         key, slot = _step(node, slot, part)
         path = (*path, key)
@@ -157,17 +143,13 @@ def _reach(
     return node, slot, (*path, key)
 
 
-def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> Path:
-    """Keys and indices of a dotted path, after writing into ``document`` the containers on the way that it
-    leaves out.
+def ensure_path(document: Document, dotted_path: str, model: type[BaseModel]) -> Keys:
+    """Write into ``document`` the containers on a dotted path that it leaves out; returns keys and indices.
 
     Raises:
         ValueError: no such path; the text says why, without a place.
     """
-    try:
-        return _reach(document, _parts(dotted_path), Mark("(default)"), model)[2]
-    except _Refused as error:
-        raise ValueError(str(error)) from None
+    return _reach(document, _parts(dotted_path), Mark("(default)"), model)[2]
 
 
 def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:
@@ -195,34 +177,24 @@ def _index(items: list[Any], part: str) -> int:
             return int(part)
         raise _Refused(f"no entry {part}: the list has {len(items)}, counted from 0")
     known = [str(name) for name in names if name is not None]
-    near = nearest(part, known)
-    hint = (
-        f"; did you mean {near!r}?"
-        if near
-        else f"; names: {', '.join(known)}"
-        if known
-        else "; use its index, from 0"
-    )
-    raise _Refused(f"no entry named {part!r}{hint}")
+    otherwise = f"; names: {', '.join(known)}" if known else "; use its index, from 0"
+    raise _Refused(f"no entry named {part!r}{did_you_mean(part, known, otherwise)}")
 
 
 def _default(slot: Slot) -> Any:
     """Plain data of what the model would put where the file says nothing."""
     default = slot.info.get_default(call_default_factory=True) if slot.info is not None else None
     if default is None or default is PydanticUndefined:
-        holds_keys = slot.models or any(
+        if not slot.models and not any(
             option is Any or get_origin(option) is dict for option in slot.options
-        )
-        if not holds_keys:
+        ):
             raise _Refused(f"{slot.name} is not in the file: set all of it, not a part")
         return {}
     return to_jsonable_python(default)
 
 
 def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> None:
-    """When ``key`` chooses another alternative (``guidance.law=...``), drop the parameters that only the old
-    one knows.
-    """
+    """Drop parameters of the former alternative when ``key`` chooses another (``guidance.law=...``)."""
     kinds = [model for model in slot.models if key in model.model_fields]
     chosen = [model for model in kinds if value in get_args(model.model_fields[key].annotation)]
     if len(kinds) > 1 and len(chosen) == 1:
@@ -230,17 +202,9 @@ def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> Non
             del node[name]
 
 
-def _decided(slot: Slot, key: str) -> set[str]:
-    """Keys beside ``key`` whose values follow from its own."""
-    return {name for model in slot.models if issubclass(model, Params) for name in model.decided_by(key)}
-
-
-def _forget(document: Document, path: Path) -> None:
-    """Drop the provenance of a value, and of a list of numbers it is part of: it no longer holds what its
-    source says.
-    """
+def _forget(document: Document, path: Keys) -> None:
+    """Drop the provenance of a value, and of a list of numbers that it is part of."""
     document.forget(path)
     for length in range(1, len(path)):
-        whole = ".".join(str(part) for part in path[:length])
-        document.status.pop(whole, None)
-        document.sources.pop(whole, None)
+        document.status.pop(dotted(path[:length]), None)
+        document.sources.pop(dotted(path[:length]), None)

@@ -1,6 +1,4 @@
-"""Reading files that somebody else wrote: regular files of a bounded size, so that no read waits for ever or
-fills the memory.
-"""
+"""Read files of unknown origin: regular files of bounded size, so that no read blocks or fills memory."""
 
 from __future__ import annotations
 

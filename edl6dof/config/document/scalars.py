@@ -56,9 +56,7 @@ def read_scalar(text: str) -> Scalar:
 
 
 def write_scalar(value: Scalar) -> str:
-    """Text that :func:`read_scalar` (or the double-quoted style) turns back into exactly ``value``, and that
-    YAML 1.1 reads no other way: ``"off"``, ``1.0e-05``.
-    """
+    """Text that reads back as exactly ``value``, in YAML 1.1 too: ``'off'`` in quotes, ``1.0e-05``."""
     if value is None:
         return "null"
     if isinstance(value, bool):

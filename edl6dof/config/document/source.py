@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from edl6dof.config.document.document import Document
-from edl6dof.config.document.extends import EXTENDS, lay_over, refuse_replacing
+from edl6dof.config.document.document import EXTENDS, Document, lay_over, refuse_replacing
 from edl6dof.config.document.locate import (
     find_include,
     find_shipped,
@@ -23,7 +22,7 @@ from edl6dof.config.document.locate import (
 )
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.yamltree import Mark, parse_yaml
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import ConfigError, Problem, refusal
 from edl6dof.config.plugin_scan import LARGEST
 from edl6dof.config.wording import got
 
@@ -81,9 +80,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
 
 
 def _name_after(path: Path, scenario: Document, top: Document) -> None:
-    """A scenario that extends another and gives no name goes by that of its file: what it flies is never
-    taken for the other's.
-    """
+    """Name a scenario that extends another and gives no name after its file."""
     if NAME in scenario.data and NAME not in top.data and why_no_folder(path.stem) is None:
         scenario.forget((NAME,))
         scenario.data[NAME] = path.stem
@@ -93,19 +90,17 @@ def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ..
     """The scenario that ``document`` extends."""
     name = document.data.pop(EXTENDS)
     if not isinstance(name, str):
-        raise ConfigError(
-            [document.problem((EXTENDS,), f"must be the name or path of a scenario (got {got(name)})")]
-        )
+        raise document.error((EXTENDS,), f"must be the name or path of a scenario (got {got(name)})")
     beside = chain[-1].parent / name
     try:
         found = resolve_scenario(beside if beside.is_file() else name)
     except ConfigError as error:
-        raise ConfigError([document.problem((EXTENDS,), error.problems[0].message)]) from None
+        raise document.error((EXTENDS,), error.problems[0].message) from None
     if len(chain) > LONGEST_CHAIN:
         message = f"is number {len(chain)} in a chain of scenarios; at most {LONGEST_CHAIN} are allowed"
-        raise ConfigError([document.problem((EXTENDS,), message)])
+        raise document.error((EXTENDS,), message)
     if found.resolve() in chain:
-        raise ConfigError([document.problem((EXTENDS,), f"leads back to {shown(found)}")])
+        raise document.error((EXTENDS,), f"leads back to {shown(found)}")
     return _read(found, includes, chain)
 
 
@@ -128,29 +123,18 @@ def _parsed(text: str, file: str) -> Document:
 
 
 def include(document: Document, key: str, value: str, kind: str) -> None:
-    """Put the mapping of the file called ``value`` in the place of ``document.data[key]``, with the marks of
-    its own file.
-    """
+    """Put the content of the file called ``value``, with its own marks, into ``document.data[key]``."""
     folder = document.files[0].resolve().parent if document.files else Path.cwd()
     found, places = find_include(value, kind, folder)
     if found is None:
         looked = ", ".join(shown(place) for place in places)
         near = near_names(value, kind, [folder, folder.parent / kind])
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise ConfigError(
-            [
-                document.problem(
-                    (key,), f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})"
-                )
-            ]
-        )
+        message = f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})"
+        raise document.error((key,), message)
     part = parse_document(_read_text(found), shown(found))
     refuse_replacing(part, part.replacing)
-    _adopt(document, key, part)
     document.files += (found,)
-
-
-def _adopt(document: Document, key: str, part: Document) -> None:
     document.forget((key,))
     document.data[key] = part.data
     document.marks.update({(key, *path): mark for path, mark in part.marks.items()})
@@ -163,12 +147,12 @@ def _read_text(path: Path) -> str:
     try:
         content = read_regular(path, LARGEST)
     except FileNotFoundError:
-        raise ConfigError([Problem(file, 0, 0, "", "no such file")]) from None
+        raise refusal(file, "no such file") from None
     except IsADirectoryError:
-        raise ConfigError([Problem(file, 0, 0, "", "is a folder, not a file")]) from None
+        raise refusal(file, "is a folder, not a file") from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ConfigError([Problem(file, 0, 0, "", f"cannot be read: {reason}")]) from None
+        raise refusal(file, f"cannot be read: {reason}") from None
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

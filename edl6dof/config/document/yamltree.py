@@ -16,7 +16,7 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.document.scalars import read_scalar
 from edl6dof.config.errors import ConfigError, Problem
 
-Path = tuple[str | int, ...]
+Keys = tuple[str | int, ...]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 40
@@ -29,9 +29,7 @@ _CLAIM = re.compile(r"[^#]*?\s#\s*\[([A-Z])\]\s*(.*?)\s*")
 
 
 class Mark(NamedTuple):
-    """A place in a file, counted from 1; line 0 stands for a place without lines, such as a command line
-    option.
-    """
+    """A place in a file, counted from 1; line 0 where there are none, as in a command line option."""
 
     file: str
     line: int = 0
@@ -40,18 +38,16 @@ class Mark(NamedTuple):
 
 @dataclass
 class Tree:
-    """Plain data of one text with the place of every key, the lists tagged ``!replace``, and status and
-    source of values with a ``# [P] source`` mark.
-    """
+    """Plain data of a text, place of every key, ``!replace`` lists, and marks ``# [P] source`` of values."""
 
     data: Any = None
-    marks: dict[Path, Mark] = field(default_factory=dict)
-    replacing: set[Path] = field(default_factory=set)
+    marks: dict[Keys, Mark] = field(default_factory=dict)
+    replacing: set[Keys] = field(default_factory=set)
     status: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
 
 
-def dotted(path: Path) -> str:
+def dotted(path: Keys) -> str:
     """``("thrusters", 2, "thrust_n")`` as ``thrusters.2.thrust_n``."""
     return ".".join(str(part) for part in path)
 
@@ -66,9 +62,8 @@ def parse_yaml(text: str, file: str) -> Tree:
     if bad := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, bad.start()) + 1
         column = bad.start() - text.rfind("\n", 0, bad.start())
-        raise ConfigError(
-            [Problem(file, line, column, "", f"character {bad.group()!r} is not allowed in YAML")]
-        )
+        message = f"character {bad.group()!r} is not allowed in YAML"
+        raise ConfigError([Problem(file, line, column, "", message)])
     builder = _Builder(text, file)
     try:
         builder.run()
@@ -106,10 +101,11 @@ class _Builder:
         self.file = file
         self.lines = text.splitlines()
         self.events = yaml.parse(text, Loader=LOADER)
-        # line -> column behind the last token: a comment can only follow there
+        # line -> column behind its last token, where alone a comment can follow; the last one taken
         self.ends: dict[int, int] = {}
-        self.claim_lines: dict[Path, tuple[int, ...]] = {}
-        self.plain: dict[Path, bool] = {}  # whether a value holds no mapping: only such values carry a status
+        self.line = 0
+        self.claim_lines: dict[Keys, tuple[int, ...]] = {}
+        self.plain: dict[Keys, bool] = {}  # whether a value holds no mapping: only such values carry a status
         self.problems: list[Problem] = []
         self.tree = Tree(marks={(): Mark(file, 1, 1)})
 
@@ -127,13 +123,14 @@ class _Builder:
         end = event.end_mark
         if end.index != event.start_mark.index:
             self.ends[end.line] = max(end.column, self.ends.get(end.line, 0))
+        self.line = end.line
         return event
 
-    def _problem(self, event: yaml.Event, path: Path, message: str) -> None:
+    def _problem(self, event: yaml.Event, path: Keys, message: str) -> None:
         mark = event.start_mark
         self.problems.append(Problem(self.file, mark.line + 1, mark.column + 1, dotted(path), message))
 
-    def _value(self, path: Path, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
+    def _value(self, path: Keys, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
         """Value that begins with ``event``; ``key_lines`` is the line of its key, where a mark may stand."""
         if len(path) > DEEPEST:
             self._problem(event, path[:4], f"nested more than {DEEPEST} levels deep")
@@ -144,15 +141,18 @@ class _Builder:
             return None
         if event.tag:
             self._tag(path, event)
-        flow = isinstance(event, yaml.ScalarEvent) or event.flow_style
-        self.claim_lines[path] = (event.end_mark.line, *key_lines) if flow else key_lines
+        self.claim_lines[path] = key_lines
         if isinstance(event, yaml.MappingStartEvent):
-            return self._mapping(path, flow, key_lines)
-        if isinstance(event, yaml.SequenceStartEvent):
-            return self._sequence(path, flow, key_lines)
-        return self._scalar(path, event)
+            value: Any = self._mapping(path)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            value = self._sequence(path)
+        else:
+            value = self._scalar(path, event)
+        if isinstance(event, yaml.ScalarEvent) or event.flow_style:
+            self.claim_lines[path] = (self.line, *key_lines)
+        return value
 
-    def _tag(self, path: Path, event: yaml.Event) -> None:
+    def _tag(self, path: Keys, event: yaml.Event) -> None:
         if event.tag != REPLACE:
             self._problem(
                 event, path, f"tags ({event.tag}) are not supported, except {REPLACE} before a list"
@@ -162,7 +162,7 @@ class _Builder:
         else:
             self.tree.replacing.add(path)
 
-    def _scalar(self, path: Path, event: yaml.ScalarEvent) -> Any:
+    def _scalar(self, path: Keys, event: yaml.ScalarEvent) -> Any:
         if _SURROGATE.search(event.value):
             self._problem(event, path, "half of a surrogate pair is not text")
         if not event.implicit[0]:
@@ -174,20 +174,16 @@ class _Builder:
             self._problem(event, path, f"{error} (got {shown})")
             return None
 
-    def _sequence(self, path: Path, flow: bool, key_lines: tuple[int, ...]) -> list[Any]:
+    def _sequence(self, path: Keys) -> list[Any]:
         items: list[Any] = []
         while not isinstance(event := self._take(), yaml.SequenceEndEvent):
-            item_path = (*path, len(items))
-            self.tree.marks[item_path] = Mark(
-                self.file, event.start_mark.line + 1, event.start_mark.column + 1
-            )
+            item_path, start = (*path, len(items)), event.start_mark
+            self.tree.marks[item_path] = Mark(self.file, start.line + 1, start.column + 1)
             items.append(self._value(item_path, event, ()))
             self.plain[path] &= self.plain[item_path]
-        if flow:
-            self.claim_lines[path] = (event.end_mark.line, *key_lines)
         return items
 
-    def _mapping(self, path: Path, flow: bool, key_lines: tuple[int, ...]) -> dict[str, Any]:
+    def _mapping(self, path: Keys) -> dict[str, Any]:
         self.plain[path] = False
         items: dict[str, Any] = {}
         while not isinstance(event := self._take(), yaml.MappingEndEvent):
@@ -203,15 +199,11 @@ class _Builder:
                 self._problem(event, (*path, key), f"key is given twice (first on line {first})")
             self.tree.marks[(*path, key)] = Mark(self.file, line + 1, event.start_mark.column + 1)
             items[key] = self._value((*path, key), self._take(), (line,))
-        if flow:
-            self.claim_lines[path] = (event.end_mark.line, *key_lines)
         return items
 
     def _collect_claims(self) -> None:
-        """Give every value the mark of its own line, of its key's line, or of the nearest parent that has
-        one.
-        """
-        found: dict[Path, tuple[str, str] | None] = {}
+        """Give every value the mark of its own line, of its key's, or of the nearest parent with one."""
+        found: dict[Keys, tuple[str, str] | None] = {}
         for path, lines in self.claim_lines.items():
             own = next((claim for line in lines if (claim := self._claim(line))), None)
             found[path] = claim = own or found.get(path[:-1])

@@ -1,1 +1,1 @@
-"""What stands in the 3D scene of a replay: vehicle, parachute, flames, ground, planet, paths."""
+"""Contents of the 3D scene of a replay: vehicle, parachute, flames, ground, planet, paths."""

@@ -1,5 +1,7 @@
 """Arrows at the vehicle: velocity, lift, thrust, disturbance torque; the attitude and velocity frames; and
-their names.
+their names, off the vehicle and off each other as seen from a fixed side.
+
+A label keeps its size on the screen, so its box in metres follows from the least height of a view.
 """
 
 from __future__ import annotations
@@ -9,11 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
-from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
+from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
 from edl6dof.replay.scene.mesh import RGB
-from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.callouts import Label, laid_out, screen
-from edl6dof.replay.views.spatial import body_eye
+from edl6dof.replay.scene.poses import Motion
+from edl6dof.replay.views.pages import FIELD_DEG, body_eye
 from edl6dof.spatial import rotations as turns
 
 VELOCITY, LIFT, THRUST, TORQUE = (110, 230, 240), (130, 235, 120), (255, 190, 90), (240, 110, 220)
@@ -30,11 +31,18 @@ USUAL = 0.99
 LEAST = 0.006
 #: Share of the aerodynamic force below which none of it is lift: a sphere has none.
 _NO_LIFT = 1e-3
+#: Least height of a view for which the boxes are laid out, px.
+VIEW_PX = 300.0
+#: A label's height, the width of a letter, what is added on both sides of a text, and how far below its place
+#: the middle of its box stands, px.
+HEIGHT_PX, LETTER_PX, MARGIN_PX, BELOW_PX = 22.0, 6.6, 10.0, 12.0
+#: By how much (share of the craft's radius) a label is moved outwards at a time, and how often at most.
+STEP, MOST_STEPS = 0.12, 24
 
 
 class Arrow(NamedTuple):
-    """An arrow at each row: what it is called, its colour, its values in L, shape (rows, 3), where it means
-    something, its unit, and how much of it 1 m stands for.
+    """An arrow at each row: name, colour, values in L, shape (rows, 3), rows in which it is shown, unit, and
+    the value of 1 m.
     """
 
     name: str
@@ -46,48 +54,45 @@ class Arrow(NamedTuple):
 
 
 class Arrows(Recorder):
-    """Writes ``near/arrows`` and ``near/velocity_frame``, from the centre of mass in landing-site axes, and
-    ``vehicle/attitude_frame``.
-    """
+    """Writes ``near/arrows`` and ``near/velocity_frame`` (in L), and ``vehicle/attitude_frame``."""
 
     def motions(self) -> None:
-        """Each arrow from its own start: the velocity ahead of the vehicle, forces at the centre of mass."""
-        rows = thin(self.t, SCALAR_HZ)
+        """Write velocity ahead of the vehicle, forces from its centre of mass, and names beyond the ends."""
+        motion, rows = self.motion, thin(self.t, SCALAR_HZ)
         if len(rows) < 3:
             return
-        way, speed = _way(self.motion, rows)
-        size = self.motion.shape.size
+        (way, speed), size = _way(motion, rows), motion.shape.size
         velocity = Arrow("velocity", VELOCITY, way * speed, speed[:, 0] > 0.5, "m/s", 0.0)
-        arrows = [velocity, *forces(self.flight, self.motion, rows)]
-        starts, vectors = [AHEAD * size * way], [WAY * size * way]
-        for arrow in arrows[1:]:
-            starts.append(np.zeros_like(way))
-            vectors.append(arrow.values / arrow.metre)
-        seen = [
-            arrow.shown & np.isfinite(ahead).all(axis=-1) & (np.linalg.norm(ahead, axis=-1) > LEAST * size)
-            for arrow, ahead in zip(arrows, vectors, strict=True)
-        ]
-        for arrow, start, ahead, shown in zip(arrows, starts, vectors, seen, strict=True):
+        drawn = [(velocity, AHEAD * size * way, WAY * size * way)]
+        others = forces(self.flight, motion, rows)
+        drawn += [(arrow, np.zeros_like(way), arrow.values / arrow.metre) for arrow in others]
+        few = slice(None, None, round(SCALAR_HZ / SLOW_HZ))  # nobody reads faster
+        plane, read = screen(body_eye(motion.centre[0], motion.last, size)), rows[few]
+        names: list[tuple[Label, list[str], RGB]] = []
+        for arrow, start, ahead in drawn:
+            length = np.linalg.norm(ahead, axis=-1)
+            shown = arrow.shown & np.isfinite(length) & (length > LEAST * size)
             self._arrow(arrow, rows, start, ahead, shown)
-        ends = [start + ahead for start, ahead in zip(starts, vectors, strict=True)]
-        self._names(rows, arrows, ends, seen, self._frames(rows, way))
+            texts = _texts(arrow._replace(values=arrow.values[few]))
+            label = Label(plane.seen((start + ahead)[few]), shown[few], max(map(len, texts)), True)
+            names.append((label, texts, arrow.colour))
+        for (name, end), colour in zip(self._frames(rows, way).items(), AXES * 2, strict=True):
+            label = Label(plane.seen(end[few]), np.ones(len(read), bool), len(name), False)
+            names.append((label, [name] * len(read), colour))
+        self._names(read, plane, names)
 
     def _arrow(
         self, arrow: Arrow, rows: np.ndarray, start: np.ndarray, vectors: np.ndarray, shown: np.ndarray
     ) -> None:
-        """One arrow where ``shown``, from the centre of mass plus ``start``."""
-        rr = self.rr
-        keep = shown | np.append(False, shown[:-1])  # a row without an arrow ends it
-        if not shown.any():
-            return
-        entity = f"{self.root}/near/arrows/{arrow.name.replace(' ', '_')}"
-        radius = 0.011 * self.motion.shape.size
-        self.static(entity, rr.Arrows3D.from_fields(colors=arrow.colour, radii=radius))
-        drawn = rr.Arrows3D.columns(origins=start[shown], vectors=vectors[shown])
-        self.columns(entity, self.t[rows[keep]], drawn.partition(shown[keep].astype(int)))
+        """Log one arrow where ``shown``, from the centre of mass plus ``start``."""
+        if shown.any():
+            keep, entity = and_next(shown), f"{self.root}/near/arrows/{arrow.name.replace(' ', '_')}"
+            look = {"colors": arrow.colour, "radii": 0.011 * self.motion.shape.size}
+            data, each = {"origins": start[shown], "vectors": vectors[shown]}, shown[keep].astype(int)
+            self.series(entity, self.t[rows[keep]], self.rr.Arrows3D, look, data, each)
 
     def _frames(self, rows: np.ndarray, way: np.ndarray) -> dict[str, np.ndarray]:
-        """Body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its
+        """Log body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its
         vertical plane.
 
         Returns:
@@ -102,76 +107,49 @@ class Arrows(Recorder):
         steep = np.abs(np.linalg.det(axes)) < 0.5  # at rest, or falling straight down
         axes[steep] = np.eye(3)
         self.static(f"{self.root}/near/velocity_frame", rr.TransformAxes3D(axis_length=VELOCITY_AXES * size))
-        pose = rr.Transform3D.columns(quaternion=turns.xyzw(turns.from_axes(axes)))
-        self.columns(f"{self.root}/near/velocity_frame", self.t[rows], pose)
+        self.poses(f"{self.root}/near/velocity_frame", self.t[rows], turn=turns.from_axes(axes))
         middle = [self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"]
         self.static(
             f"{self.root}/vehicle/attitude_frame",
             rr.Transform3D(translation=middle),
             rr.TransformAxes3D(axis_length=BODY_AXES * size),
         )
-        ends = {
-            f"{name}B": BODY_AXES * size * turns.rotate(motion.rotation[rows], one) for name, one in _UNITS
-        }
+        body = BODY_AXES * size * np.eye(3)
+        ends = {f"{name}B": turns.rotate(motion.rotation[rows], body[k]) for k, name in enumerate("xyz")}
         return ends | {f"{name}V": VELOCITY_AXES * size * axes[:, :, k] for k, name in enumerate("xyz")}
 
-    def _names(
-        self,
-        rows: np.ndarray,
-        arrows: list[Arrow],
-        ends: list[np.ndarray],
-        shown: list[np.ndarray],
-        axes: dict[str, np.ndarray],
-    ) -> None:
-        """Name and value of each arrow beyond its end, and the names of the axes: off the vehicle and off
-        each other as the page of the body shows them.
-        """
-        few = slice(None, None, round(SCALAR_HZ / SLOW_HZ))  # nobody reads faster
-        rows, ends, shown = rows[few], [end[few] for end in ends], [there[few] for there in shown]
-        arrows = [arrow._replace(values=arrow.values[few]) for arrow in arrows]
-        axes = {name: end[few] for name, end in axes.items()}
-        size = self.motion.shape.size
-        plane = screen(body_eye(self.motion.centre[0], self.motion.last, size))
-        texts = [_texts(arrow) for arrow in arrows] + [[name] * len(rows) for name in axes]
-        always = np.ones(len(rows), bool)
-        labels = [
-            Label(plane.seen(end), there, max(map(len, text)), moves)
-            for end, there, text, moves in zip(
-                [*ends, *axes.values()],
-                [*shown, *[always] * len(axes)],
-                texts,
-                [True] * len(arrows) + [False] * len(axes),
-                strict=True,
-            )
-        ]
-        places, there = laid_out(plane, COVERED * size, labels)
-        colours = np.array([arrow.colour for arrow in arrows] + list(AXES) * 2, np.uint8)
+    def _names(self, rows: np.ndarray, plane: Screen, names: list[tuple[Label, list[str], RGB]]) -> None:
+        """Log labels with their texts at each row, and their colours, where they have room."""
+        labels, texts, colours = zip(*names, strict=True)
+        places, there = laid_out(plane, COVERED * self.motion.shape.size, list(labels))
         when, which = np.nonzero(there.T)
-        points = self.rr.Points3D.columns(
-            positions=plane.placed(places[which, when]),
-            labels=[texts[k][row] for row, k in zip(when.tolist(), which.tolist(), strict=True)],
-            colors=colours[which],
-        )
-        entity = f"{self.root}/near/arrows/names"
-        self.static(entity, self.rr.Points3D.from_fields(radii=-0.01, show_labels=True))
-        self.columns(entity, self.t[rows], points.partition(there.sum(axis=0)))
-
-
-_UNITS = tuple(zip("xyz", np.eye(3), strict=True))
+        data = {
+            "positions": plane.placed(places[which, when]),
+            "labels": [texts[k][row] for row, k in zip(when.tolist(), which.tolist(), strict=True)],
+            "colors": np.array(colours, np.uint8)[which],
+        }
+        entity, look = f"{self.root}/near/arrows/names", {"radii": -0.01, "show_labels": True}
+        self.series(entity, self.t[rows], self.rr.Points3D, look, data, there.sum(axis=0))
 
 
 def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
-    """Lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever there."""
+    """Return lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever present."""
     columns, turn = flight.columns, motion.rotation[rows]
     way = _way(motion, rows)[0]
     force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
     lift = force - (force * way).sum(axis=-1, keepdims=True) * way
     lifting = np.linalg.norm(lift, axis=-1) > _NO_LIFT * np.linalg.norm(force, axis=-1)
-    thrust = flight["truth.engine_thrust_n"][rows]
+    thrust, ahead = flight["truth.engine_thrust_n"][rows], turns.rotate(turn, np.array([1.0, 0.0, 0.0]))
     torque = turns.rotate(turn, vector(columns, "truth.disturbance", "x y z", "_nm")[rows])
     found = (
         ("lift", LIFT, lift, lifting & (flight.t[rows] < flight.when.get("mortar", np.inf)), "N"),
-        ("thrust", THRUST, -thrust[:, None] * turn_x(turn), thrust > 1.0, "N"),
+        (
+            "thrust",
+            THRUST,
+            -thrust[:, None] * ahead,
+            thrust > 1.0,
+            "N",
+        ),
         ("disturbance", TORQUE, torque, ~np.isfinite(motion.canopy[rows, 0]), "N m"),
     )
     size = motion.shape.size
@@ -185,18 +163,13 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
 
 
 def scales(flight: History, motion: Motion) -> str:
-    """What 1 m of the arrows stands for."""
+    """Return the values of 1 m of the arrows, as text."""
     rows = thin(flight.t, SCALAR_HZ)
     by_scale: dict[str, list[str]] = {}
     for arrow in forces(flight, motion, rows):
         by_scale.setdefault(_amount(arrow.metre, arrow.unit), []).append(arrow.name)
-    told = [f"{scale} ({', '.join(names)})" for scale, names in by_scale.items()]
-    return f"1 m = {', '.join(told)}" if told else ""
-
-
-def turn_x(turn: np.ndarray) -> np.ndarray:
-    """Body axis x in L, shape (rows, 3)."""
-    return turns.rotate(turn, np.array([1.0, 0.0, 0.0]))
+    texts = [f"{scale} ({', '.join(names)})" for scale, names in by_scale.items()]
+    return f"1 m = {', '.join(texts)}" if texts else ""
 
 
 def _way(motion: Motion, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -222,3 +195,93 @@ def _amount(value: float, unit: str) -> str:
 def _texts(arrow: Arrow) -> list[str]:
     values = np.nan_to_num(np.linalg.norm(arrow.values, axis=-1)).tolist()
     return [f"{arrow.name} {_amount(value, arrow.unit)}" for value in values]
+
+
+class Screen(NamedTuple):
+    """The plane through the vehicle, square to the line of sight, and how it is seen.
+
+    Attributes:
+        eye: place of the eye from the vehicle, m.
+        right, up: unit vectors of the plane.
+        metres_per_px: in a view of the least height.
+    """
+
+    eye: np.ndarray
+    right: np.ndarray
+    up: np.ndarray
+    metres_per_px: float
+
+    def seen(self, places: np.ndarray) -> np.ndarray:
+        """Return where places (m from the vehicle), shape (..., 3), appear, m, shape (..., 2)."""
+        distance = np.linalg.norm(self.eye)
+        depth = np.maximum(distance - places @ self.eye / distance, 0.1 * distance)
+        flat = np.stack([places @ self.right, places @ self.up], axis=-1)
+        return flat * (distance / depth)[..., None]
+
+    def placed(self, points: np.ndarray) -> np.ndarray:
+        """Places on the plane, m from the vehicle, shape (..., 3)."""
+        return points[..., :1] * self.right + points[..., 1:] * self.up
+
+    def box(self, letters: int) -> np.ndarray:
+        """Half width and half height (m) of a label's box."""
+        width = LETTER_PX * letters + 2.0 * MARGIN_PX
+        return 0.5 * self.metres_per_px * np.array([width, HEIGHT_PX])
+
+    @property
+    def below(self) -> np.ndarray:
+        """From a label's place to the middle of its box, m."""
+        return np.array([0.0, -BELOW_PX * self.metres_per_px])
+
+
+class Label(NamedTuple):
+    """A label at each row: end of its arrow (m on the plane), shape (rows, 2); rows in which it is wanted;
+    greatest number of letters; and whether it may move outwards, or is left out instead.
+    """
+
+    end: np.ndarray
+    wanted: np.ndarray
+    letters: int
+    moves: bool
+
+
+def screen(eye: np.ndarray) -> Screen:
+    """Return the plane as seen from ``eye`` (m from the vehicle), z up."""
+    distance = float(np.linalg.norm(eye))
+    right = np.cross(-eye, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, -eye) / distance
+    return Screen(eye, right, up, 2.0 * distance * np.tan(np.radians(0.5 * FIELD_DEG)) / VIEW_PX)
+
+
+def laid_out(plane: Screen, craft: float, labels: list[Label]) -> tuple[np.ndarray, np.ndarray]:
+    """Place labels, earlier ones first, none on the craft (a disc of radius ``craft``, m) or on another.
+
+    Returns:
+        places (m on the plane), shape (labels, rows, 2), and which are shown, shape (labels, rows).
+    """
+    rows = len(labels[0].end)
+    places, shown = np.zeros((len(labels), rows, 2)), np.zeros((len(labels), rows), bool)
+    boxes = [plane.box(label.letters) for label in labels]
+    for k, label in enumerate(labels):
+        size = np.linalg.norm(label.end, axis=-1, keepdims=True)
+        way = np.where(size > 1e-3 * craft, label.end / np.maximum(size, 1e-9), [0.0, 1.0])
+        # the middle of the box as far beyond the end as the box reaches that way
+        beyond = np.min(boxes[k] / np.maximum(np.abs(way), 1e-3), axis=-1, keepdims=True)
+        # boxes are wider than high: they pass each other above and below
+        aside = np.where(way >= 0.0, 1.0, -1.0) * np.maximum(np.abs(way) * [0.4, 1.0], [0.0, 0.6])
+        open_ = label.wanted.copy()
+        for step in range(MOST_STEPS if label.moves else 1):
+            here = label.end + beyond * way + step * STEP * craft * aside
+            clear = open_ & _off_craft(here + plane.below, boxes[k], craft)
+            for other in range(k):
+                apart = np.abs(here - places[other]) >= boxes[k] + boxes[other]
+                clear &= apart.any(axis=-1) | ~shown[other]
+            places[k][clear], shown[k][clear] = here[clear], True
+            open_ &= ~clear
+    return places, shown
+
+
+def _off_craft(middle: np.ndarray, box: np.ndarray, craft: float) -> np.ndarray:
+    """True if a box does not touch the disc."""
+    nearest = np.maximum(np.abs(middle) - box, 0.0)
+    return np.linalg.norm(nearest, axis=-1) >= craft

@@ -1,14 +1,25 @@
-"""Ground, sky and target of the replay: what all flights of a recording share."""
+"""Ground, sky and target of the replay, shared by all flights of a recording; and what a vehicle does to the
+ground that it comes close to: its shadow, and the dust of its engines.
+
+The shadow lies where the light throws it.  The dust is a picture only: how much of it there is follows from
+the pressure of the plume on the ground, and nothing in the simulation knows of it.
+"""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.history import thin
+from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import Landscape, sky
-from edl6dof.replay.scene.mesh import disc, rock
-from edl6dof.scenario.relief import planned_ellipse
+from edl6dof.replay.scene.mesh import Mesh, bright, disc, grid_triangles, rock, sphere
+from edl6dof.scenario.terrain_preview import planned_ellipse
 from edl6dof.spatial import rotations as turns
+
+if TYPE_CHECKING:
+    import rerun as rr
 
 TARGET = (90, 220, 230)
 SUNLIGHT = (255, 250, 235)
@@ -17,17 +28,28 @@ _SUN_SIZE = 0.025
 KINDS_OF_ROCK = 4
 #: Radius (m) of the target's largest circle where no limit sets it.
 _TARGET_M = 10e3
+#: Heights (m) below which there is a shadow, and over which it fades by e.
+_SHADOW_BELOW, _FADES = 300.0, 60.0
+#: Opacity of each of the discs that a shadow is made of, and their radii over its own: a soft edge.
+_OPACITY, _LAYERS = 0.26, (1.0, 0.9, 0.8, 0.68, 0.55)
+#: Tangent of the half angle at which a plume spreads, and the mean pressure (Pa) of it on the ground from
+#: which on it raises dust, and at which there is as much as can be: after pictures of landings on Mars.
+_SPREAD, _LIFTS, _THICK = 0.2, 5.0, 120.0
+#: Rings of dust that run outwards one after the other, and how long (s) each takes; opacity of the thickest.
+_RINGS, _RUNS_S, _DUST = 3, 1.8, 34.0
+#: Puffs of dust in a ring.
+_PUFFS = 44
 
 
 class Ground(Recorder):
     """Writes ``/site/ground``, ``/site/sky`` and the target."""
 
     def statics(self) -> None:
-        """Landscape, rocks, rings around touchdown and target, the planned ellipse."""
+        """Write landscape, rocks, rings around touchdown and target, and the planned ellipse."""
         if self.number:
             return
-        rr, motion = self.rr, self.motion
-        self.static("site", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+        motion, scenario = self.motion, self.flight.scenario
+        self.static("site", self.rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
         landscape = Landscape(motion.site, motion.last)
         self.static("site/ground", self.mesh(landscape.mesh()))
@@ -35,27 +57,25 @@ class Ground(Recorder):
             self.static("site/ground/near", self.mesh(near))
         self._rocks(landscape)
         radii = [r for r in (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3) if r < reach]
-        rings = rr.LineStrips3D(
-            [self._ring(landscape, r, motion.last) for r in radii],
-            colors=[120, 72, 48],
-            radii=rr.Radius.ui_points(0.5),
-        )
-        self.static("site/ground/rings", rings)
-        limit = self.flight.scenario.limits.landing_distance_m or _TARGET_M
+        rings = [self._ring(landscape, r, motion.last) for r in radii]
+        self.lines("site/ground/rings", rings, [120, 72, 48], 0.5)
+        limit = scenario.limits.landing_distance_m or _TARGET_M
         circles = [self._ring(landscape, r, np.zeros(3)) for r in (0.01 * limit, 0.1 * limit, limit)]
-        self.static(
-            "site/markers/target", rr.LineStrips3D(circles, colors=TARGET, radii=rr.Radius.ui_points(1.2))
-        )
-        self._ellipse(landscape)
-        level = motion.site.ground(np.zeros(1), np.zeros(1))[1]
-        self.marker("target", [0.0, 0.0, float(level[0])], TARGET)
+        self.lines("site/markers/target", circles, TARGET, 1.2)
+        terrain = scenario.terrain
+        if terrain.ellipse_length_m > 0.0:
+            azimuth = np.radians(terrain.ellipse_azimuth_deg)
+            east, north = planned_ellipse(terrain.ellipse_length_m, terrain.ellipse_width_m, azimuth)
+            line = np.column_stack([east, north, landscape.height(east, north) + 100.0])
+            self.lines("site/markers/ellipse", [line], TARGET, 0.8)
+        level = float(motion.site.ground(np.zeros(1), np.zeros(1))[1][0])
+        self.static("site/labels/target", self.point([0.0, 0.0, level], "target", TARGET))
         if self.flight["truth.footpads"][-1] > 0.0:
-            self.marker(
-                "touchdown", [*motion.last[:2], float(motion.last[2] - motion.height[-1])], (120, 235, 140)
-            )
+            place = [*motion.last[:2], float(motion.last[2] - motion.height[-1])]
+            self.static("site/labels/touchdown", self.point(place, "touchdown", (120, 235, 140)))
 
     def motions(self) -> None:
-        """The sky goes with the vehicle and darkens with height."""
+        """Write the sky, which moves with the vehicle and darkens with height."""
         if self.number:
             return
         look = self.motion.site.appearance
@@ -67,24 +87,11 @@ class Ground(Recorder):
             self.at(self.t[rows[0]], "site/sky/sun", self.mesh(disc(0.97 * sun, sun, _SUN_SIZE, SUNLIGHT)))
         # beyond the farthest ground that is seen from where there is a sky
         reach = 1.5 * np.sqrt(look.sky_top_m * (2.0 * self.motion.site.radius + look.sky_top_m))
-        scale = np.full((len(rows), 3), reach)
-        place = self.rr.Transform3D.columns(translation=self.motion.centre[rows], scale=scale)
-        self.columns("site/sky", self.t[rows], place)
+        self.poses("site/sky", self.t[rows], self.motion.centre[rows], scale=np.full((len(rows), 3), reach))
         bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)
-        tint = np.column_stack([np.outer(255.0 * bright, [1.0, 1.0, 1.0]), np.full(len(rows), 255.0)]).astype(
-            np.uint8
-        )
-        self.columns("site/sky/dome", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
-
-    def _ellipse(self, landscape: Landscape) -> None:
-        site = self.flight.scenario.terrain
-        if site.ellipse_length_m > 0.0:
-            east, north = planned_ellipse(
-                site.ellipse_length_m, site.ellipse_width_m, np.radians(site.ellipse_azimuth_deg)
-            )
-            line = np.column_stack([east, north, landscape.height(east, north) + 100.0])
-            drawn = self.rr.LineStrips3D([line], colors=TARGET, radii=self.rr.Radius.ui_points(0.8))
-            self.static("site/markers/ellipse", drawn)
+        tint = np.column_stack([np.outer(255.0 * bright, np.ones(3)), np.full(len(rows), 255.0)])
+        tints = self.rr.Mesh3D.columns(albedo_factor=tint.astype(np.uint8))
+        self.columns("site/sky/dome", self.t[rows], tints)
 
     def _ring(self, landscape: Landscape, radius: float, centre: np.ndarray) -> np.ndarray:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
@@ -99,6 +106,96 @@ class Ground(Recorder):
             poses = self.rr.InstancePoses3D(
                 translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some]
             )
-            self.static(
-                f"site/ground/rocks/{kind}", self.mesh(rock(kind, look.rock, self.motion.site.light)), poses
-            )
+            mesh = self.mesh(rock(kind, look.rock, self.motion.site.light))
+            self.static(f"site/ground/rocks/{kind}", mesh, poses)
+
+
+class NearGround(Recorder):
+    """Writes ``near_ground/shadow`` and ``near_ground/dust``."""
+
+    def motions(self) -> None:
+        """Write both, where the vehicle is low enough."""
+        rows = thin(self.t, SCALAR_HZ)
+        self._shadow(rows[self.motion.height[rows] < _SHADOW_BELOW])
+        self._dust()
+
+    def _shadow(self, rows: np.ndarray) -> None:
+        """Write discs on the ground, paler and wider from higher up, by which the height can be judged."""
+        if len(rows) == 0:
+            return
+        motion, rr, entity = self.motion, self.rr, f"{self.root}/near_ground/shadow"
+        towards, height = motion.site.light, motion.height[rows]
+        lies, turn = self._on_ground(motion.centre[rows, :2] - np.outer(height / towards[2], towards[:2]))
+        size = self._width() * (1.0 + height / 40.0)
+        wide = np.column_stack([size, size, np.ones(len(rows))])
+        self.poses(entity, self.t[rows], lies, turn, wide)
+        seldom = rows[thin(self.t[rows], SLOW_HZ)]
+        tint = np.zeros((len(seldom), 4), np.uint8)
+        tint[:, 3] = 255.0 * _OPACITY * np.exp(-motion.height[seldom] / _FADES)
+        plate = disc(np.zeros(3), np.array([0.0, 0.0, 1.0]), 1.0, (255, 255, 255))  # its tint is black
+        for layer, share in enumerate(_LAYERS):
+            above = rr.Transform3D(translation=[0.0, 0.0, 0.03 + 0.004 * layer], scale=[share, share, 1.0])
+            self.at(self.t[rows[0]], f"{entity}/{layer}", self.mesh(plate), above)
+            tints = rr.Mesh3D.columns(albedo_factor=tint)
+            self.columns(f"{entity}/{layer}", self.t[seldom], tints)
+
+    def _width(self) -> float:
+        """Radius (m) of the shadow: of the footpads' circle once the vehicle is a lander."""
+        pads = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3)
+        return 0.85 * float(np.hypot(pads[:, 1], pads[:, 2]).max(initial=self.motion.shape.radius))
+
+    def _dust(self) -> None:
+        """Write rings that run outwards under the engines, as thick as the plume presses."""
+        if not self.vehicle.engines:
+            return
+        rows, rr = thin(self.t, SCALAR_HZ), self.rr
+        nozzle = np.mean([engine.nozzle_m for engine in self.vehicle.engines], axis=0)
+        mouth = self.motion.nose[rows] + turns.rotate(self.motion.rotation[rows], nozzle)
+        lies, turn = self._on_ground(mouth[:, :2])
+        height = np.maximum(mouth[:, 2] - lies[:, 2], 0.5)
+        thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"][rows])
+        pressure = thrust / (np.pi * (_SPREAD * height) ** 2)
+        thick = np.clip(np.log(np.maximum(pressure / _LIFTS, 1e-9)) / np.log(_THICK / _LIFTS), 0.0, 1.0)
+        raised = thick > 0.0
+        keep = np.flatnonzero(and_next(raised))
+        if not raised.any():
+            return
+        colour = np.array(self.motion.site.appearance.haze)
+        for ring in range(_RINGS):
+            run = np.mod(self.t[rows[keep]] / _RUNS_S + ring / _RINGS, 1.0)
+            wide = (1.5 + 1.2 * _SPREAD * height[keep]) * (0.5 + 2.5 * run)
+            opaque = np.where(raised[keep], _DUST * thick[keep] * np.sin(np.pi * run), 0.0)
+            entity = f"{self.root}/near_ground/dust/{ring}"
+            self.at(self.t[rows[keep[0]]], f"{entity}/puffs", self.mesh(_puff(colour)), self._ring(ring))
+            size = np.column_stack([wide, wide, 0.4 * wide + 0.3])
+            self.poses(entity, self.t[rows[keep]], lies[keep], turn[keep], size)
+            tint = np.column_stack([np.full((len(keep), 3), 255.0), opaque]).astype(np.uint8)
+            self.columns(f"{entity}/puffs", self.t[rows[keep]], rr.Mesh3D.columns(albedo_factor=tint))
+
+    def _ring(self, seed: int) -> rr.InstancePoses3D:
+        """Places and sizes of the puffs of a ring of unit radius."""
+        random = np.random.default_rng(seed)
+        turn, out = random.uniform(0.0, 2.0 * np.pi, _PUFFS), random.uniform(0.45, 1.0, _PUFFS)
+        size = random.uniform(0.22, 0.42, _PUFFS)
+        place = np.column_stack([out * np.cos(turn), out * np.sin(turn), 0.5 * size])
+        return self.rr.InstancePoses3D(translations=place, scales=np.repeat(size[:, None], 3, axis=1))
+
+    def _on_ground(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places east and north (m), shape (n, 2), on the ground; and turns of z to its normal."""
+        site, reach = self.motion.site, max(self._width(), 0.5)
+        up = site.ground(*places.T)[1]
+        rise = [
+            (site.ground(*(places + step).T)[1] - site.ground(*(places - step).T)[1]) / (2.0 * reach)
+            for step in (np.array([reach, 0.0]), np.array([0.0, reach]))
+        ]
+        normal = np.column_stack([-rise[0], -rise[1], np.ones(len(places))])
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        half = np.column_stack([1.0 + normal[:, 2], -normal[:, 1], normal[:, 0], np.zeros(len(places))])
+        return np.column_stack([places, up]), half / np.linalg.norm(half, axis=-1, keepdims=True)
+
+
+def _puff(colour: np.ndarray) -> Mesh:
+    """A ball of unit radius."""
+    place = sphere(9, 16, 0.01)
+    tone = colour * (0.94 + 0.06 * place[..., 2:])
+    return bright(place.reshape(-1, 3), grid_triangles(9, 16), tone.reshape(-1, 3))

@@ -1,5 +1,5 @@
-"""The ground as the eye sees it: the simulation's relief, and where that has nothing finer than the map,
-craters, ripples and rocks that are decoration.
+"""The ground as drawn: the simulation's relief, and decoration (craters, ripples, rocks) where it has nothing
+finer than the map.
 
 The mesh widens geometrically from the touchdown to the other side of the planet, so that it is fine where the
 camera ends up and a globe from afar; the ground of a landing area is drawn on a square grid there besides,
@@ -17,8 +17,15 @@ import numpy as np
 
 from edl6dof.config.base import Vec3
 from edl6dof.environment.appearance import Tint
-from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles, sphere
-from edl6dof.replay.scene.site import Site
+from edl6dof.replay.scene.mesh import (
+    Mesh,
+    bright,
+    grid_triangles,
+    open_grid_triangles,
+    pole_triangles,
+    sphere,
+)
+from edl6dof.replay.scene.poses import Site
 
 RINGS, SPOKES = 190, 180
 #: Share of the way to the other side of the planet at which the last ring lies.
@@ -71,8 +78,8 @@ class Landscape:
         self._shade = shade
 
     def _laid(self) -> tuple[np.ndarray, np.ndarray]:
-        """Elevation (m) and places of the vertices on the true ground: straight above the plane of the site
-        near it, and around the planet.
+        """Elevation (m) and places of the vertices on the true ground: above the plane of the site near it,
+        and around the planet.
         """
         elevation, place = self._site.around(self._centre, self._east, self._north)
         near = self._radius < _PLANE
@@ -82,7 +89,7 @@ class Landscape:
         return elevation, place
 
     def mesh(self) -> Mesh:
-        """The surface, coloured and shaded."""
+        """Return the surface, coloured and shaded."""
         rise = np.gradient(self._elevation + self._decoration, self._radius, axis=0)
         around = self._around(self._elevation + self._decoration)
         rise_east = rise * self._cos - around * self._sin
@@ -99,15 +106,11 @@ class Landscape:
         ends = [[*self._centre, self._middle], place[-1].mean(axis=0)]
         positions = np.append(place.reshape(-1, 3), ends, axis=0)
         colours = np.append(colours.reshape(-1, 3), colours[[0, -1]].mean(axis=1), axis=0)
-        j, last = np.arange(SPOKES), (RINGS - 1) * SPOKES
-        fans = [
-            np.stack([np.full(SPOKES, RINGS * SPOKES + k), ring + j, ring + (j + 1) % SPOKES], axis=-1)
-            for k, ring in ((0, 0), (1, last))
-        ]
+        fans = pole_triangles(RINGS, SPOKES)
         return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), *fans]), colours)
 
     def near(self) -> Mesh | None:
-        """The ground of a landing area around the touchdown; None where there is none."""
+        """Return the ground of a landing area around the touchdown; None if there is none."""
         if not self._site.relief.detailed:
             return None
         side = np.arange(-NEAR, NEAR + 0.5 * SPACING, SPACING)
@@ -120,9 +123,7 @@ class Landscape:
         return bright(place, open_grid_triangles(len(side), len(side)), colours)
 
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
-        """Up coordinate (m) of the drawn ground at places in L: the true ground, and the decoration of the
-        nearest vertex.
-        """
+        """Return the up coordinate (m) of the drawn ground at places in L, with the nearest decoration."""
         up = np.asarray(self._site.ground(east, north)[1])
         if self._site.relief.detailed:
             return up
@@ -132,11 +133,11 @@ class Landscape:
         return np.asarray(up + self._decoration[i, j])
 
     def rocks(self) -> Rocks:
-        """The rocks around the touchdown."""
+        """Return the rocks around the touchdown."""
         return self._true_rocks() if self._site.relief.detailed else self._boulders()
 
     def _true_rocks(self) -> Rocks:
-        """Those of the landing area, in their places and sizes."""
+        """The rocks of the landing area."""
         middle_east, middle_north = self._centre.tolist()
         place = self._site.rocks(middle_east, middle_north, 4.0 * NEAR, _SMALLEST_ROCK)
         east, north, diameter = place.T
@@ -161,9 +162,7 @@ class Landscape:
         )
 
     def _craters(self) -> np.ndarray:
-        """Height (m) of crater bowls and rims at the vertices: in each size class, as many as the mesh can
-        show.
-        """
+        """Height (m) of craters at the vertices, as many of each size class as the mesh can show."""
         height = np.zeros_like(self._east)
         for diameter in np.geomspace(1.2, 3e4, 40):
             outer = min(diameter / 0.09, self._radius[-1])  # beyond, the mesh is too coarse for them
@@ -193,22 +192,20 @@ class Landscape:
 
 
 def tints(relief: Sequence[Tint], height_km: np.ndarray) -> np.ndarray:
-    """Colours of the globe at heights (km) above the areoid."""
+    """Return the colours of the globe at heights (km) above the areoid."""
     table = np.array(relief)
     return np.stack([np.interp(height_km, table[:, 0], table[:, k]) for k in (1, 2, 3)], axis=-1)
 
 
 def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
-    """Colours of ground of a tone (0 dark, 1 light) that rises so towards east and north."""
+    """Return colours of ground of a tone (0 dark, 1 light) with these slopes."""
     dark, light = np.array(site.appearance.ground_dark), np.array(site.appearance.ground_light)
     colours: np.ndarray = dark + (light - dark) * np.clip(tone, 0.0, 1.0)[..., None]
     return colours * sunlight(site.light, rise_east, rise_north)[..., None]
 
 
 def sunlight(towards: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
-    """Brightness of ground that rises so per metre towards east and north, in light from ``towards``; 1 where
-    it is level.
-    """
+    """Return the brightness of ground with these slopes (m/m) in light from ``towards``; level: 1."""
     cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
         1.0 + rise_east**2 + rise_north**2
     )
@@ -218,9 +215,7 @@ def sunlight(towards: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray)
 def _waves(
     random: np.random.Generator, east: np.ndarray, north: np.ndarray, spacing: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Fractal tone about 0.5, and ripples (m), of waves that a mesh of the given spacing (m) can carry; in
-    single precision, as they are drawn.
-    """
+    """Fractal tone about 0.5, and ripples (m), of waves that a mesh of the given spacing (m) can carry."""
     east, north, spacing = (values.astype(np.float32) for values in (east, north, spacing))
     tone, weight, height = np.zeros_like(east), np.full_like(east, 1e-9), np.zeros_like(east)
     for wavelength in np.geomspace(1.5, 4e5, 34).tolist():
@@ -240,7 +235,7 @@ def _waves(
 
 
 def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
-    """A dome of unit radius seen from inside, from the colour of the horizon to that overhead."""
+    """Return a dome of unit radius seen from inside, from the colour of the horizon to that overhead."""
     rows, columns = 24, 48
     place = sphere(rows, columns)
     rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55

@@ -15,11 +15,6 @@ RGB = tuple[int, int, int]
 Place = Sequence[float] | np.ndarray
 
 WHITE: RGB = (236, 234, 228)
-GOLD: RGB = (222, 164, 66)
-SILVER: RGB = (176, 180, 188)
-DARK: RGB = (58, 60, 68)
-PANEL: RGB = (38, 52, 110)
-ORANGE: RGB = (226, 92, 40)
 
 
 class Mesh(NamedTuple):
@@ -112,9 +107,7 @@ def box(centre: Place, size: Place, colour: RGB) -> Mesh:
 
 
 def plume(core: bool) -> Mesh:
-    """Flame of unit length along x, bright whatever the light: the white core, or the orange mantle around
-    it.
-    """
+    """Return a flame of unit length along x in full light: the white core, or the orange mantle."""
     reach, girth = (0.55, 0.5) if core else (1.0, 1.0)
     stations = np.linspace(0.0, 1.0, 13)
     width = girth * (0.05 + 0.58 * np.sqrt(stations)) * (1.0 - stations) ** 0.9
@@ -131,6 +124,16 @@ def grid_triangles(rows: int, columns: int) -> np.ndarray:
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
     a, b = i * columns + j, i * columns + (j + 1) % columns
     return np.stack([a, a + columns, b + columns, a, b + columns, b], axis=-1).reshape(-1, 3)
+
+
+def pole_triangles(rows: int, columns: int) -> list[np.ndarray]:
+    """Fans from two more vertices to the first and the last row of such a grid."""
+    around = np.arange(columns)
+    ends = ((rows * columns, 0), (rows * columns + 1, (rows - 1) * columns))
+    return [
+        np.stack([np.full(columns, pole), first + around, first + (around + 1) % columns], axis=-1)
+        for pole, first in ends
+    ]
 
 
 def open_grid_triangles(rows: int, columns: int) -> np.ndarray:

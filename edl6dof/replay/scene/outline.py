@@ -1,5 +1,5 @@
-"""The outer shape of a vehicle as it is drawn: what its file says of its appearance, and for what that leaves
-out, what follows from its aerodynamics, its mass and its landing gear.
+"""The outer shape of a vehicle: as its file states it, otherwise derived from aerodynamics, mass and landing
+gear.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Outline(NamedTuple):
 
 
 def outline(vehicle: VehicleParams) -> Outline:
-    """The shape that a vehicle is drawn with."""
+    """Return the shape of a vehicle."""
     body = vehicle.appearance.body
     body = _body(vehicle) if body == "derived" else body
     lander = vehicle.appearance.lander

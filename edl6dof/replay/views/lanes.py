@@ -10,10 +10,9 @@ import numpy as np
 
 from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.views.layout import ENGINE, PHASE, VEHICLE, lane_of
-from edl6dof.replay.views.spatial import Labels
-from edl6dof.report.figure import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
-from edl6dof.report.panels import STATES
+from edl6dof.replay.views.pages import ENGINE, PHASE, VEHICLE, Labels, lane_of
+from edl6dof.report.catalogue import STATES
+from edl6dof.report.palette import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)
@@ -23,8 +22,7 @@ TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 FIRING = 0.02
 #: Least width of a page's lanes, and room that a letter takes, px.
 LANE_PX, LETTER_PX = 800.0, 6.6
-#: Letters of an event's name at most: a longer one, such as why a flight ended, would leave no room to tell
-#: where.
+#: Letters of an event's name at most, so that its place has room.
 MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "
@@ -45,14 +43,14 @@ class Lanes(Recorder):
     """
 
     def labels(self, spans: Mapping[str, tuple[float, float]]) -> Labels:
-        """Labels of the states of each lane that have room for them in the time (s) of each page."""
+        """Return the labels of the states of each lane that have room in the time (s) of each page."""
         return {
             page: {name: fitted(lane.changes, lane.values, span) for name, lane in self._states().items()}
             for page, span in spans.items()
         }
 
     def motions(self) -> None:
-        """Lanes and timeline."""
+        """Write lanes and timeline."""
         if self.number:
             return
         for name, lane in self._states().items():
@@ -98,7 +96,7 @@ class Lanes(Recorder):
     def _switched(
         self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]
     ) -> None:
-        """A lane that is off except where one of the states holds."""
+        """Write a lane that is off except where one of the states holds."""
         states = ["off", *when]
         code = np.zeros(len(self.t), int)
         for number, holds in enumerate(when.values(), 1):
@@ -123,7 +121,7 @@ class Lanes(Recorder):
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
     def _events(self) -> None:
-        """The timeline from the event before the last one on, which is in bold; below it, what comes."""
+        """Write the timeline from before the last event, which is bold; below it, those to come."""
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
         if not events:
             return
@@ -140,7 +138,7 @@ class Lanes(Recorder):
 def fitted(
     changes: Sequence[tuple[float, str]], values: Sequence[str], span: tuple[float, float]
 ) -> list[str]:
-    """Labels of states that have room for them in a lane of this time (s); those that have not stay blank."""
+    """Return the labels of states that have room in a lane of this time (s); others are blank."""
     first, last = span
     room = dict.fromkeys(values, 0.0)
     ends = [t for t, _ in changes[1:]] + [max(last, changes[-1][0])]
@@ -169,7 +167,7 @@ def _table(lines: Sequence[Sequence[str]], now: int) -> str:
 
 
 def _bursts(firing: np.ndarray) -> np.ndarray:
-    """Firing, with the gaps between pulses of one burst closed."""
+    """Close the gaps between pulses of one burst."""
     rows = np.flatnonzero(firing)
     close = np.flatnonzero((np.diff(rows) > 1) & (np.diff(rows) < POSE_HZ * 1.0))
     joined = firing.copy()

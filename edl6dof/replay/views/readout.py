@@ -1,6 +1,4 @@
-"""What a flight controller would read off, field by field, of the stage that the flight is in; and what has
-failed.
-"""
+"""The readout: numbers of the current stage of the flight and present faults, as text; and the legend."""
 
 from __future__ import annotations
 
@@ -10,7 +8,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
-from edl6dof.telemetry.instruments import EXCLUDED
+from edl6dof.telemetry.instrument_states import EXCLUDED
 
 #: Least rate of the rows, Hz.
 READOUT_HZ = 10.0
@@ -23,7 +21,7 @@ AIR, FLYING = (ENTRY, CHUTE), (ENTRY, CHUTE, POWERED)
 
 
 class Field(NamedTuple):
-    """A line of the readout: label, format, unit, and the stages in which it says something."""
+    """A line of the readout: label, format, unit, and the stages in which it is shown."""
 
     label: str
     form: str
@@ -60,7 +58,7 @@ class Readout(Recorder):
     """Writes ``/readout``, of the first flight only."""
 
     def motions(self) -> None:
-        """The lines at each time."""
+        """Write the lines at each time."""
         if self.number:
             return
         rows, stages = thin(self.t, READOUT_HZ), self._stages()
@@ -70,19 +68,16 @@ class Readout(Recorder):
     def _written(self, rows: np.ndarray, stages: np.ndarray) -> None:
         """The texts of some rows, in so many stages."""
         lines = {name: self._line(field, values[rows]) for name, field, values in self._fields()}
-        said = [
-            "\n|:--|--:|\n".join(
-                _parted([lines[name][k] for name in lines if STAGES[stage] in READOUT[name].stages])
-            )
-            for k, stage in enumerate(stages.tolist())
-        ]
+        tables = []
+        for k, stage in enumerate(stages.tolist()):
+            head, *body = (lines[name][k] for name in lines if STAGES[stage] in READOUT[name].stages)
+            tables.append("\n".join([head, "|:--|--:|", *body]))
         whose = f"{self.label}, " if self.label else ""
         titles = [f"{whose}{self.names[phase].replace('_', ' ')}" for phase in self.phase[rows]]
+        times, troubles = self.t[rows].tolist(), self._troubles(rows)
         text = [
-            f"## T+{t:.1f} s\n**{title}**\n\n{table}\n\n{troubles}"
-            for t, title, table, troubles in zip(
-                self.t[rows].tolist(), titles, said, self._troubles(rows), strict=True
-            )
+            f"## T+{t:.1f} s\n**{title}**\n\n{table}\n\n{trouble}"
+            for t, title, table, trouble in zip(times, titles, tables, troubles, strict=True)
         ]
         media = ["text/markdown"] * len(text)
         self.columns("readout", self.t[rows], self.rr.TextDocument.columns(text=text, media_type=media))
@@ -117,31 +112,26 @@ class Readout(Recorder):
         return [f"| {field.label} | **{value:z{field.form}}** {field.unit} |" for value in values.tolist()]
 
     def _troubles(self, rows: np.ndarray) -> list[str]:
-        """What has failed, was diagnosed or is excluded, at some rows."""
+        """Failed, diagnosed and excluded components, at some rows."""
         flight = self.flight
         holds = {
             "failed": {jet: state[rows] > 0 for jet, state in flight.failures.items()},
             "diagnosed": {jet: self.t[rows] >= found.t_s for jet, found in flight.diagnosed.items()},
             "excluded": {one.name: one.holds(EXCLUDED)[rows] for one in flight.instruments},
         }
-        told: list[list[str]] = [[] for _ in rows]
+        found: list[list[str]] = [[] for _ in rows]
         for word, by_name in holds.items():
             for k in np.flatnonzero(np.any([*by_name.values(), np.zeros(len(rows), bool)], axis=0)):
                 names = ", ".join(name for name, there in by_name.items() if there[k])
-                told[k].append(f"**{word}:** {names}")
-        return ["  \n".join(lines) for lines in told]
-
-
-def _parted(lines: list[str]) -> tuple[str, str]:
-    """The head and the body of a table of these lines."""
-    return lines[0], "\n".join(lines[1:])
+                found[k].append(f"**{word}:** {names}")
+        return ["  \n".join(lines) for lines in found]
 
 
 class Legend(Recorder):
-    """Writes ``/legend``, what the colours of the scene mean; of the first flight only."""
+    """Writes ``/legend``, the meaning of the colours of the scene; of the first flight only."""
 
     def statics(self) -> None:
-        """A table of things and colours."""
+        """Write a table of things and colours."""
         if self.number:
             return
         rows = "\n".join(f"| {what} | {colours} |" for what, colours in self._rows())
@@ -149,7 +139,7 @@ class Legend(Recorder):
         self.static("legend", self.rr.TextDocument(text, media_type="text/markdown"))
 
     def _rows(self) -> list[tuple[str, str]]:
-        """Things and what their colours mean."""
+        """Things and the meaning of their colours."""
         flight, kinds = self.flight, {one.kind for one in self.flight.instruments}
         path = "each flight's own" if self.label else "of the phase, as in its lane"
         known = [

@@ -1,3 +1,1 @@
-"""The report of a campaign: where the flights came down, how they stand against the limits, and what drives
-them.
-"""
+"""The report of a campaign: landing points, margins to the limits, and the inputs that drive them."""

@@ -1,4 +1,6 @@
-"""What drives what: the dispersed quantities that can be told to move a figure, with their shares."""
+"""Sensitivities: the dispersed inputs that can be shown to move a figure, with their shares of its
+variance.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,11 @@ import numpy as np
 from edl6dof.campaign.design.case import A, B
 from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, Index, drivers, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
-from edl6dof.report.campaign.results import Results
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
-from edl6dof.report.figure import GREY, SERIES, Axis, Band, Figure, Panel, Trace
+from edl6dof.report.figure import Axis, Band, Figure, Panel, legend_entry
 from edl6dof.report.numbers import in_percent
+from edl6dof.report.palette import GREY, SERIES
 
 #: Figures to explain; those with limits come first by themselves.
 _FIGURES = (
@@ -23,30 +26,30 @@ _FIGURES = (
 )
 #: Before an input that stands below its figure.
 _INDENT = "\u2003"
-#: Inputs of each figure whose Sobol indices are told.
+#: Inputs of each figure whose Sobol indices are shown.
 _SHOWN = 5
-#: Interval of a total index beyond which a figure's indices tell nothing.
+#: Interval of a total index beyond which a figure's indices mean nothing.
 _WIDEST = 1.0
-#: Letters of a line of a figure's name beside the bars.
+#: Letters of a line of a figure's name at the bars.
 _LETTERS = 24
 
 
 @dataclass(frozen=True)
-class Told:
-    """A figure and what is told of it."""
+class Explained:
+    """A figure and its drivers."""
 
     figure: FigureOfMerit
     drivers: Drivers
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """A map of who drives what, and the shares with their intervals."""
+    """Show which input drives which figure, and the shares with their intervals."""
     if not (results.groups and results.is_sample):
         return
     if len(results.cases) < FEWEST:
         yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
         return
-    told = _told(results)
+    explained = _explained(results)
     yield Text(
         "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
         "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
@@ -54,13 +57,15 @@ def blocks(results: Results) -> Iterator[Block]:
         "random profiles of density and gusts, of inputs whose share is too small to be told, and of what "
         "only several inputs together do."
     )
-    if any(one.drivers.found for one in told):
-        yield chart([one for one in told if one.drivers.found])
-    yield Table(["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(told)))
+    if any(one.drivers.found for one in explained):
+        yield chart([one for one in explained if one.drivers.found])
+    yield Table(
+        ["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(explained))
+    )
 
 
 def indices(results: Results) -> Iterator[Block]:
-    """Sobol indices of each figure, of a campaign that flew their design."""
+    """Show Sobol indices of each figure, for a campaign that flew their design."""
     if not results.has_design:
         return
     rows: list[Row] = []
@@ -68,7 +73,7 @@ def indices(results: Results) -> Iterator[Block]:
         matrices = results.swapped(name)
         a, b = matrices.pop(A), matrices.pop(B)
         found = sobol_indices(a, b, matrices)[:_SHOWN]
-        if not all(map(_is_told, found)):
+        if not all(map(_is_resolved, found)):
             found = []
         words = "" if found else f": cannot be told with {len(a):,} rows"
         rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
@@ -81,13 +86,13 @@ def indices(results: Results) -> Iterator[Block]:
     yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
 
 
-def _told(results: Results) -> list[Told]:
+def _explained(results: Results) -> list[Explained]:
     moving = {name: results[name] for name in _figures(results)}
     found = drivers(results.groups, list(moving.values()))
-    return [Told(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
+    return [Explained(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
 
 
-def _is_told(index: Index) -> bool:
+def _is_resolved(index: Index) -> bool:
     _, low, high = index.total
     return high - low <= _WIDEST
 
@@ -102,7 +107,7 @@ def _ends(low: float, high: float) -> str:
 
 
 def _figures(results: Results) -> list[str]:
-    """Figures with limits and others to explain, those that move."""
+    """Names of the figures to explain, without those that never change."""
     names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
     return [name for name in names if results.has(name) and _moves(results[name])]
 
@@ -112,9 +117,9 @@ def _moves(values: np.ndarray) -> bool:
     return bool(len(finite)) and float(np.ptp(finite)) > 0.0
 
 
-def _rows(told: list[Told]) -> Iterator[Row]:
-    """A line that says what of a figure can be told, and below it its drivers."""
-    for one in told:
+def _rows(explained: list[Explained]) -> Iterator[Row]:
+    """A line about each figure, and below it its drivers."""
+    for one in explained:
         least = in_percent(one.drivers.least)
         flights = f"cannot be told with {one.drivers.flights:,} flights"
         if not one.drivers.found:
@@ -129,30 +134,31 @@ def _rows(told: list[Told]) -> Iterator[Row]:
             yield [_INDENT + driver.name, share, _ends(driver.low, driver.high), driver.effect]
 
 
-def chart(told: list[Told]) -> Figure:
-    """Each figure's variance as a bar, cut into the shares of its drivers."""
-    every = sorted((driver for one in told for driver in one.drivers.found), key=lambda found: -found.share)
+def chart(explained: list[Explained]) -> Figure:
+    """Draw each figure's variance as a bar, divided into the shares of its drivers."""
+    every = sorted(
+        (driver for one in explained for driver in one.drivers.found), key=lambda found: -found.share
+    )
     ranked = list(dict.fromkeys(driver.name for driver in every))
     colours = dict(zip(ranked, SERIES, strict=False))
-    bands = [band for row, one in enumerate(reversed(told)) for band in _bar(one, row, colours)]
-    nothing = np.full(1, np.nan)
+    bands = [band for row, one in enumerate(reversed(explained)) for band in _bar(one, row, colours)]
     legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
     if len(ranked) > len(colours):
         legend.append(("others", GREY))
-    traces = [Trace(nothing, nothing, name, "points", colour, symbol="square") for name, colour in legend]
+    traces = [legend_entry(name, colour, 1.6) for name, colour in legend]
     panel = Panel(
         Axis("share of the variance (%)", range=(0.0, 100.0)),
-        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(told)]),
+        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(explained)]),
         traces,
         bands=bands,
     )
     caption = "What no colour covers cannot be told from chance. Figures without a driver are left out."
     return Figure(
-        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(told)
+        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(explained)
     )
 
 
-def _bar(one: Told, row: int, colours: dict[str, str]) -> Iterator[Band]:
+def _bar(one: Explained, row: int, colours: dict[str, str]) -> Iterator[Band]:
     start = 0.0
     for driver in one.drivers.found:
         end = min(start + 100.0 * driver.share, 100.0)

@@ -1,5 +1,5 @@
-"""Faults in the report of a campaign: what was required, shares and times of each kind, and maps of
-components and moments.
+"""Fault matrices: requirements, shares and times of each kind of fault, and maps of components and
+moments.
 """
 
 from __future__ import annotations
@@ -13,22 +13,10 @@ from edl6dof.campaign.design.dispersions import AND
 from edl6dof.campaign.executor import Row
 from edl6dof.campaign.faults import can_be_known, fault_figures, is_right
 from edl6dof.config.wording import counted
-from edl6dof.report.campaign.results import Results
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Mood, Table, Text
-from edl6dof.report.figure import (
-    BLACK,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SEQUENTIAL,
-    SKY,
-    UNKNOWN,
-    Axis,
-    Figure,
-    Heat,
-    Panel,
-    Trace,
-)
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry
+from edl6dof.report.palette import BLACK, GREEN, ORANGE, PURPLE, SEQUENTIAL, SKY, UNKNOWN
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (
@@ -43,17 +31,15 @@ _LOST = "not within limits"
 #: Top of the scale of times, s; longer ones have its colour.  White is not isolated, and none of its colours.
 _LONGEST_S = 15.0
 _SCALE = SEQUENTIAL[1:]
-#: Moments named along an axis that holds more than stand beside each other, and lines of a table.
+#: Moments named along an axis that holds more than fit, and lines of a table.
 _NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
-#: What tells a fault in a list.
+#: Columns that identify a fault in a list.
 _WHERE = ("component", "kind", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
-    """How many flights are within limits, and how many faults are rightly named; and how that is to be
-    taken.
-    """
+    """Return how many flights are within limits and how many faults are named correctly; and the mood."""
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
     words = (
@@ -66,7 +52,7 @@ def headline(results: Results) -> tuple[str, Mood]:
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Everything that a report says about the faults of a matrix."""
+    """Show everything that a report says about the faults of a matrix."""
     rows = results.table.to_pylist()
     figures = fault_figures(rows)
     if figures["acceptance"]:
@@ -89,7 +75,7 @@ def blocks(results: Results) -> Iterator[Block]:
 
 
 def became(row: Row) -> int:
-    """What became of a fault, as an index of the list above."""
+    """Return the outcome of a fault, an index into ``_BECAME``."""
     if row.get("wrongly_named"):
         return _SOUND if row.get("sound_named") else _WRONG_KIND
     if is_right(row):
@@ -124,7 +110,7 @@ def _share(part: int, whole: int) -> str:
 
 
 def _over_time(kind: str, rows: Sequence[Row]) -> Figure:
-    """Components by moments."""
+    """A map of components by moments."""
     across = list(dict.fromkeys(row["moment"] for row in rows))
     down = list(dict.fromkeys(row["component"] for row in rows))[::-1]
     places = [(down.index(row["component"]), across.index(row["moment"])) for row in rows]
@@ -132,7 +118,7 @@ def _over_time(kind: str, rows: Sequence[Row]) -> Figure:
 
 
 def _pairs(kind: str, rows: Sequence[Row]) -> Iterator[Figure]:
-    """One component by the other, for each moment."""
+    """A map of one component by the other, for each moment."""
     names = list(dict.fromkeys(name for row in rows for name in row["component"].split(AND)))
     for number, moment in enumerate(dict.fromkeys(row["moment"] for row in rows)):
         some = [row for row in rows if row["moment"] == moment]
@@ -150,7 +136,7 @@ def _figure(
     down: Sequence[str],
     along: str,
 ) -> Figure:
-    """Two maps: what became of a fault, and how long it took; ``places``: row and column of each flight."""
+    """Two maps: outcome of each fault, and time it took; ``places``: row and column of each flight."""
     shape = len(down), len(across)
     cells: dict[tuple[int, int], list[Row]] = {}
     for (i, j), row in zip(places, rows, strict=True):
@@ -181,12 +167,9 @@ def _figure(
 
 
 def _legend(what: np.ndarray, lost: Sequence[tuple[int, int]]) -> list[Trace]:
-    """A name for every colour that there is, and the crosses."""
-    nowhere = np.array([np.nan])
+    """A legend entry for every colour in use, and the crosses."""
     named = [
-        Trace(nowhere, nowhere, name, "points", colour, width=3.0, symbol="square")
-        for number, (name, colour) in enumerate(_BECAME)
-        if (what == number).any()
+        legend_entry(name, colour) for number, (name, colour) in enumerate(_BECAME) if (what == number).any()
     ]
     return named + _crosses(lost)
 
@@ -199,13 +182,13 @@ def _crosses(lost: Sequence[tuple[int, int]]) -> list[Trace]:
 
 
 def _thinned(names: Sequence[str]) -> list[str]:
-    """Every so many of the names; the others are empty."""
+    """Keep every nth name so that they fit; the others are empty."""
     step = -(-len(names) // _NAMED) if len(names) > _BESIDE else 1
     return [name if k % step == 0 else "" for k, name in enumerate(names)]
 
 
 def _words(rows: Sequence[Row]) -> str:
-    """What a cell holds."""
+    """Text of a cell."""
     head = f"{rows[0]['component']} {rows[0]['kind']} at {rows[0]['moment']}"
     lines = []
     for row in rows[:8]:
@@ -220,7 +203,7 @@ def _words(rows: Sequence[Row]) -> str:
 def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
     columns = ("case>", *_WHERE, column.replace("_", " "))
     words = title if len(rows) <= _LINES else f"{title}: the first {_LINES} of {len(rows)}"
-    told = [
+    texts = [
         (
             *(str(row["case"]), row["component"], row["kind"], row["moment"]),
             row.get("regime") or "",
@@ -228,7 +211,7 @@ def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
         )
         for row in rows[:_LINES]
     ]
-    return Table(columns, told, words)
+    return Table(columns, texts, words)
 
 
 def _text(value: Any) -> str:

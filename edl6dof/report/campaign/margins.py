@@ -1,29 +1,40 @@
-"""How the flights stand against their limits: quantiles, propellant, causes of failures, the worst cases."""
+"""Margins of a campaign: quantiles and limits, propellant, faults that every flight carries, causes of
+failure, and the worst cases.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.campaign.results import Results
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
-from edl6dof.report.figure import BLUE, GREEN, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.numbers import aligned, in_percent, printed, significant
+from edl6dof.report.palette import BLUE, GREEN
 
 #: Figures without a limit whose quantiles are of interest.
 _OTHERS = (
     *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
     *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
-#: Cases that are named beside each limit.
+#: Cases that are named for each limit.
 _NEAREST = 3
+#: Figures that count what should be none: what it says of a flight in which there is none.
+_COUNTS = {
+    "missed_isolations": "every failed thruster isolated",
+    "false_alarms": "no sound thruster isolated, and none for a wrong kind of fault",
+    "instrument_false_alarms": "no sound instrument excluded",
+}
+_TIMES = ("time_to_detect_s", "time_to_exclude_s")
 
 
 def limits(results: Results) -> Iterator[Block]:
-    """Median and outermost quantile of every figure that has a limit, beside it."""
+    """Tabulate the median and the outermost quantile of every figure that has a limit."""
     if not results.limits:
         return
     shares = shown_shares(results)[-2:]
@@ -43,7 +54,7 @@ def limits(results: Results) -> Iterator[Block]:
 
 
 def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
-    """Upper bound of the outermost quantile that there is; the largest value of what is no sample."""
+    """Upper bound of the outermost bounded quantile; the largest value if the flights are no sample."""
     if not results.is_sample:
         return float(np.nanmax(values)) if np.isfinite(values).any() else None
     found = (quantile(values, share) for share in reversed(shares))
@@ -51,25 +62,62 @@ def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> flo
 
 
 def other_figures(results: Results) -> Iterator[Block]:
-    """Quantiles of other figures."""
-    shares = shown_shares(results)
+    """Tabulate quantiles of figures without a limit."""
     limited = {name for name, *_ in results.limits}
-    rows: list[Row] = [
-        [
-            figure.meaning,
-            printed(figure.unit.label),
-            *(in_words(results, results[figure.name], share) for share in shares),
-        ]
-        for figure in map(figure_of_merit, _OTHERS)
-        if results.has(figure.name) and figure.name not in limited
-    ]
-    if rows:
+    table = _quantiles(results, "figure", (name for name in _OTHERS if name not in limited))
+    if table.rows:
         yield Text(note(results))
-        yield Table(["figure", "unit", *(f"{head(share)}>" for share in shares)], rows)
+        yield table
+
+
+def _quantiles(results: Results, heading: str, names: Iterable[str]) -> Table:
+    """Tabulate quantiles of some figures, those that the campaign has."""
+    shares = shown_shares(results)
+    rows: list[Row] = [
+        [figure.meaning, printed(figure.unit.label), *(in_words(results, results[name], s) for s in shares)]
+        for name in names
+        if results.has(name) and (figure := figure_of_merit(name))
+    ]
+    return Table([heading, "unit", *(f"{head(share)}>" for share in shares)], rows)
+
+
+def injected(results: Results) -> list[str]:
+    """Return the faults of every flight in words: ``D7 stuck off at lift + 2 s``."""
+    return [_in_words(fault) for fault in _of_every_flight(results)]
+
+
+def isolation(results: Results) -> Iterator[Block]:
+    """Tabulate in how many flights the faults were isolated, and how fast; nothing without faults."""
+    if not _of_every_flight(results):
+        return
+    shares: list[Row] = []
+    for name, meaning in _COUNTS.items():
+        if results.has(name):
+            counts = results[name]
+            known = counts[np.isfinite(counts)]
+            share = Proportion(int(np.sum(known == 0)), len(known))
+            shares.append([meaning, f"{share.successes} of {share.trials}", str(share)])
+    times = _quantiles(results, "", _TIMES)
+    yield from [Table(["", "flights>", "share, 95 % interval>"], shares)] * bool(shares)
+    yield from [times] * bool(times.rows)
+
+
+def _of_every_flight(results: Results) -> Sequence[Mapping[str, Any]]:
+    """Faults of the scenario itself; those of a fault matrix belong to its cells."""
+    return () if results.has_faults else results.document.get("faults") or ()
+
+
+def _in_words(fault: Mapping[str, Any]) -> str:
+    named = [value for key, value in fault.items() if isinstance(value, str) and key != "kind"]
+    what, begins = " ".join([*named, fault["kind"].replace("_", " ")]), fault["at"]
+    if begins.get("phase") is None:
+        return f"{what} at {begins['time_s']:g} s"
+    after = f" + {begins['plus_s']:g} s" if begins.get("plus_s") else ""
+    return f"{what} at {begins['phase'].replace('_', ' ')}{after}"
 
 
 def shown_shares(results: Results) -> tuple[float, ...]:
-    """The median and the outermost pair of quantiles that a sample can bound; the ends of what is none."""
+    """Return the median and the outermost quantiles that a sample can bound; else the extremes."""
     if not results.is_sample:
         return 0.0, 0.5, 1.0
     bounded = bounded_shares(len(results.cases))
@@ -77,12 +125,12 @@ def shown_shares(results: Results) -> tuple[float, ...]:
 
 
 def head(share: float) -> str:
-    """What a quantile is called."""
+    """Return the heading of a quantile."""
     return {0.0: "least", 1.0: "largest"}.get(share, percent(share))
 
 
 def in_words(results: Results, values: np.ndarray, share: float) -> str:
-    """A quantile with its bounds, or how many flights it takes; as flown in what is no sample."""
+    """Return a quantile with its bounds, or the number of flights that it needs; else without bounds."""
     if not results.is_sample:
         finite = values[np.isfinite(values)]
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"
@@ -94,9 +142,7 @@ def in_words(results: Results, values: np.ndarray, share: float) -> str:
 
 
 def note(results: Results) -> str:
-    """What stands beside quantiles: whose bounds they are, and how many flights those take that are not
-    told.
-    """
+    """Explain the bounds of the quantiles, and which ones need more flights."""
     if not results.is_sample:
         return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
     flights = len(results.cases)
@@ -107,7 +153,7 @@ def note(results: Results) -> str:
 
 
 def causes(results: Results) -> Block:
-    """Why flights failed."""
+    """Tabulate the causes of failures."""
     if not results.causes:
         if not results.is_sample:
             return Text("No flight failed.")
@@ -125,7 +171,7 @@ def causes(results: Results) -> Block:
 
 
 def convergence(results: Results) -> Iterator[Figure]:
-    """Success probability so far, with its interval."""
+    """Draw the success probability after each flight, with its interval."""
     if not results.is_sample:
         return
     order = np.argsort(results.cases)
@@ -152,7 +198,7 @@ def convergence(results: Results) -> Iterator[Figure]:
 
 
 def propellant(results: Results) -> Iterator[Block]:
-    """Propellant left."""
+    """Draw a histogram of the propellant left."""
     loaded = sum(float(tank["mass_kg"]) for tank in results.document["vehicle"]["tanks"])
     if not results.has("propellant_used_kg") or not loaded:
         return
@@ -169,15 +215,15 @@ def propellant(results: Results) -> Iterator[Block]:
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
         marks=[Mark("x", at, words) for words, at in lowest],
     )
-    told = "".join(
+    shown = "".join(
         f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
     )
-    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}."
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{shown}."
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 
 def worst(results: Results) -> Iterator[Block]:
-    """The cases nearest to each limit, or furthest beyond it, and the command that flies one again."""
+    """Tabulate the cases nearest to each limit or beyond it, and the command that flies one again."""
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]

@@ -1,3 +1,1 @@
-"""The review of one flight: the words, tables and figures that an entry, descent and landing review
-expects.
-"""
+"""The review of one flight: the words, tables and figures of an entry, descent and landing review."""

@@ -1,4 +1,4 @@
-"""The corridor of an entry: what lift and the limits of the scenario leave of drag over speed.
+"""The corridor of an entry: the drag over speed that lift and the limits of the scenario allow.
 
 Its borders come from the flight itself: its own air density over height, drag and load per dynamic pressure
 over speed and constant of the heat-flux law turn a limit on dynamic pressure, load or heat flux into a drag
@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.report.figure import ORANGE, PURPLE, VERMILION, Dash, Trace
-from edl6dof.report.flight.parts import has_signal
+from edl6dof.report.figure import Dash, Trace
+from edl6dof.report.flight.common import has_signal
+from edl6dof.report.palette import GREEN, ORANGE, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 
 #: Dynamic pressure (Pa) below which ratios to it say nothing.
@@ -25,9 +26,7 @@ LEAST_LIFT = 0.08
 
 
 class Entry(NamedTuple):
-    """Entry from the first air to the parachute at ever lower speeds, shape (n,) each; and the atmosphere
-    flown through.
-    """
+    """Entry from the first air to the parachute at falling speeds, shape (n,); and the air flown through."""
 
     speed: np.ndarray
     drag: np.ndarray
@@ -41,13 +40,13 @@ class Entry(NamedTuple):
     gravity: float
 
     def height(self, density: np.ndarray) -> np.ndarray:
-        """Height (m above the areoid) at which the flown air has a density; NaN outside it."""
+        """Return the height (m above the areoid) at which the flown air has a density; NaN outside it."""
         log = np.log(np.maximum(density, 1e-30))
         return np.interp(log, np.log(self.profile_density), self.profile_height, left=np.nan, right=np.nan)
 
 
 def entry_state(run: Run) -> Entry | None:
-    """Drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
+    """Return drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
     rows = (
         run.between(until="mortar")
         & (run["truth.dynamic_pressure_pa"] > THIN_AIR)
@@ -77,7 +76,7 @@ def entry_state(run: Run) -> Entry | None:
 def aerodynamic_accelerations(
     run: Run, rows: np.ndarray | slice = slice(None)
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Drag and lift acceleration, m/s2, from the aerodynamic force in B and the direction of the air."""
+    """Return drag and lift acceleration, m/s2, from the aerodynamic force in B and the wind angles."""
     alpha, beta = (np.radians(run[f"truth.{name}_deg"][rows]) for name in ("alpha", "beta"))
     along = (np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta))
     force = [run[f"truth.aero_force_{axis}_n"][rows] / run["truth.mass_kg"][rows] for axis in "xyz"]
@@ -86,7 +85,7 @@ def aerodynamic_accelerations(
 
 
 def _calm(run: Run, values: np.ndarray) -> np.ndarray:
-    """Mean over some seconds: what is left when the angle of attack no longer swings."""
+    """Mean over some seconds, without the oscillation of the angle of attack."""
     rows = max(int(CALM_S / max(float(np.median(np.diff(run.t))), 1e-6)), 1)
     held = np.pad(values, (rows // 2, rows - 1 - rows // 2), mode="edge")
     return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
@@ -101,12 +100,12 @@ class Border(NamedTuple):
     dash: Dash
 
     def trace(self, x: np.ndarray, y: np.ndarray) -> Trace:
-        """The border in a plane, km/s and what is drawn over it."""
+        """Return the border in a plane: km/s, and ``y`` over it."""
         return Trace(x / 1e3, y, self.name, colour=self.colour, dash=self.dash, border=True)
 
 
 def borders(run: Run, entry: Entry) -> list[Border]:
-    """Borders for the limits that the scenario sets."""
+    """Return borders for the limits that the scenario sets."""
     limit = run.scenario["limits"]
     found = []
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
@@ -122,9 +121,22 @@ def borders(run: Run, entry: Entry) -> list[Border]:
     return found
 
 
-def equilibrium_glide(entry: Entry) -> np.ndarray:
-    """Drag (m/s2) at which full lift up just holds the flight-path angle, near the ground; NaN above circular
-    speed and without lift.
+def glide(entry: Entry) -> Border:
+    """Return the equilibrium glide, in which full lift up holds the flight-path angle near the ground; NaN
+    above circular speed and without lift.
     """
     need = entry.gravity - entry.speed**2 / entry.radius
-    return np.where((need > 0.0) & (entry.lift_to_drag > LEAST_LIFT), need / entry.lift_to_drag, np.nan)
+    lifting = (need > 0.0) & (entry.lift_to_drag > LEAST_LIFT)
+    drag = np.where(lifting, need / entry.lift_to_drag, np.nan)
+    return Border("equilibrium glide, lift up", drag, GREEN, "dash")
+
+
+def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
+    """Return the drag beyond the lowest border, up to ``edge``, as one shaded region."""
+    if not found:
+        return []
+    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
+    rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
+    x, y = entry.speed[rows] / 1e3, lowest[rows]
+    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
+    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]

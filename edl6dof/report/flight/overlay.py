@@ -1,5 +1,5 @@
-"""Two flights in one report: their figures side by side, what their scenarios differ in, and every plot of
-one over the other.
+"""Two flights in one report: their figures, the differences of their scenarios, and the plots of one over
+those of the other.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ from typing import Any
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
 from edl6dof.report.figure import Figure, Panel, Trace
-from edl6dof.report.flight.build import flight_report
-from edl6dof.report.flight.words import headline, mood
+from edl6dof.report.flight.flight_report import flight_report, headline, mood
 from edl6dof.runs.run import Run
 from edl6dof.vehicle.faults.registry import FAULT_KINDS
 
@@ -22,7 +21,7 @@ DARKER = 0.45
 
 
 def comparison_report(first: Run, second: Run) -> Report:
-    """The report of two runs."""
+    """Return the report of two runs."""
     names = labels(first, second)
     one, two = flight_report(first), flight_report(second)
     of_second = {figure.key: figure for figure in two.figures()}
@@ -50,23 +49,23 @@ def comparison_report(first: Run, second: Run) -> Report:
 
 
 def labels(first: Run, second: Run) -> tuple[str, str]:
-    """Names that tell the runs apart: of their folders, or numbers when even these agree."""
+    """Return distinct names of the runs: of their folders, or numbered if these are equal."""
     one, two = (run.folder.resolve().name for run in (first, second))
     return (one, two) if one != two else (f"{one} (1)", f"{two} (2)")
 
 
 def outcomes(first: Run, second: Run) -> Table:
-    """How both ended."""
+    """Tabulate the outcomes."""
     rows: list[Row] = []
     for name, run in zip(labels(first, second), (first, second), strict=True):
-        told = run.summary
-        outcome = Cell(str(told["outcome"]), mood(told))
-        rows.append([name, outcome, f"{told['time_s']:.2f}", told["edl6dof_version"]])
+        summary = run.summary
+        outcome = Cell(str(summary["outcome"]), mood(summary))
+        rows.append([name, outcome, f"{summary['time_s']:.2f}", summary["edl6dof_version"]])
     return Table(["flight", "outcome", "end (s)>", "edl6dof"], rows)
 
 
 def figures_table(first: Run, second: Run) -> Table:
-    """Every figure of either flight, and the difference."""
+    """Tabulate every figure of either flight, and the difference."""
     one, two = first.summary["figures"], second.summary["figures"]
     rows: list[Row] = []
     for name in dict.fromkeys([*one, *two]):
@@ -76,7 +75,7 @@ def figures_table(first: Run, second: Run) -> Table:
 
 
 def events_table(first: Run, second: Run) -> Table:
-    """When the same things happened; of repeated events the first, second, ... are compared."""
+    """Tabulate when the same events happened; the nth of repeated events are compared."""
     one, two = _numbered(first.events), _numbered(second.events)
     rows: list[Row] = []
     for key in sorted(
@@ -88,7 +87,7 @@ def events_table(first: Run, second: Run) -> Table:
 
 
 def differences_table(first: Run, second: Run) -> Table | Text:
-    """Dotted paths whose values differ; what is not there and what is not set are the same."""
+    """Tabulate the dotted paths whose values differ; absent and unset are the same."""
     one, two = dict(_leaves(first.scenario)), dict(_leaves(second.scenario))
     rows: list[Row] = [
         [path, *(_shown(values[path]) if path in values else "-" for values in (one, two))]
@@ -99,15 +98,13 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 
 
 def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
-    """Figures of one key drawn over each other: the second flight dashed, darker and thinner; limits and
-    marks are the first's.
-    """
+    """Overlay figures of one key: the second flight dashed and darker, limits and marks of the first."""
     panels = [_both(panel, _partner(panel, k, second.panels), names) for k, panel in enumerate(first.panels)]
     return replace(first, panels=panels)
 
 
 def _partner(panel: Panel, index: int, others: Sequence[Panel]) -> Panel | None:
-    """The panel of another flight that shows the same; what has nothing to show is left out of either."""
+    """The panel of the other flight that shows the same."""
     there = others[index : index + 1]
     return next((other for other in (*there, *others) if other.y.title == panel.y.title), None)
 
@@ -128,8 +125,8 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
         if not trace.border
     ]
     ranges = [
-        None if axis.range is None or axis.names else widest(axis.range, beside.range)
-        for axis, beside in ((one.x, two.x), (one.y, two.y))
+        None if axis.range is None or axis.names else widest(axis.range, other.range)
+        for axis, other in ((one.x, two.x), (one.y, two.y))
     ]
     x, y = (
         replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True)
@@ -138,13 +135,13 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
 
 
 def widest(one: tuple[float, float], two: tuple[float, float] | None) -> tuple[float, float]:
-    """The range that holds both, in the direction of the first."""
+    """Return the range that holds both, in the direction of the first."""
     low, high = min(*one, *(two or one)), max(*one, *(two or one))
     return (low, high) if one[0] <= one[1] else (high, low)
 
 
 def darker(colour: str) -> str:
-    """A colour mixed with black."""
+    """Return a colour mixed with black."""
     parts = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return "#" + "".join(f"{round(part * DARKER):02x}" for part in parts)
 
@@ -156,7 +153,7 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values with five digits, or whole, and with more where their difference would not have three."""
+    """Both values with five digits, or whole, and with more if their difference needs them for three."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
@@ -167,7 +164,7 @@ def _numbers(one: float | None, two: float | None) -> list[str]:
 
 
 def _places(size: float, digits: int) -> int:
-    """Decimals that give a number so many digits; none where there is nothing to show."""
+    """Decimals that give a number so many digits."""
     return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 
@@ -181,8 +178,8 @@ def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tupl
 
 
 def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted paths and values of nested data; a list of numbers is one value, and of a fault the parameters
-    of other kinds mean nothing.
+    """Dotted paths and values of nested data; a list of numbers is one value, and parameters of other kinds
+    of fault are left out.
     """
     if isinstance(value, dict):
         others = FAULT_KINDS.names if value.get("kind") in FAULT_KINDS.names else ()

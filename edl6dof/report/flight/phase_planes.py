@@ -1,35 +1,23 @@
 """Phase planes: attitude error against rate, with the zones of the controller that flew.
 
-The borders of the zones follow from the gains of the scenario.
+Borders of the zones follow from the gains of the scenario.  Error is goal minus actual and rate is actual
+minus goal, so that a controller at work runs through the first and third quadrants towards the origin.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.report.figure import (
-    AXIS,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    Axis,
-    Figure,
-    Mark,
-    Panel,
-    Trace,
-)
-from edl6dof.report.flight.parts import has_signal
-from edl6dof.report.zones import AIMED_FOR, FIRING, zones_of
+from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.common import has_signal
+from edl6dof.report.palette import AXIS, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from edl6dof.runs.run import Run
 from edl6dof.spatial import rotations
 
+AIMED_FOR, FIRING = "rate aimed for", "firing begins"
 AXES = ("roll", "pitch", "yaw")
 RATES = ("p", "q", "r")
 COLOURS = (BLUE, VERMILION, PURPLE, ORANGE, SKY)
@@ -39,13 +27,12 @@ TITLES = {
     "rate_damping": "under the parachute (rate damping)",
     "thrust_vector": "powered descent (thrust vector)",
 }
-
 #: What green lines of a name are.
 _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fire"}
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """One figure for each controller that flew; a point mass has none."""
+    """Draw one figure for each controller that flew; none for a point mass."""
     if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
         return
     phases = run.scenario["mission"]["phases"]
@@ -57,79 +44,72 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]) -> Figure:
-    """Roll, pitch and yaw planes of one controller, one colour for each of its phases."""
+    """Draw roll, pitch and yaw planes of one controller, one colour for each of its phases."""
     gains = run.scenario["flight_software"]["control"].get(control, {})
     rates, cycles = control_rates(run, control), control_cycles(run)
     panels = []
     for axis, name in enumerate(AXES):
-        if axis > 0 and not any(
-            np.median(np.abs(run[f"control.error_{name}_deg"][rows])) > 0.0 for _, rows in phases
-        ):
+        error = run[f"control.error_{name}_deg"]
+        if axis > 0 and not any(np.median(np.abs(error[rows])) > 0.0 for _, rows in phases):
             continue  # damped only: shown in the plane of the two rates below
-        traces = [
-            Trace(
-                run[f"control.error_{name}_deg"][rows & cycles],
-                rates[axis][rows & cycles],
-                phase.replace("_", " "),
-                colour=COLOURS[k % len(COLOURS)],
-            )
-            for k, (phase, rows) in enumerate(phases)
-        ]
+        traces = _ways(error, rates[axis], [(phase, rows & cycles) for phase, rows in phases])
         word = "bank" if control == "bank_to_steer" and axis == 0 else name
-        panels.append(_panel(word, traces, *borders(gains, axis)))
-    if len(panels) == 1:
-        panels.append(_damped(gains, rates, phases))
+        lines, marks = borders(gains, axis)
+        zero = [Mark(across, 0.0, colour=AXIS, dash="solid") for across in ("x", "y")]
+        panels.append(_plane((f"{word} error", "deg"), f"{word} rate", traces, marks, lines, zero))
+    if len(panels) == 1:  # yaw against pitch rate, with the rates that the controller leaves alone
+        marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
+        panels.append(_plane(("pitch rate", "deg/s"), "yaw rate", _ways(rates[1], rates[2], phases), marks))
     caption = (
-        f"{_lines(panels)}Axes are cut to the flown part and the nearest borders, which are drawn for the "
+        f"{_meanings(panels)}Axes are cut to the flown part and the nearest borders, which are drawn for the "
         "gains at bandwidth 1."
     )
     title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
     return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
 
 
-def _lines(panels: Sequence[Panel]) -> str:
-    """What the colours of the lines mean that are drawn, as a sentence."""
+def _ways(x: np.ndarray, y: np.ndarray, phases: Sequence[tuple[str, np.ndarray]]) -> list[Trace]:
+    """The path in a plane, in a colour for each phase."""
+    return [
+        Trace(x[rows], y[rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
+        for k, (phase, rows) in enumerate(phases)
+    ]
+
+
+def _plane(
+    across: tuple[str, str],
+    up: str,
+    ways: list[Trace],
+    marks: list[Mark],
+    lines: Sequence[Trace] = (),
+    zero: Sequence[Mark] = (),
+) -> Panel:
+    """A plane with axes symmetric about zero, from the flown part to the nearest border."""
+
+    def span(axis: str) -> tuple[float, float]:
+        flown = np.concatenate([getattr(way, axis) for way in ways])
+        size = float(np.nanmax(np.abs(flown), initial=0.1))
+        beyond = [abs(mark.at) for mark in marks if mark.axis == axis and size < abs(mark.at) < 3.0 * size]
+        reach = 1.12 * max(size, min(beyond, default=0.0))
+        return -reach, reach
+
+    x, y = Axis(f"{across[0]} ({across[1]})", span("x")), Axis(f"{up} (deg/s)", span("y"))
+    return Panel(x, y, [*lines, *ways], marks=[*zero, *marks])
+
+
+def _meanings(panels: Sequence[Panel]) -> str:
+    """A sentence about the colours of the lines that are drawn."""
     grey = any(mark.colour != AXIS for panel in panels for mark in panel.marks)
     names = {trace.name for panel in panels for trace in panel.traces}
-    said = ["grey: zone borders of the controller"] * grey
-    said += [f"green: {words}" for name, words in _GREEN.items() if name in names]
-    words = "; ".join(said)
+    found = ["grey: zone borders of the controller"] * grey
+    found += [f"green: {words}" for name, words in _GREEN.items() if name in names]
+    words = "; ".join(found)
     return f"{words[0].upper()}{words[1:]}. " if words else ""
 
 
-def _damped(
-    gains: Mapping[str, Any], rates: Sequence[np.ndarray], phases: Sequence[tuple[str, np.ndarray]]
-) -> Panel:
-    """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it
-    leaves alone.
-    """
-    traces = [
-        Trace(rates[1][rows], rates[2][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
-        for k, (phase, rows) in enumerate(phases)
-    ]
-    marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
-    x, y = (_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy")
-    return Panel(Axis("pitch rate (deg/s)", x), Axis("yaw rate (deg/s)", y), traces, marks=marks)
-
-
-def _panel(word: str, traces: list[Trace], lines: list[Trace], marks: list[Mark]) -> Panel:
-    spans = [_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy"]
-    x, y = Axis(f"{word} error (deg)", spans[0]), Axis(f"{word} rate (deg/s)", spans[1])
-    zero = [Mark(axis, 0.0, colour=AXIS, dash="solid") for axis in ("x", "y")]
-    return Panel(x, y, [*lines, *traces], marks=[*zero, *marks])
-
-
-def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, float]:
-    """A symmetric range over what was flown and the nearest border beyond it."""
-    size = float(np.nanmax(np.abs(values), initial=0.1))
-    beyond = [abs(mark.at) for mark in marks if mark.axis == axis and size < abs(mark.at) < 3.0 * size]
-    reach = 1.12 * max(size, min(beyond, default=0.0))
-    return -reach, reach
-
-
 def control_cycles(run: Run) -> np.ndarray:
-    """Rows (bool) in which the controller has just run: in others the error of telemetry is an old one, which
-    beside the present rate would draw steps that were not flown.
+    """Return the rows (bool) in which the controller has just run: in others telemetry holds an old error,
+    which would draw steps that were not flown.
     """
     errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
     return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))
@@ -156,9 +136,7 @@ def control_rates(run: Run, control: str) -> list[np.ndarray]:
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a flight that diverged
 def path_rate(run: Run) -> np.ndarray:
-    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the
-    telemetry.
-    """
+    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences."""
     spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
     position, velocity = (
         np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1)
@@ -179,3 +157,57 @@ def borders(gains: Mapping[str, Any], axis: int) -> tuple[list[Trace], list[Mark
     lines = [Trace(x, y, zones.name, colour=GREEN, width=2.0, border=True)] if zones.name else []
     marks = [Mark("x", sign * at, colour=GREY) for at in zones.errors for sign in (-1.0, 1.0)]
     return lines, marks + [Mark("y", sign * at, colour=GREY) for at in zones.rates for sign in (-1.0, 1.0)]
+
+
+class Zones(NamedTuple):
+    """Borders of one axis; all of them have an image through the origin.
+
+    Attributes:
+        name: of the curve; empty where there is none.
+        error, rate: of the curve, deg and deg/s, shape (n,).
+        errors, rates: of straight borders, deg and deg/s, positive.
+    """
+
+    name: str = ""
+    error: np.ndarray = np.empty(0)
+    rate: np.ndarray = np.empty(0)
+    errors: tuple[float, ...] = ()
+    rates: tuple[float, ...] = ()
+
+
+def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
+    """Borders of a controller for axis 0 roll, 1 pitch, 2 yaw; none where its gains are not known here."""
+    zone = gains.get("roll" if axis == 0 else "pitch_yaw") or (gains.get("bank") if axis == 0 else None)
+    try:
+        if "deadband_deg" in gains:
+            limit = gains["rate_limit_deg_s"]
+            rate = np.linspace(-1.1 * limit, limit, 169)
+            return Zones(FIRING, firing_error(gains, rate), rate, (gains["deadband_deg"],), (limit,))
+        if zone:
+            near, far = zone["near_deg"], zone["far_deg"]
+            error = np.concatenate([np.linspace(near, far, 60), [far * 1.0001, 180.0]])
+            return Zones(AIMED_FOR, error, aimed_rate(zone, error), (near, far), (1.15 * zone["rate_deg_s"],))
+    except KeyError:  # other gains under known names: no borders rather than wrong ones
+        return Zones()
+    found = ([gains[name]] if name in gains else [] for name in ("angle_limit_deg", "rate_deadband_deg_s"))
+    return Zones("", np.empty(0), np.empty(0), *map(tuple, found))
+
+
+def aimed_rate(zone: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
+    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et
+    al. 2022, section 4.1.
+
+    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
+    deceleration.
+    """
+    inner = zone["proportional"] / max(zone["derivative"], 1e-9) * zone["near_deg"]
+    parabola = np.sqrt(inner**2 + 2.0 * zone["deceleration_deg_s2"] * (error - zone["near_deg"]))
+    return np.minimum(np.where(error > zone["far_deg"], zone["rate_deg_s"], parabola), zone["rate_deg_s"])
+
+
+def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
+    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source:
+    Hu et al. 2022, section 3.
+    """
+    bend = rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"])
+    return gains["deadband_deg"] + bend + gains["lead_s"] * rate

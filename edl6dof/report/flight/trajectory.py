@@ -1,4 +1,6 @@
-"""The way down: overview over time, the entry in its corridor, and the deployment box."""
+"""The trajectory: overview over time, the entry in its corridor, deployment box, powered descent, and landing
+site.
+"""
 
 from __future__ import annotations
 
@@ -8,31 +10,39 @@ from dataclasses import replace
 import numpy as np
 
 from edl6dof.interface.roles import HOVER_IMAGING, begun
-from edl6dof.report.figure import GREEN, GREY, VERMILION, Axis, Band, Figure, Panel, Trace
+from edl6dof.report.catalogue import OVERVIEW, STACKS
+from edl6dof.report.figure import Axis, Band, Figure, Panel, Trace, legend_entry
+from edl6dof.report.flight.common import (
+    EVENTS,
+    circle,
+    figure_of,
+    flown,
+    has_signal,
+    over_flight,
+    phase_bands,
+    phase_keys,
+    placed,
+    site_panel,
+)
 from edl6dof.report.flight.corridor import (
-    Border,
     Entry,
     aerodynamic_accelerations,
     borders,
     entry_state,
-    equilibrium_glide,
+    forbidden,
+    glide,
 )
-from edl6dof.report.flight.parts import (
-    EVENTS,
-    figure_of,
-    flown,
-    has_signal,
-    legend_entry,
-    phase_bands,
-    phase_keys,
-    placed,
-)
-from edl6dof.report.panels import OVERVIEW
+from edl6dof.report.palette import GREEN, GREY, ORANGE, PURPLE, VERMILION
 from edl6dof.runs.run import Run
+from edl6dof.scenario.terrain_preview import planned_ellipse
+
+#: Parts that are discarded, and their colours.
+_PARTS = {"canopy": GREY, "heat_shield": ORANGE, "backshell": PURPLE}
+EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section."""
+    """Draw the whole flight and the entry."""
     yield overview(run)
     entry = entry_state(run)
     if entry is not None:
@@ -43,7 +53,7 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def overview(run: Run) -> Figure:
-    """What everyone asks first, over the whole flight."""
+    """Draw the main quantities over the whole flight."""
     figure, phases = figure_of(run, OVERVIEW), phase_keys(run)
     panels = [replace(panel, bands=phase_bands(run)) for panel in figure.panels]
     entries = [
@@ -55,19 +65,8 @@ def overview(run: Run) -> Figure:
     return replace(figure, panels=panels, caption=caption)
 
 
-def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
-    """The drag beyond the lowest border, up to ``edge``, as one shaded region."""
-    if not found:
-        return []
-    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
-    rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
-    x, y = entry.speed[rows] / 1e3, lowest[rows]
-    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
-    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]
-
-
 def on_scale(panel: Panel) -> tuple[Panel, str]:
-    """The panel without the borders of which nothing lies on its scales, and a sentence that names them."""
+    """Return the panel without the borders that lie outside its scales, and a sentence that names them."""
     (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
     seen = [
         not trace.border
@@ -84,7 +83,7 @@ def on_scale(panel: Panel) -> tuple[Panel, str]:
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
-    """Drag over speed inside its corridor."""
+    """Draw drag over speed inside its corridor."""
     found = borders(run, entry)
     lowest = min((float(border.drag.min()) for border in found), default=1.0)
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
@@ -110,22 +109,20 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
-    """Height above the areoid over speed inside its corridor."""
+    """Draw height above the areoid over speed inside its corridor."""
+    speed, height = run["truth.airspeed_m_s"] / 1e3, run["truth.height_above_areoid_m"] / 1e3
     rows = run.between(until="mortar")
     found = borders(run, entry)
     traces = []
     for border in (*found, glide(entry)):
         density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
         traces.append(border.trace(entry.speed, entry.height(density) / 1e3))
-    traces.append(flown(run["truth.airspeed_m_s"] / 1e3, run["truth.height_above_areoid_m"] / 1e3))
-    names: dict[str, str] = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
-    traces.append(placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3)))
-    widest = float(run["truth.airspeed_m_s"][rows].max()) / 1e3
-    top = float(run["truth.height_above_areoid_m"][rows].max()) / 1e3
+    names = {key: EVENTS[key] for key in ("trim_wing", "mortar")}
+    events = placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3))
     panel = Panel(
-        Axis("speed in the air (km/s)", (widest * 1.03, 0.0)),
-        Axis("height above the areoid (km)", (min(-5.0, 0.0), top)),
-        traces,
+        Axis("speed in the air (km/s)", (float(speed[rows].max()) * 1.03, 0.0)),
+        Axis("height above the areoid (km)", (-5.0, float(height[rows].max()))),
+        [*traces, flown(speed, height), events],
     )
     panel, beyond = on_scale(panel)
     above = "; it must stay above the borders of its limits" if found else ""
@@ -133,18 +130,13 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
 
 
-def glide(entry: Entry) -> Border:
-    """The equilibrium glide."""
-    return Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")
-
-
 def _titled(words: str, panel: Panel) -> str:
-    """The title, which speaks of a corridor where a border of one is drawn."""
+    """The title, with the corridor if a border of it is drawn."""
     return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
 
 
 def deployment_box(run: Run) -> Figure:
-    """Mach number and dynamic pressure around mortar fire, with the box that the parachute allows."""
+    """Draw Mach number and dynamic pressure around mortar fire, with the box that the parachute allows."""
     limit = run.scenario["limits"]
     most = float(limit["parachute_mach_max"]), float(limit["parachute_dynamic_pressure_pa"])
     t0 = run.when["mortar"]
@@ -167,16 +159,94 @@ def deployment_box(run: Run) -> Figure:
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)
 
 
-def descent_plane(run: Run) -> Iterator[Figure]:
-    """Height over descent speed: the plane in which powered descent is designed."""
-    if "ignition" not in run.when:
-        return
-    rows = run.between("backshell", "touchdown")
-    names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
-    curve = flown(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows])
-    panel = Panel(
-        Axis("descent speed (m/s)"),
-        Axis("height above the ground (m)"),
-        [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)],
-    )
-    yield Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)
+def powered_descent(run: Run) -> Iterator[Figure]:
+    """Draw height over descent speed, in which powered descent is designed; then its plots over time."""
+    if "ignition" in run.when:
+        rows = run.between("backshell", "touchdown")
+        names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
+        curve = flown(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows])
+        events = placed(run, "truth.v_down_m_s", "truth.height_m", names)
+        panel = Panel(Axis("descent speed (m/s)"), Axis("height above the ground (m)"), [curve, events])
+        yield Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)
+    yield from over_flight(run, STACKS["landing"])
+
+
+def site_figures(run: Run) -> Iterator[Figure]:
+    """Draw ground track and landing site."""
+    yield ground_track(run)
+    if "mortar" in run.when and "backshell" in run.when:
+        yield landing_site(run)
+
+
+def ground_track(run: Run) -> Figure:
+    """Draw the whole path east and north of the landing site; the axes have different scales."""
+    traces = [_track(run, slice(None), 1e3), _target(run), _events(run, {"mortar": "parachute"}, 1e3)]
+    caption = "Axes have different scales."
+    if run.summary["figures"].get("bank_reversals"):
+        caption += " Bank reversals keep the track inside the corridor of crossrange."
+    panel = site_panel(traces, unit="km", equal=False)
+    return Figure("ground_track", "Ground track", [panel], caption, height=420)
+
+
+def landing_site(run: Run) -> Figure:
+    """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale."""
+    last = run.between("backshell")
+    target, planned, below = [_target(run)], _planned(run), _track(run, run.between("mortar"), 1e3)
+    limit, allowed = run.scenario["limits"]["landing_distance_m"], []
+    if limit is not None:
+        x, y = circle((0.0, 0.0), float(limit) / 1e3, 181)
+        allowed = [Trace(x, y, "allowed distance", colour=GREEN, dash="dash", width=1.2, border=True)]
+    panels = []
+    if planned:
+        panels.append(site_panel([*planned, *allowed, below, *target], unit="km", title="planned ellipse"))
+    parts = [_part(run, name, 1e3) for name in _PARTS]
+    traces = [
+        *([] if planned else allowed),
+        *parts,
+        below,
+        *target,
+        _events(run, {"mortar": "parachute"}, 1e3),
+    ]
+    panels.append(site_panel(traces, unit="km", title="from the parachute on"))
+    reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
+    away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
+    near = target if away < 2.0 * reach else []  # else there were nothing else to be seen
+    traces = [_part(run, "backshell"), _track(run, last), *near, _events(run, {"touchdown": "touchdown"})]
+    panels.append(site_panel(traces, title="powered descent"))
+    landed, caption = run.summary["figures"], ""
+    if landed.get("landing_distance_m") is not None:
+        offset = f"{landed['landing_east_m']:+,.0f} m east, {landed['landing_north_m']:+,.0f} m north"
+        caption = f"Landed {landed['landing_distance_m']:,.0f} m from the target: {offset}."
+    return Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
+
+
+def _track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
+    return flown(run[EAST][rows] / scale, run[NORTH][rows] / scale, "vehicle")
+
+
+def _target(run: Run) -> Trace:
+    """The landing site, called target unless the flight only has to last."""
+    name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
+    return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
+
+
+def _planned(run: Run) -> list[Trace]:
+    """The planned landing ellipse (km), if the scenario has one."""
+    terrain = run.scenario["terrain"]
+    length, width = (float(terrain[f"ellipse_{side}_m"]) / 1e3 for side in ("length", "width"))
+    if length <= 0.0:
+        return []
+    east, north = planned_ellipse(length, width, np.radians(terrain["ellipse_azimuth_deg"]))
+    name = f"planned ellipse, {length:g} x {width:g} km"
+    return [Trace(east, north, name, colour=GREY, width=1.0, border=True)]
+
+
+def _part(run: Run, name: str, scale: float = 1.0) -> Trace:
+    """The path of a discarded part to the ground."""
+    east, north = (run[f"truth.{name}_{way}_m"] / scale for way in ("east", "north"))
+    there = np.isfinite(east)
+    return Trace(east[there], north[there], name.replace("_", " "), colour=_PARTS[name], dash="dash")
+
+
+def _events(run: Run, names: dict[str, str], scale: float = 1.0) -> Trace:
+    return placed(run, EAST, NORTH, names, (1.0 / scale, 1.0 / scale))

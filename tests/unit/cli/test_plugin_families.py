@@ -10,7 +10,7 @@ from test_plugins import cli
 
 import edl6dof
 from edl6dof.config.accepted import accept
-from edl6dof.scenario.viewed import viewed_scenario
+from edl6dof.scenario.loading import viewed_scenario
 
 PACKAGE = Path(edl6dof.__file__).parent
 AIR = {"density_kg_m3": 0.02, "scale_height_m": 9e3, "temperature_k": 200.0}

@@ -8,8 +8,8 @@ from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
-from edl6dof.scenario.events import event_problems, fill_mission
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.mission_events import event_problems, fill_mission
 
 DT = 0.02
 
@@ -24,7 +24,7 @@ VEHICLE = load_scenario("tianwen1").scenario.vehicle
 def plan(*phases):
     """Record of a mission of Tianwen-1, and the mission."""
     mission, record = MissionParams(phases=list(phases)), np.zeros(1, MISSION)
-    assert event_problems(mission, VEHICLE) == {}
+    assert list(event_problems(mission, VEHICLE)) == []
     fill_mission(record[0], mission, VEHICLE)
     return record[0], mission
 

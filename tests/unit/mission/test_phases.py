@@ -8,8 +8,8 @@ from sequencing import DT, VEHICLE, Sequencer, last, plan, trigger
 
 from edl6dof.fsw.mission.phases import GUIDANCE, Event, MissionParams, Phase
 from edl6dof.interface.events import ACTIONS
-from edl6dof.scenario.events import event_problems
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.mission_events import event_problems
 
 
 def test_phases_follow_in_order_and_the_last_goes_on_for_ever():
@@ -226,12 +226,12 @@ def test_the_same_event_in_two_phases_is_one_and_a_name_with_two_meanings_is_ref
     assert record["n_events"] == 1 and record["number"][1, 0] == 0
     other = Event(name="off", action="jettison", thing="backshell", when=now)
     mission = MissionParams(phases=[Phase(name="a", events=[shield, other])])
-    assert "does something else" in event_problems(mission, VEHICLE)["mission.phases.0.events.1.name"]
+    assert "does something else" in dict(event_problems(mission, VEHICLE))["mission.phases.0.events.1.name"]
 
 
 def test_an_event_with_a_thing_that_is_not_there_is_refused():
     event = Event(name="x", action="jettison", thing="ballast", when=trigger("mach", "below", 1.0))
-    words = event_problems(MissionParams(phases=[Phase(name="a", events=[event])]), VEHICLE)
+    words = dict(event_problems(MissionParams(phases=[Phase(name="a", events=[event])]), VEHICLE))
     assert words == {
         "mission.phases.0.events.0.thing": "nothing to jettison named 'ballast'; names: heat_shield, "
         "backshell, parachute_pack"

@@ -4,7 +4,7 @@ import pytest
 from sequencing import Sequencer, last, plan, trigger
 
 from edl6dof.fsw.mission.phases import Condition, MissionParams, Phase, WayOut
-from edl6dof.scenario.events import way_problems
+from edl6dof.scenario.mission_events import way_problems
 
 
 def way(*conditions, **more):
@@ -48,8 +48,8 @@ def test_the_first_way_that_is_open_is_taken_and_until_comes_last():
 
 def test_a_way_to_a_phase_that_is_not_there_is_refused():
     phases = [Phase(name="a", ways_out=[way(LOW, next="nowhere")]), last()]
-    assert way_problems(MissionParams(phases=phases)) == {
+    assert dict(way_problems(MissionParams(phases=phases))) == {
         "mission.phases.0.ways_out.0.next": "no phase named 'nowhere'; names: a, last"
     }
-    lost = way_problems(MissionParams(phases=[Phase(name="a", ways_out=[way(LOW)])]))
+    lost = dict(way_problems(MissionParams(phases=[Phase(name="a", ways_out=[way(LOW)])])))
     assert "name the phase that follows" in lost["mission.phases.0.ways_out.0"]

@@ -15,8 +15,8 @@ from edl6dof.fsw.navigation.exclusions import (
 )
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.metrics.exclusions import exclusion_figures, exclusions
 from edl6dof.metrics.figures import FIGURES
+from edl6dof.metrics.out_of_use import exclusion_figures, exclusions
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN, STATE
 

@@ -14,19 +14,19 @@ from rich.console import Console
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
-from edl6dof.metrics.balance import balance_figures
-from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, failed_thrusters
+from edl6dof.metrics.balance_figures import balance_figures
 from edl6dof.metrics.evaluation import checks, peak_figures
 from edl6dof.metrics.figures import BALANCES, FIGURES, LIMITS, figure_of_merit
-from edl6dof.metrics.footing import footing_figures
+from edl6dof.metrics.out_of_use import IsolatedFault, diagnosis_figures, failed_thrusters
 from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.metrics.touchdown_terrain import footing_figures
 from edl6dof.report.document import Cell
-from edl6dof.report.flight.words import limits_and_published, mood
+from edl6dof.report.flight.flight_report import limits_and_published, mood
 from edl6dof.report.terminal import LIMIT_STATUS, comparison, headline, published_table, show_flight
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.run import Run
-from edl6dof.runs.run_writer import summary, write_run
+from edl6dof.runs.run_files import summary, write_run
 from edl6dof.scenario.schema import LimitParams
 from edl6dof.vehicle.plant import STATE
 

@@ -12,7 +12,7 @@ from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.runs.folder import atomic_folder
-from edl6dof.runs.run_writer import write_run
+from edl6dof.runs.run_files import write_run
 from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 

@@ -4,7 +4,7 @@ One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tab
 the Mach number.  Below the Mach number or speed at which the mission table opens the trim wing, or lets the
 balance masses go, the vehicle trims at zero angle of attack: no lift, and the drag of that attitude.  Where
 no table was made the factors are one.  Source: the nominal aerodynamic database, trimmed on the ground
-(:mod:`edl6dof.scenario.believed_vehicle`).
+(:mod:`edl6dof.scenario.onboard_vehicle`).
 """
 
 from __future__ import annotations

@@ -1,0 +1,226 @@
+"""A matrix of faults from the lists that a user writes: what fails, and when."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
+from edl6dof.campaign.faults import (
+    KINDS,
+    OF_INSTRUMENTS,
+    OF_THRUSTERS,
+    may_fail,
+    phases_of,
+    usual_phases_of,
+)
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.wording import did_you_mean
+from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.schema import Scenario
+from edl6dof.sim.flight import fly
+from edl6dof.telemetry.timeline import NO_MILESTONE, milestone
+from edl6dof.vehicle.faults.component import Component
+
+#: Time from the start of a phase to the fault where none is given, s.
+AFTER_S = 1.0
+_NUMBER = r"(\d+\.?\d*|\.\d+)(?: *s)?"
+_TIME, _EVERY = re.compile(_NUMBER), re.compile(rf"every +{_NUMBER}")
+#: More moments in one matrix are a slip of the pen.
+_MOST = 2000
+#: Events that no mission names.
+_ALWAYS = ("bank_reversal", "trim_wing_open", "line_stretch", "touchdown")
+
+#: A part of ``at``: a time, an interval, or the name of an event.
+_Wanted = float | tuple[float] | str
+
+
+def listed(names: str | float | Iterable[str | float]) -> str:
+    """Write names, or times, as a text with commas."""
+    return str(names) if isinstance(names, str | float | int) else ",".join(map(str, names))
+
+
+class FaultRequest(NamedTuple):
+    """A request for what fails, and when; lists are texts with commas, empty or ``None`` for the usual."""
+
+    sensors: bool = False  # fail instruments instead of thrusters
+    kinds: str = ""  # kinds of fault
+    components: str = ""  # names of what fails
+    pairs: bool = False  # fail every two of them together
+    phases: str = ""  # phases in which they fail
+    after_s: float | None = None  # time from the start of the phase to the fault, s
+    at: str | None = (
+        None  # moments instead: 60,129.5 or every 10 s or bank_reversal,mortar, or several of these
+    )
+
+
+def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParams:
+    """Look up in a scenario what fails, and when.
+
+    Raises:
+        ConfigError: everything that is wrong with the request.
+    """
+    choice = _Choice(loaded, request)
+    failing = choice.failing()
+    moments = choice.moments(list(dict.fromkeys(kind for kind, _, _ in failing)))
+    if choice.problems:
+        raise ConfigError(choice.problems)
+    groups = [
+        FaultGroup(kind=kind, component=component, names=names, moments=moments[kind])
+        for kind, component, names in failing
+    ]
+    return FaultMatrixParams(groups=groups, together=choice.together)
+
+
+class _Choice:
+    """Looks up a request in a scenario, and collects what is wrong with it."""
+
+    def __init__(self, loaded: LoadedScenario, request: FaultRequest):
+        self.loaded, self.scenario, self.request = loaded, loaded.scenario, request
+        self.together = 2 if request.pairs else 1
+        self.problems: list[Problem] = []
+
+    def failing(self) -> list[tuple[str, Component, list[str]]]:
+        """Kinds of fault, each with a kind of component and the names of those that fail so."""
+        sensors, kinds = self.request.sensors, self.request.kinds
+        possible = {kind: may_fail(self.scenario, kind) for kind in self._kinds()}
+        every = dict.fromkeys(
+            name for of_kind in possible.values() for names in of_kind.values() for name in names
+        )
+        only = self._listed("--components", self.request.components, list(every)) or list(every)
+        found = []
+        for kind, of_kind in possible.items():
+            chosen = {what: [one for one in names if one in only] for what, names in of_kind.items()}
+            enough = [(kind, what, names) for what, names in chosen.items() if len(names) >= self.together]
+            if not enough and (not sensors or kinds not in ("", "all")):
+                self._refuse(f"--kinds {kind}", self._nothing(list(of_kind)))
+            found += enough
+        if not found and not self.problems:
+            self._refuse("--components", self._nothing(["instrument"]))
+        return found
+
+    def _nothing(self, components: Sequence[str]) -> str:
+        what = " or ".join(components).replace("_", " ")
+        if self.together == 2:
+            return f"there are not two of {what} to fail together"
+        return f"there is no {what} that could fail"
+
+    def _kinds(self) -> list[str]:
+        kinds = self.request.kinds
+        if not self.request.sensors:
+            asked = ",".join(OF_THRUSTERS) if kinds == "all" else kinds
+            return self._listed("--kinds", asked or OF_THRUSTERS[0], KINDS)
+        if self.scenario.navigation_filter == "given":
+            self._refuse(
+                "--sensors",
+                "navigation takes the word of ideal instruments: carry real ones (--set "
+                "sensors.carried=[...]) and choose a filter (--set "
+                "flight_software.navigation.filter=error_state)",
+            )
+        asked = "" if kinds == "all" else kinds
+        return self._listed("--kinds", asked or ",".join(OF_INSTRUMENTS), OF_INSTRUMENTS)
+
+    def moments(self, kinds: Sequence[str]) -> dict[str, list[FaultMoment]]:
+        """Moments of the faults of each kind."""
+        phases, after_s, at = self.request.phases, self.request.after_s, self.request.at
+        if at is None:
+            return self._in_phases(kinds, phases, AFTER_S if after_s is None else after_s)
+        if phases or after_s is not None:
+            self._refuse("--at", "names the moments itself; leave out --phases and --after")
+        try:
+            return dict.fromkeys(kinds, moments_at(at, self.loaded))
+        except ConfigError as error:
+            self.problems += error.problems
+            return {}
+
+    def _in_phases(self, kinds: Sequence[str], phases: str, after_s: float) -> dict[str, list[FaultMoment]]:
+        if not (math.isfinite(after_s) and after_s >= 0.0):
+            self._refuse("--after", f"must be a time in s, 0 or more (got {after_s:g})")
+            after_s = 0.0
+        asked = self._listed("--phases", phases, self.scenario.phase_names)
+        if not phases_of(self.scenario):
+            self._refuse("--phases", "there is no phase in which thrusters may fire; give times with --at")
+        return {
+            kind: [
+                FaultMoment.model_validate({"name": phase, "at": {"phase": phase, "plus_s": after_s}})
+                for phase in asked or usual_phases_of(self.scenario, kind)
+            ]
+            for kind in kinds
+        }
+
+    def _listed(self, option: str, text: str, allowed: Sequence[str]) -> list[str]:
+        """Names in a text with commas, in the order of ``allowed``."""
+        names = [name.strip() for name in text.split(",") if name.strip()]
+        for name in names:
+            if name not in allowed:
+                hint = did_you_mean(name, allowed)
+                self._refuse(option, f"no {name!r}{hint} (there are: {', '.join(allowed) or 'none'})")
+        return [name for name in allowed if name in names]
+
+    def _refuse(self, option: str, words: str) -> None:
+        self.problems.append(Problem(option, 0, 0, "", words))
+
+
+def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
+    """The moments that ``--at`` names, in the order of time; of events and intervals those of the nominal
+    flight, which is flown for it.  Several events of one name are numbered.
+
+    Raises:
+        ConfigError: every part of the text that is none.
+    """
+    wanted = _parsed(text, loaded.scenario)
+    events = [] if all(isinstance(one, float) for one in wanted) else fly(loaded).events
+    found: dict[str, float] = {}
+    missing = []
+    for one in wanted:
+        if isinstance(one, float):
+            found[f"{one:g} s"] = one
+        elif isinstance(one, tuple):
+            end = next((event["t_s"] for event in events if event["key"] == "touchdown"), events[-1]["t_s"])
+            times = [round(k * one[0], 9) for k in range(math.ceil(end / one[0]))]  # no rounding of a sum
+            found |= {f"{t:g} s": t for t in times}
+        else:
+            here = [event for event in events if event["key"] == one or event.get("milestone") == one]
+            times = [event["t_s"] for event in here]
+            numbers = [""] if len(times) == 1 else [f" {k}" for k in range(1, len(times) + 1)]
+            found |= {one + number: t for number, t in zip(numbers, times, strict=False)}
+            if not times:
+                missing.append(Problem("--at", 0, 0, "", f"there is no {one} in the nominal flight"))
+    if missing:
+        raise ConfigError(missing)
+    return [
+        FaultMoment.model_validate({"name": name, "at": {"time_s": time}})
+        for name, time in sorted(found.items(), key=lambda item: item[1])
+    ]
+
+
+def _parsed(text: str, scenario: Scenario) -> list[_Wanted]:
+    allowed, shortest = event_names(scenario), scenario.simulation.time_limit_s / _MOST
+    wanted: list[_Wanted] = []
+    refused = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        if match := _TIME.fullmatch(part):
+            wanted.append(float(match[1]))
+        elif match := _EVERY.fullmatch(part):
+            wanted.append((float(match[1]),))
+            if float(match[1]) < shortest:
+                refused.append(f"{part!r}: the interval must be at least {shortest:g} s")
+        elif part in allowed:
+            wanted.append(part)
+        else:
+            events = f"(a time in s, 'every 10 s', or an event: {', '.join(allowed)})"
+            refused.append(f"no {part!r}{did_you_mean(part, allowed)} {events}")
+    if not wanted and not refused:
+        refused.append(f"names no moment; such as 60,129.5 or 'every 10 s' or {', '.join(allowed)}")
+    if refused:
+        raise ConfigError(Problem("--at", 0, 0, "", words) for words in refused)
+    return wanted
+
+
+def event_names(scenario: Scenario) -> list[str]:
+    """Names of the events of a flight, their own and those of milestones, in the order of the mission."""
+    events = scenario.mission.events.values()
+    own = (name for event in events for name in (event.name, milestone(event, scenario.vehicle)))
+    return [name for name in dict.fromkeys((*own, *_ALWAYS)) if name != NO_MILESTONE]

@@ -1,0 +1,191 @@
+"""Commands that show or rewrite what was flown."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from edl6dof.api import functions
+from edl6dof.cli.exit_status import UNAVAILABLE, refusing_damage
+from edl6dof.cli.group import argument, flag, option
+from edl6dof.config.errors import refusal
+
+EXPORTS = ("csv", "mat", "nc", "oem", "aem")
+
+
+def replay(
+    runs: Annotated[
+        list[Path],
+        argument(
+            "RUN", "Run folders, shown in one scene; the first may be a campaign's. Or one recording (.rrd)."
+        ),
+    ],
+    web: Annotated[bool, flag("Show it in the browser, served to this machine only.", "--web")] = False,
+    html: Annotated[Path | None, option("FILE", "Write one HTML file that plays offline.")] = None,
+    screenshot: Annotated[
+        Path | None, option("FILE", "Write a picture (PNG) without opening a window.")
+    ] = None,
+    at: Annotated[float | None, option("T", "Time of the picture, s; the end if not given.")] = None,
+    page: Annotated[
+        str,
+        option(
+            "NAME",
+            "Page in front: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
+            "Navigation, Thrusters, Tour.",
+        ),
+    ] = "",
+    tour: Annotated[bool, flag("Page Tour in front: cameras that follow the stages.", "--tour")] = False,
+    video: Annotated[
+        Path | None, option("FILE", "Write a film (MP4) of the page; needs ffmpeg or the extra 'video'.")
+    ] = None,
+    start: Annotated[float | None, option("T", "First time of the film, s.", "--from")] = None,
+    end: Annotated[float | None, option("T", "Last time of the film, s.", "--to")] = None,
+    length: Annotated[
+        float | None,
+        option("S", "How long the film is, s; if not given, as long as the flight, or 60 s.", min=0.1),
+    ] = None,
+    fps: Annotated[float, option("N", "Its frames per second.", min=1.0, max=120.0)] = 24.0,
+    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+) -> int:
+    """Show the 3D replay of one flight, or of several in one scene.
+
+    Exit status: 0 shown or written, 2 bad input, 69 the viewer, or the encoder of films, does not run here.
+    """
+    if tour and page not in ("", "Tour"):
+        raise refusal("--tour", f"is the page Tour; --page names {page}")
+    if runs[0].is_dir():  # the plugins of a campaign, before anything that they must join
+        functions.activate(runs[0])
+    from edl6dof.replay.film import NoFilm
+    from edl6dof.replay.viewer import ViewerFailed
+
+    with refusing_damage(*runs):
+        try:
+            written = functions.replay(
+                *runs,
+                web=web,
+                html=html,
+                screenshot=screenshot,
+                at_s=at,
+                page=page or ("Tour" if tour else ""),
+                video=video,
+                start_s=start,
+                end_s=end,
+                length_s=length,
+                fps=fps,
+                force=force,
+            )
+        except (ViewerFailed, NoFilm) as error:
+            print(error, file=sys.stderr)
+            return UNAVAILABLE
+    for path in written:
+        print(path)
+    return 0
+
+
+def report(
+    run: Annotated[Path, argument("RUN", "Folder of a run or a campaign.")],
+    out: Annotated[Path | None, option("FILE", "File to write; RUN/report.html if not given.")] = None,
+    pdf: Annotated[
+        bool, flag("Write report.pdf instead: outcome, tables, and each figure as a vector page.", "--pdf")
+    ] = False,
+    png: Annotated[bool, flag("Write report/FIGURE.png instead, each figure for print.", "--png")] = False,
+    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+) -> int:
+    """Write the report of a run or a campaign: one page with plots.
+
+    The page opens offline, and its plots can be zoomed.
+    """
+    with refusing_damage(run):
+        for path in functions.report(run, out=out, pdf=pdf, png=png, force=force):
+            print(path)
+    return 0
+
+
+def plot(
+    run: Annotated[Path, argument("RUN", "Run folder.")],
+    channels: Annotated[
+        list[str] | None,
+        argument("CHANNEL", "Channels, or patterns such as 'truth.rate_*'; without any, all are listed."),
+    ] = None,
+    against: Annotated[str, option("CHANNEL", "Channel of the x axis.")] = "t_s",
+    since: Annotated[float | None, option("T", "First time (s).", "--from")] = None,
+    until: Annotated[float | None, option("T", "Last time (s).", "--to")] = None,
+    out: Annotated[
+        Path | None,
+        option("FILE", "File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given."),
+    ] = None,
+    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+) -> int:
+    """Plot channels of a run; those of one unit share a panel."""
+    from edl6dof.cli.result_views import list_channels, write_plot
+
+    with refusing_damage(run):
+        if not channels:
+            return list_channels(run)
+        print(write_plot(run, channels, against, since, until, out, force))
+    return 0
+
+
+def compare(
+    first: Annotated[Path, argument("RUN1", "Run folder, or that of a campaign.")],
+    second: Annotated[Path, argument("RUN2", "Another of the same kind.")],
+    out: Annotated[
+        Path | None, option("FILE", "Page of two flights; RUN2/compared-with-RUN1.html if not given.")
+    ] = None,
+    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of tables; of two campaigns only.", "--json")] = False,
+) -> int:
+    """Compare two flights, or two campaigns.
+
+    Of two flights the figures stand side by side, what the scenarios differ in is listed, and every plot
+    shows one flight over the other. Two campaigns of the same dispersions are compared in pairs: success, and
+    every figure that differs clearly.
+    """
+    from edl6dof.cli.result_views import compare_campaigns, compare_flights
+
+    with refusing_damage(first, second):
+        campaigns = [(folder / "campaign.json").is_file() for folder in (first, second)]
+        if all(campaigns):
+            if out is not None:
+                raise refusal("--out", "is the page of two flights; a comparison of campaigns is printed")
+            compare_campaigns(first, second, as_json)
+            return 0
+        if any(campaigns):
+            one, two = (second, first) if campaigns[1] else (first, second)
+            raise refusal(two, f"is no campaign, and {one} is one; compare two flights, or two campaigns")
+        if as_json:
+            raise refusal("--json", "is of two campaigns; two flights are compared in a page")
+        compare_flights(first, second, out, force)
+    return 0
+
+
+def export(
+    run: Annotated[Path, argument("RUN", "Run folder.")],
+    file: Annotated[
+        Path | None, argument("FILE", "File to write; inside RUN if not given, - for standard output.")
+    ] = None,
+    form: Annotated[
+        str, option("FORM", "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).", "--format")
+    ] = "",
+    nesc: Annotated[
+        bool, flag("In the columns and English units of NASA's NESC check cases.", "--nesc")
+    ] = False,
+    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+) -> int:
+    """Write the telemetry of a run in the form of another program."""
+    if nesc == bool(form) or form not in ("", *EXPORTS):
+        raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
+    from edl6dof.config.wording import counted
+    from edl6dof.export.forms import FILES, export_text, write_export
+
+    form = form or "nesc"
+    with refusing_damage(run):
+        if file == Path("-"):
+            sys.stdout.write(export_text(run, form))
+            return 0
+        target = file or run / FILES[form]
+        print(f"{target}: {counted(write_export(run, form, target, force), 'row')}")
+    return 0

@@ -1,0 +1,211 @@
+"""The environments: a task in one flight, or in many that one call flies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils.seeding import np_random
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from edl6dof.config.wording import unknown
+from edl6dof.gym.entry_bank import EntryBank
+from edl6dof.gym.episodes import Episodes, known_options
+from edl6dof.gym.hazard_divert import HazardDivert
+from edl6dof.gym.powered_descent import PoweredDescent
+from edl6dof.gym.task import Task
+from edl6dof.gym.thruster_fault import DeadThruster, FaultDiagnosis
+
+TASKS: dict[str, type[Task]] = {
+    task.__name__: task for task in (EntryBank, PoweredDescent, HazardDivert, DeadThruster, FaultDiagnosis)
+}
+
+
+def task_called(name: str) -> type[Task]:
+    """A task by its name.
+
+    Raises:
+        ValueError: there is none of this name.
+    """
+    if name not in TASKS:
+        raise ValueError(unknown("task", name, TASKS))
+    return TASKS[name]
+
+
+class FlightEnv(gymnasium.Env[np.ndarray, Any]):
+    """A task in one flight.
+
+    It can be copied and pickled, in the middle of an episode too.  The information of the last step of an
+    episode holds ``is_success``.
+
+    Args:
+        task: name of the task, of :data:`edl6dof.gym.TASKS`.
+        pool: dispersed flights that episodes draw from; each is flown once, when it is first drawn.
+        first_case: case number of the first of them.  Environments whose ranges of ``pool`` cases from
+            ``first_case`` on do not overlap have no flight in common.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    def __init__(self, task: str, pool: int = 64, first_case: int = 0, render_mode: str | None = None):
+        self.render_mode = render_mode
+        self._episodes = Episodes(task_called(task), 1, 1, pool, first_case)
+        self.observation_space = self.task.observation_space
+        self.action_space = self.task.action_space
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        return self._episodes.task
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode with a case that is drawn from the pool, or with that of the option ``case``,
+        in the pool or not.
+
+        Raises:
+            ValueError: there is no such case, or no such option.
+        """
+        super().reset(seed=seed)
+        given = known_options(options, ["case"])
+        if "case" in given:
+            self._episodes.begin_with(0, given["case"])
+        else:
+            self._episodes.begin([0], [self.np_random])
+        return self.task.observe()[0], {}
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Take an action; a number beyond its bound counts as the bound.
+
+        Raises:
+            ValueError: the action has a wrong shape, is not finite, or is no choice of the task.
+        """
+        seen, reward, over, cut_off, success = self._episodes.step(np.asarray(action)[None])
+        ended = bool(over[0] or cut_off[0])
+        information = {"is_success": bool(success[0])} if ended else {}
+        return seen[0], float(reward[0]), bool(over[0]), bool(cut_off[0]), information
+
+    def baseline(self) -> Any:
+        """Return the action that the flight software itself would take now."""
+        return self.task.baseline()[0]
+
+
+class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
+    """A task in many flights; each is that of a :class:`FlightEnv` of its seed.
+
+    The information of a step holds ``is_success`` and ``_is_success``, of the flights whose episodes it
+    ended.
+
+    Args:
+        task: name of the task.
+        num_envs: flights.
+        pool: dispersed flights that episodes draw from.
+        first_case: case number of the first of them, as of :class:`FlightEnv`.
+        workers: threads.
+        autoreset_mode: when an episode that has ended begins anew: in the next step, whose action is not
+            used (the default); in the same step, whose information then holds ``final_obs``; or when
+            ``reset`` is called with the option ``reset_mask``.
+    """
+
+    def __init__(
+        self,
+        task: str,
+        num_envs: int = 1,
+        pool: int = 64,
+        first_case: int = 0,
+        workers: int = 1,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+    ):
+        self.render_mode = render_mode
+        self.num_envs = num_envs
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"autoreset_mode": self._mode, "render_modes": []}
+        self._episodes = Episodes(task_called(task), num_envs, workers, pool, first_case)
+        self.single_observation_space = self.task.observation_space
+        self.single_action_space = self.task.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._generators: list[np.random.Generator] = []
+        self._ended = np.zeros(num_envs, bool)
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        return self._episodes.task
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin episodes: all, or those of the option ``reset_mask``, shape (num_envs,), bool."""
+        self._seed(seed)
+        mask = known_options(options, ["reset_mask"]).get("reset_mask")
+        which = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)
+        if which.shape != (self.num_envs,):
+            raise ValueError(f"reset_mask must have {self.num_envs} values (got {which.shape})")
+        self._begin(which)
+        return self.task.observe(), {}
+
+    def _seed(self, seed: int | Sequence[int | None] | None) -> None:
+        """One generator for each flight; a whole number seeds the first, and each after it by one more."""
+        if seed is None and self._generators:
+            return
+        if seed is None:
+            seeds: list[int | None] = [None] * self.num_envs
+        else:
+            seeds = [seed + k for k in range(self.num_envs)] if isinstance(seed, int) else list(seed)
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"there must be {self.num_envs} seeds (got {len(seeds)})")
+        kept = self._generators or [np_random()[0] for _ in seeds]
+        self._generators = [
+            old if one is None else np_random(one)[0] for one, old in zip(seeds, kept, strict=True)
+        ]
+
+    def _begin(self, which: np.ndarray) -> None:
+        self._episodes.begin(np.flatnonzero(which), self._generators)
+        self._ended[which] = False
+
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Take one action each; a number beyond its bound counts as the bound.
+
+        Raises:
+            ValueError: the actions have a wrong shape, are not finite, or are no choices of the task.
+        """
+        begins = self._ended
+        if self._mode is AutoresetMode.DISABLED and begins.any():
+            raise ValueError(f"episodes {np.flatnonzero(begins).tolist()} have ended; reset them first")
+        seen, reward, over, cut_off, success = self._episodes.step(np.asarray(actions))
+        if begins.any():
+            for values in (reward, over, cut_off, success):
+                values[begins] = 0
+            self._begin(begins.copy())
+            seen = self.task.observe()
+        self._ended = over | cut_off
+        information: dict[str, Any] = {}
+        if self._ended.any():
+            information = {"is_success": success, "_is_success": self._ended.copy()}
+            if self._mode is AutoresetMode.SAME_STEP:
+                information |= {"final_obs": _rows(seen, self._ended), "_final_obs": self._ended.copy()}
+                self._begin(self._ended.copy())
+                seen = self.task.observe()
+        return seen, reward, over, cut_off, information
+
+    def baseline(self) -> np.ndarray:
+        """Return the actions that the flight software itself would take now, shape (num_envs, ...)."""
+        return self.task.baseline()
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the threads."""
+        self._episodes.fleet.close()
+
+
+def _rows(observations: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Observations as an array of objects: of the flights that are meant, ``None`` of the others."""
+    rows = np.full(len(which), None, dtype=object)
+    for index in np.flatnonzero(which):
+        rows[index] = observations[index].copy()
+    return rows

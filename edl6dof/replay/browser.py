@@ -1,0 +1,162 @@
+"""The replay in a browser: one HTML file that holds a recording and the viewer and plays offline from
+``file://``, and a server of that page for this machine.
+
+The viewer's program (wasm) comes from the installed rerun, so that it always fits the recording.  rerun does
+not promise to keep its interface; the version is pinned, and a test opens the page in a browser.
+
+The server only answers requests that name this machine as their host: a web site whose own name resolves to
+127.0.0.1 (DNS rebinding) gets nothing, and no other site may read or frame the page.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import os
+import socketserver
+import subprocess
+import sys
+import urllib.request
+from contextlib import suppress
+from functools import cache
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler
+from pathlib import Path
+from typing import Any
+
+from jinja2 import StrictUndefined, Template
+from markupsafe import Markup
+
+from edl6dof.child import python
+from edl6dof.replay.viewer import HOST, free_port, running
+
+_HEADERS = {
+    "Content-Type": "text/html; charset=utf-8",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
+
+
+def page(recording: Path, title: str) -> bytes:
+    """Return the HTML file of a recording.
+
+    Raises:
+        ViewerFailed: the viewer's program cannot be had from the installed rerun.
+    """
+    script, wasm = _program()
+    template = Template(
+        Path(__file__).with_suffix(".html").read_text(encoding="utf-8"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+    )
+    return template.render(
+        title=title,
+        program=Markup(script.replace("</script", "<\\/script")),
+        wasm=wasm,
+        recording=_packed(recording.read_bytes()),
+    ).encode("utf-8")
+
+
+@cache
+def _program() -> tuple[str, str]:
+    """The viewer for browsers (script, packed wasm), from rerun's own server on this machine."""
+    port, data = free_port(), free_port()
+    with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
+        program.wait_for(port)
+        script, wasm = (
+            _fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
+        )
+    return script.decode("utf-8"), _packed(wasm)
+
+
+def _fetch(url: str) -> bytes:
+    with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=30.0) as answer:
+        return bytes(answer.read())
+
+
+def _packed(content: bytes) -> str:
+    """Compress and encode as text; level 6 would take two thirds longer for 1 % less."""
+    return base64.b64encode(gzip.compress(content, 5, mtime=0)).decode("ascii")
+
+
+class PageServer(socketserver.ThreadingTCPServer):
+    """Serves one page on a free port of this machine."""
+
+    daemon_threads = True
+
+    def __init__(self, page: bytes) -> None:
+        super().__init__((HOST, 0), _Request)
+        self.page = page
+        self.url = f"http://{HOST}:{self.server_address[1]}/"
+
+    def knows_host(self, hosts: list[str]) -> bool:
+        """Return True if a request names this machine and port, once."""
+        port = self.server_address[1]
+        return len(hosts) == 1 and hosts[0].lower() in (
+            f"{HOST}:{port}",
+            f"localhost:{port}",
+            f"[::1]:{port}",
+        )
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Ignore a browser that hangs up."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
+
+class _Request(BaseHTTPRequestHandler):
+    """Answers GET and HEAD of ``/``; 403 to a request for another host, 404 to one for another path."""
+
+    server: PageServer
+    timeout = 30.0
+
+    def do_GET(self) -> None:
+        """Send the page."""
+        if self._answer():
+            self.wfile.write(self.server.page)
+
+    def do_HEAD(self) -> None:
+        """Send the headers."""
+        self._answer()
+
+    def _answer(self) -> bool:
+        """Send the headers; returns whether the page may follow."""
+        if not self.server.knows_host(self.headers.get_all("Host", [])):
+            self.send_error(HTTPStatus.FORBIDDEN)
+            return False
+        if self.path != "/":
+            self.send_error(HTTPStatus.NOT_FOUND)
+            return False
+        self.send_response(HTTPStatus.OK)
+        for name, value in {**_HEADERS, "Content-Length": str(len(self.server.page))}.items():
+            self.send_header(name, value)
+        self.end_headers()
+        return True
+
+    def log_message(self, *_: Any) -> None:
+        """Say nothing for each request."""
+
+
+def serve(page: bytes) -> None:
+    """Serve the page, print its address, open a browser if there is one, and run until Ctrl-C."""
+    with PageServer(page) as server:
+        print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
+        if _has_display():
+            _open(server.url)
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()
+
+
+def _open(url: str) -> None:
+    """Open a browser that neither writes into this terminal nor ends with Ctrl-C."""
+    silent = subprocess.DEVNULL
+    words = python("import webbrowser; webbrowser.open(sys.argv[1])", url)
+    subprocess.Popen(words, stdin=silent, stdout=silent, stderr=silent, start_new_session=True)
+
+
+def _has_display() -> bool:
+    """True if a browser can open a window; otherwise Python would start one for terminals."""
+    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

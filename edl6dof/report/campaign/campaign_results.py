@@ -1,0 +1,141 @@
+"""The rows of a campaign, read from its folder: columns as numbers, limits, and the share of successes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, A, B, group_of
+from edl6dof.campaign.statistics import Proportion
+from edl6dof.campaign.store import Store
+from edl6dof.config.document.source import parse_document
+from edl6dof.metrics.figures import LIMITS
+
+
+class Results:
+    """The rows of a campaign, finished or not."""
+
+    def __init__(self, folder: Path, columns: Sequence[str] | None = None):
+        """Read a folder; ``columns``: names to read besides success, all if not given."""
+        self.folder = folder
+        self.store = Store(folder)
+        self._every = self.store.table(None if columns is None else ["case", "success", MATRIX, *columns])
+
+    @cached_property
+    def table(self) -> pa.Table:
+        """The rows of independent flights: matrices A and B of a design of Sobol indices, else all rows."""
+        if not self.has_design:
+            return self._every
+        return self._every.filter(pc.is_in(self._every[MATRIX], pa.array([A, B])))
+
+    @property
+    def has_design(self) -> bool:
+        """True if it flew the design of Sobol indices."""
+        return MATRIX in self._every.column_names
+
+    def swapped(self, name: str) -> dict[str, np.ndarray]:
+        """Return a figure for the flights of each matrix of the design, and of A with each group of inputs
+        from B, shape (rows,), NaN where a flight has none.
+        """
+        matrices = self._every[MATRIX].to_pylist()
+        found = {matrix: np.full(self._rows, np.nan) for matrix in dict.fromkeys(matrices)}
+        values = numbers(self._every[name])
+        for matrix, row, value in zip(matrices, self._every[ROW].to_pylist(), values, strict=True):
+            found[matrix][row] = value
+        return found
+
+    @property
+    def _rows(self) -> int:
+        return 1 + max(self._every[ROW].to_pylist())
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """The plan as plain data, with every default."""
+        return parse_document(self.store.plan_text, str(self.folder / "campaign.yaml")).data
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return str(self.document["name"])
+
+    @property
+    def has_faults(self) -> bool:
+        """True if the cases are the cells of a fault matrix."""
+        return self.document.get("fault_matrix") is not None
+
+    @property
+    def is_sample(self) -> bool:
+        """True if the flights are drawn at random, and are neither the points of a grid nor the cells of a
+        fault matrix: only quantiles of a sample have bounds.
+        """
+        return not (self.has_faults or self.document.get("sweep"))
+
+    @cached_property
+    def cases(self) -> np.ndarray:
+        """Numbers of the cases, shape (n,)."""
+        return self.table["case"].to_numpy()
+
+    @cached_property
+    def ok(self) -> np.ndarray:
+        """Which cases succeeded, shape (n,)."""
+        return self.table["success"].to_numpy(zero_copy_only=False).astype(bool)
+
+    @property
+    def success(self) -> Proportion:
+        """Share of successes."""
+        return Proportion(int(self.ok.sum()), len(self.ok))
+
+    @cached_property
+    def causes(self) -> list[tuple[str, int]]:
+        """Causes of failures, the most frequent first."""
+        return Counter(cause for cause in self.table["cause"].to_pylist() if cause).most_common()
+
+    def has(self, name: str) -> bool:
+        """True if a numeric column exists."""
+        return name in self.table.column_names and is_number(self.table.schema.field(name).type)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A numeric column, NaN where a case has no value, shape (n,)."""
+        return numbers(self.table[name])
+
+    @property
+    def _dispersed(self) -> list[str]:
+        return [
+            name for name in self.table.column_names if name.startswith((TRUTH, BELIEF)) and self.has(name)
+        ]
+
+    @cached_property
+    def groups(self) -> dict[str, np.ndarray]:
+        """Dispersed quantities, shape (n, quantities), those together that the plan draws together."""
+        found: dict[str, list[np.ndarray]] = {}
+        campaign = self.document.get("campaign") or {}
+        for name in self._dispersed:
+            found.setdefault(group_of(name, campaign), []).append(self[name])
+        return {name: np.stack(columns, axis=1) for name, columns in found.items()}
+
+    @cached_property
+    def limits(self) -> list[tuple[str, str, float, str]]:
+        """(figure, label, limit, unit) of every limit that was applied to a case."""
+        given = self.document["limits"]
+        return [
+            (figure.name, figure.meaning, float(given[figure.limit]), figure.unit.label)
+            for figure in LIMITS
+            if given.get(figure.limit) is not None and self.has(figure.name)
+        ]
+
+
+def numbers(column: pa.ChunkedArray) -> np.ndarray:
+    """Return a numeric column, NaN where it has no value."""
+    return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=float)
+
+
+def is_number(kind: pa.DataType) -> bool:
+    """True if an Arrow type holds numbers."""
+    return pa.types.is_floating(kind) or pa.types.is_integer(kind)

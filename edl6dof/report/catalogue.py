@@ -1,0 +1,336 @@
+"""The catalogue of plots over time: each declared once, for reports, comparisons, papers and replays.
+
+Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`); which of them a
+page of a replay shows stands in :mod:`edl6dof.replay.views.pages`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from edl6dof.config.errors import refusal
+from edl6dof.config.wording import nearest
+from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
+from edl6dof.report.numbers import printed
+from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
+from edl6dof.telemetry.columns import describe
+from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
+
+#: Claimed standard deviations at which bounds are drawn.
+BOUND = 3.0
+#: Names of curves that are drawn dashed: what was asked for, claimed or believed, over what was.
+_DASHED = ("commanded", "reference", "believed", "navigated, no wind", "above the areoid")
+
+
+#: Colours of what is made of an instrument; one without an echo has none.
+STATES = {IN_USE: GREEN, USED: GREEN, SATURATED: ORANGE, NOT_USED: ORANGE, EXCLUDED: BAD}
+#: Words and colours of the classes of cells of a hazard map.
+CELLS: dict[str, tuple[str, str]] = {
+    "safe": ("safe to stand on", SAFE),
+    "edge": ("not all of it seen", UNSEEN),
+    "slope": ("too steep", STEEP),
+    "rock": ("too rough", ROUGH),
+}
+
+
+class Plot(NamedTuple):
+    """One plot over time.
+
+    Attributes:
+        key: its name, and that of its entity in a recording.
+        title: without the unit.
+        curves: channels of one unit, and their names in the legend.
+        kilo: whether it is drawn in thousands of the channels' unit.
+        since, until: events between which it means something.
+        bounds: whether an error stands between its claimed standard deviations, where it is alone in a plot.
+        clip: whether a lone peak may lie beyond the axis.
+    """
+
+    key: str
+    title: str
+    curves: Mapping[str, str]
+    kilo: bool = False
+    since: str = ""
+    until: str = ""
+    bounds: bool = False
+    clip: bool = False
+
+    @property
+    def label(self) -> str:
+        """Title with the unit in brackets."""
+        unit = "k" * self.kilo + printed(describe(next(iter(self.curves)))[0] or "1")
+        return f"{self.title} ({'Earth g' if unit == 'g' else unit})"
+
+    @property
+    def sigma(self) -> str:
+        """Channel of the claimed standard deviation of an error; empty where no bounds are drawn."""
+        alone = self.bounds and len(self.curves) == 1
+        return next(iter(self.curves)).replace("nav.error", "nav.sigma") if alone else ""
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that are drawn."""
+        return (*self.curves, *[self.sigma] * bool(self.sigma))
+
+    @property
+    def lines(self) -> list[tuple[str, str, Dash]]:
+        """Name, colour and dash of each array that :meth:`values` returns."""
+        found: list[tuple[str, str, Dash]] = [
+            ("error" if self.sigma else name, colour, "dash" if name in _DASHED else "solid")
+            for name, colour in zip(self.curves.values(), SERIES, strict=False)
+        ]
+        claimed = f"{BOUND:.0f} σ claimed"
+        return [*found, (claimed, GREY, "dash"), (claimed, GREY, "dash")] if self.sigma else found
+
+    def values(self, columns: Mapping[str, np.ndarray], rows: np.ndarray | slice) -> list[np.ndarray]:
+        """Return the curves at some rows in the unit of the plot, then the upper and the lower bound."""
+        factor = 1e-3 if self.kilo else 1.0
+        found = [factor * columns[channel][rows] for channel in self.curves]
+        bounds = [sign * BOUND * factor for sign in (1.0, -1.0)] if self.sigma else []
+        return found + [bound * columns[self.sigma][rows] for bound in bounds]
+
+    def apart(self, since: str = "") -> tuple[Plot, ...]:
+        """Return one plot for each curve; ``since``: event at which it begins, if not that of all."""
+        return tuple(
+            self._replace(
+                key=f"{self.key}_{name}",
+                title=f"{self.title}, {name}",
+                curves={channel: name},
+                since=since or self.since,
+            )
+            for channel, name in self.curves.items()
+        )
+
+    def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
+        """Return the plot reduced to the channels that a flight has, without commands and estimates that are
+        never given; ``None`` if all of them are zero or absent.
+        """
+        there = {channel: name for channel, name in self.curves.items() if channel in columns}
+        heard = {channel for channel in there if has_signal(columns[channel])}
+        kept = {c: name for c, name in there.items() if c in heard or c.startswith("truth.")}
+        return self._replace(curves=kept) if heard else None
+
+
+def has_signal(values: np.ndarray) -> bool:
+    """Return True if any value is neither zero nor a gap."""
+    return bool(np.any(np.nan_to_num(values) != 0.0))
+
+
+def _axes(channel: str, names: str, letters: str = "") -> dict[str, str]:
+    """Three channels by axis, ``{}`` in their name, and the names of the axes."""
+    pairs = zip((letters or names).split(), names.split(), strict=True)
+    return {channel.format(letter): name for letter, name in pairs}
+
+
+def _each_axis(key: str, title: str, curves: Mapping[str, str], clip: bool = False) -> tuple[Plot, ...]:
+    """A plot for each body axis, ``{}`` in the key and in the channels."""
+    return tuple(
+        Plot(key.format(axis), f"{title}, {name}", {c.format(axis): curve for c, curve in curves.items()},
+             until="touchdown", clip=clip)
+        for axis, name in zip("xyz", ("roll", "pitch", "yaw"), strict=True)
+    )  # fmt: skip
+
+
+# fmt: off
+ALTITUDE = Plot("altitude_km", "height", {
+    "truth.altitude_m": "above the ellipsoid", "truth.height_above_areoid_m": "above the areoid",
+    "truth.height_m": "above the ground"}, kilo=True)
+SPEED = Plot("speed_km_s", "speed over ground", {"truth.speed_m_s": "speed"}, kilo=True)
+MACH = Plot("mach", "Mach number", {"truth.mach": "Mach"}, until="backshell")
+PRESSURE = Plot("dynamic_pressure_kpa", "dynamic pressure", {"truth.dynamic_pressure_pa": "dynamic pressure"},
+                kilo=True, until="backshell")
+LOAD = Plot("load_g0", "load", {"truth.load_g0": "sensed acceleration"})
+HEAT = Plot("heat_flux_w_cm2", "heat flux", {"truth.heat_flux_w_cm2": "stagnation point"}, until="mortar")
+RATES = Plot("body_rate_deg_s", "body rate", _axes("truth.rate_{}_deg_s", "roll pitch yaw", "p q r"))
+BANK = Plot("bank_deg", "bank", {"truth.bank_deg": "flown", "guide.bank_deg": "commanded"}, until="mortar")
+ALPHA, BETA = (
+    Plot(f"{angle}_deg", title, {f"truth.{angle}_deg": "true", f"nav.{angle}_deg": "navigated, no wind"},
+         until="backshell")
+    for angle, title in (("alpha", "angle of attack"), ("beta", "sideslip")))
+TOTAL_ALPHA = Plot("total_alpha_deg", "total angle of attack", {"truth.total_alpha_deg": "total"},
+                   until="backshell")
+DRAG = Plot("drag_m_s2", "drag", {"nav.drag_m_s2": "measured", "guide.reference_drag_m_s2": "reference"},
+            until="mortar")
+RANGE = Plot("range_to_go_km", "range to go", {"guide.range_to_go_km": "range to go"}, until="mortar")
+CROSSRANGE = Plot("crossrange_km", "crossrange", {"guide.crossrange_km": "right +"}, until="mortar")
+DRAG_DISTURBANCE, PATH_DISTURBANCE = (
+    Plot(name, f"estimated {title} disturbance", {f"guide.{name}": "estimated"}, until="mortar")
+    for name, title in (("drag_disturbance_m_s4", "drag"), ("path_disturbance_deg_s", "path")))
+TENSION = Plot("riser_tension_kn", "riser tension", {"truth.riser_tension_n": "tension"}, kilo=True,
+               since="mortar", until="backshell")
+DESCENT = Plot("descent_m_s", "descent speed", {"truth.v_down_m_s": "down"}, since="mortar")
+HEIGHT = Plot("height_m", "height above the ground", {"truth.height_m": "height"}, since="backshell")
+VELOCITY = Plot("velocity_m_s", "velocity", _axes("truth.v_{}_m_s", "down north east"), since="backshell")
+THRUST = Plot("engine_thrust_kn", "engine thrust", {
+    "truth.engine_thrust_n": "delivered", "guide.thrust_n": "commanded"}, kilo=True, since="backshell")
+TILT = Plot("tilt_deg", "tilt from the vertical", {"truth.tilt_deg": "thrust axis"}, since="backshell")
+OFFSET = Plot("site_offset_m", "distance from the site", {
+    "truth.site_east_m": "east", "truth.site_north_m": "north"}, since="backshell")
+TO_GO = Plot("time_to_go_s", "time to go", {"guide.time_to_go_s": "powered guidance"}, since="backshell")
+PROPELLANT = Plot("propellant_kg", "propellant left", {"truth.propellant_kg": "left"})
+MASS = Plot("mass_kg", "mass", {"truth.mass_kg": "true", "nav.mass_kg": "believed"})
+ERROR = Plot("attitude_error_deg", "attitude error", _axes("control.error_{}_deg", "roll pitch yaw"))
+DEMAND = _each_axis("torque_{}_nm", "control torque", {
+    "control.torque_{}_nm": "demanded", "control.unallocated_{}_nm": "unallocated"})
+TORQUES = _each_axis("disturbance_torque_{}_nm", "disturbance torque", {
+    "truth.disturbance_{}_nm": "true", "estimate.torque_{}_nm": "estimated"}, clip=True)
+FORCE = Plot("disturbance_force_n", "disturbance force", {
+    "truth.aero_force_y_n": "y, aerodynamic", "truth.aero_force_z_n": "z, aerodynamic",
+    "estimate.force_y_n": "y, estimated", "estimate.force_z_n": "z, estimated"}, until="mortar")
+DIAGNOSIS = Plot("diagnosis", "thruster diagnosis", {
+    "diagnosis.confidence": "confidence", "diagnosis.isolated": "isolated"})
+POSITION_ERROR, VELOCITY_ERROR, ATTITUDE_ERROR = (
+    Plot(f"nav_{name}", f"{name} error", _axes(f"nav.error{end}", "north east down"), bounds=True)
+    for name, end in (("position", "_{}_m"), ("velocity", "_v_{}_m_s"), ("attitude", "_attitude_{}_deg")))
+HEIGHT_ERROR = Plot("nav_height_m", "height error", {"nav.error_height_m": "error"}, since="backshell",
+                    bounds=True)
+INNOVATION = Plot("nav_innovation", "largest innovation", {
+    "nav.range_innovation": "range", "nav.speed_innovation": "speed"}, since="heat_shield")
+# fmt: on
+#: All of them by key.
+CATALOGUE: dict[str, Plot] = {
+    plot.key: plot
+    for value in tuple(vars().values())
+    for plot in ([value] if isinstance(value, Plot) else value if isinstance(value, tuple) else [])
+    if isinstance(plot, Plot)
+}
+
+
+class Stack(NamedTuple):
+    """Plots above each other in a report.
+
+    Attributes:
+        caption: in which ``{name}`` stands for a figure of merit.
+        height: of a plot, px.
+        needs: channels of which one must have a signal, or an event that must have come.
+        since, until: events between which it is drawn, in the place of the plots' own.
+        around: times (s) from the event ``since`` between which it is drawn, if given.
+        above: channel and the value beyond which it is drawn, if given.
+    """
+
+    key: str
+    title: str
+    plots: Sequence[Plot]
+    caption: str = ""
+    height: int = 160
+    needs: tuple[str, ...] = ()
+    since: str = ""
+    until: str = ""
+    around: tuple[float, float] | None = None
+    above: tuple[str, float] | None = None
+
+
+# fmt: off
+_TURNING = tuple(f"truth.rate_{axis}_deg_s" for axis in "pqr")
+_GUIDED = ("guide.range_to_go_km",)
+_NEAR_GROUND = HEIGHT_ERROR, *VELOCITY_ERROR.apart()[::-1]
+_TRUE_AXES = "Estimated less true, in the axes of the true place."
+_GROUND = "Estimated less true: height above the ground below, and velocity relative to it."
+
+OVERVIEW = Stack("overview", "The whole flight", (ALTITUDE, SPEED, PRESSURE, LOAD, HEAT),
+    "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below.", 150,
+    until="end")
+NAV_POSITION, NAV_ATTITUDE, NAV_VELOCITY = (
+    Stack(plot.key, f"Error of {title}", plot.apart(), _TRUE_AXES, 150, until="touchdown")
+    for title, plot in (("position", POSITION_ERROR), ("attitude", ATTITUDE_ERROR),
+                        ("velocity before the radar's first echo", VELOCITY_ERROR)))
+NAV_LANDING = Stack("nav_landing", "Height and velocity under power", _NEAR_GROUND, _GROUND, 130,
+    since="ignition", until="touchdown")
+NAV_TOUCHDOWN = Stack("nav_touchdown", "Height and velocity in the last 40 s", _NEAR_GROUND, _GROUND, 130,
+    ("touchdown",), since="touchdown", around=(-40.0, 0.0))
+NAV_INNOVATION = Stack("nav_innovation", "Radar: innovations", INNOVATION.apart(),
+    "Largest normalised innovation of a beam; a reading beyond the gate is not used.", 130, until="touchdown")
+TORQUE = Stack("torque", "Control torque", DEMAND, "In body axes.")
+PROPELLANT_AND_MASS = Stack("propellant", "Propellant and mass", (PROPELLANT, MASS),
+    "{propellant_used_kg:.1f} kg used.", 180, ("truth.propellant_kg",))
+DISTURBANCE = Stack("disturbance_torque", "Disturbance torque", TORQUES,
+    "Moment of {acting}, in body axes. A peak far above all other values, as of touchdown, is cut off.")
+#: By the section of a report that has nothing else.
+STACKS: dict[str, tuple[Stack, ...]] = {
+    "guidance": (
+        Stack("bank", "Bank angle", (BANK, RATES.apart()[0]), "{bank_reversals:.0f} bank reversals.", 230,
+            _GUIDED, until="mortar"),
+        Stack("targeting", "Drag against the reference, and the way to go",
+            (DRAG, RANGE, CROSSRANGE, DRAG_DISTURBANCE, PATH_DISTURBANCE),
+            "Range and crossrange to the aim point of the entry; crossrange is positive when heading right "
+            "of it.", 190, _GUIDED),
+    ),
+    "attitude": (
+        Stack("air_angles", "Angles to the air", (ALPHA, BETA, TOTAL_ALPHA),
+            "Shown while dynamic pressure is above 1 Pa.", 160, _TURNING,
+            above=("truth.dynamic_pressure_pa", 1.0)),
+        Stack("rates", "Body rates", RATES.apart(), "Inertial rates in body axes.", 150, _TURNING,
+            until="touchdown"),
+        Stack("attitude_error", "Attitude error used by the controller", ERROR.apart(),
+            "Goal minus actual, as each phase's controller defines it; during the lift phase the roll "
+            "channel is the bank error.", 150, _TURNING),
+    ),
+    "chute": (
+        Stack("inflation", "Parachute inflation", (TENSION, LOAD, MACH),
+            "Mortar fire, line stretch and inflation.", 160, ("mortar",), since="mortar", until="backshell",
+            around=(-0.5, 8.0)),
+        Stack("parachute", "Under the parachute", (DESCENT, TOTAL_ALPHA, TILT), "", 160, ("mortar",),
+            since="mortar", until="backshell"),
+    ),
+    "landing": (
+        Stack("powered", "Powered descent", (HEIGHT, VELOCITY, THRUST, TILT), "", 160, ("ignition",),
+            until="touchdown"),
+    ),
+}
+# fmt: on
+
+
+class Columns(Protocol):
+    """Columns by name, each shape (rows,), in the unit of its name's suffix."""
+
+    def __iter__(self) -> Iterator[str]: ...
+    def __getitem__(self, name: str, /) -> np.ndarray: ...
+    def unit(self, name: str) -> str:
+        """Printed unit of a column."""
+
+    def meaning(self, name: str) -> str:
+        """Meaning of a column."""
+
+
+def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:
+    """Return the names of the columns that match, in the order of the patterns, or that the plot with this
+    key shows; ``place``: their owner, for messages.
+
+    Raises:
+        ConfigError: a pattern matches nothing.
+    """
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        plotted = CATALOGUE[pattern].channels if pattern in CATALOGUE else ()
+        names = [name for name in columns if name in plotted or fnmatchcase(name, pattern)]
+        if not names:
+            begun = [name for name in columns if name.startswith(pattern)]
+            near = f"{pattern}*" if len(begun) > 1 else nearest(pattern, begun or list(columns))
+            hint = f"; did you mean {near!r}?" if near else ""
+            raise refusal(place, f"no channel {pattern!r}{hint} (edl6dof plot RUN lists all)")
+        found.update(dict.fromkeys(names))
+    return list(found)
+
+
+def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray) -> Figure:
+    """Draw one panel for each unit; ``rows``: those to show, shape (rows,), bool."""
+    by_unit: dict[str, list[str]] = {}
+    for name in channels:
+        by_unit.setdefault(columns.unit(name), []).append(name)
+    across = Axis(f"{columns.meaning(x)} ({columns.unit(x) or '1'})")
+    panels = []
+    for unit, names in by_unit.items():
+        title = columns.meaning(names[0]) if len(names) == 1 else "value"
+        traces = [Trace(columns[x][rows], columns[name][rows], name) for name in names]
+        panels.append(Panel(across, Axis(f"{title} ({unit or '1'})"), traces))
+    return Figure(
+        "plot",
+        ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels",
+        panels,
+        share_x=True,
+        height=320,
+    )

@@ -1,0 +1,196 @@
+"""Shared pieces of figures: plots of the catalogue over time, phases and events, maps about the
+landing site.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from math import inf
+from textwrap import fill
+
+import numpy as np
+
+from edl6dof.report import catalogue
+from edl6dof.report.catalogue import Plot, Stack
+from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
+from edl6dof.report.palette import BLACK, BLUE, GREY, PHASES, SERIES
+from edl6dof.runs.run import Run
+
+TIME = "time since entry (s)"
+#: Letters of a line of an axis' title.
+LETTERS = 15
+#: Bounds are shown up to this many times the largest error, which would not be seen otherwise.
+FAR = 30.0
+#: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
+BULK, PEAK = 0.999, 3.0
+
+#: Events worth a line across a plot, and its label.
+EVENTS: dict[str, str] = {
+    "fault": "fault",
+    "diagnosis": "diagnosed",
+    "exclusion": "excluded",
+    "guard": "guard",
+    "trim_wing": "trim wing",
+    "mortar": "parachute",
+    "heat_shield": "heat shield",
+    "backshell": "backshell",
+    "touchdown": "touchdown",
+}
+
+
+def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
+    """Draw those of some stacks for which the flight has data."""
+    for stack in stacks:
+        if not stack.needs or any(need in run.when or has_signal(run, need) for need in stack.needs):
+            figure = figure_of(run, stack)
+            if figure.panels:
+                yield figure
+
+
+def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
+    """Draw a stack at some rows; ``words`` go into the caption."""
+    panels: list[Panel] = []
+    same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
+    for plot in stack.plots:
+        plot = plot._replace(title=plot.title.partition(", ")[2] or plot.title) if same else plot
+        own = run.between(stack.since or plot.since, stack.until or plot.until)
+        if stack.around is not None:
+            first, last = (run.when.get(stack.since, inf) + seconds for seconds in stack.around)
+            own = run.between("", stack.until or plot.until) & (run.t > first) & (run.t < last)
+        if stack.above is not None:
+            own &= run[stack.above[0]] > stack.above[1]
+        shown = np.zeros(len(run.t), bool)
+        shown[rows] = own[rows]
+        panel = over_time(run, plot, shown)
+        if panel is not None and len(panel.traces) == 1:  # its axis says what it is
+            colour = SERIES[len(panels) % len(SERIES)]
+            panel = replace(panel, traces=[replace(panel.traces[0], colour=colour, name="")])
+        panels += [] if panel is None else [panel]
+    caption = stack.caption
+    if "{" in caption:
+        given = {name: value or 0.0 for name, value in run.summary["figures"].items()}
+        caption = caption.format_map(defaultdict(float, given | words))
+    return stacked(stack.key, stack.title, panels, caption, stack.height)
+
+
+def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
+    """Draw a plot at some rows (bool), with the events of that time; ``None`` if it has no data."""
+    found = plot.shown({channel: run[channel][rows] for channel in plot.channels if channel in run})
+    if found is None:
+        return None
+    t, values = run.t[rows], found.values(run, rows)
+    traces = [
+        Trace(t, y, name, colour=colour, dash=dash)
+        for y, (name, colour, dash) in zip(values, found.lines, strict=True)
+    ]
+    span = _clipped(values) if plot.clip else None
+    if found.sigma:
+        traces, span = [*traces[1:], traces[0]], _with_bounds(*values)
+    return time_panel(run, t, Axis(found.label, span), traces)
+
+
+def time_panel(
+    run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
+) -> Panel:
+    """Return a panel over times ``t`` (s), with the events among them."""
+    return Panel(Axis(TIME), y, traces, marks=[*event_marks(run, t), *marks], weight=weight)
+
+
+def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:
+    """A scale symmetrical about zero for an error and its bounds."""
+    largest = float(np.max(np.abs(error)))
+    reach = 1.08 * max(largest, min(float(np.max(bound)), FAR * largest))
+    return (-reach, reach) if reach > 0.0 else None
+
+
+def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
+    """Range of an axis that a single peak would leave empty; ``None`` if there is no such peak."""
+    sizes = [np.abs(one) for one in values]
+    bulk = max(float(np.nanquantile(one, BULK)) for one in sizes)
+    if max(float(np.nanmax(one)) for one in sizes) <= PEAK * bulk:
+        return None
+    return -1.1 * bulk, 1.1 * bulk
+
+
+def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", height: int = 190) -> Figure:
+    """Stack panels over time; the first one names the events, and panels without a curve are left out."""
+    drawn = [
+        replace(panel, y=replace(panel.y, title=fill(panel.y.title, LETTERS)))
+        for panel in panels
+        if panel.traces
+    ]
+    below = [
+        replace(panel, marks=[replace(mark, label="") if mark.axis == "x" else mark for mark in panel.marks])
+        for panel in drawn[1:]
+    ]
+    return Figure(key, title, [*drawn[:1], *below], caption, share_x=True, height=height)
+
+
+def event_marks(run: Run, t: np.ndarray) -> list[Mark]:
+    """Return lines at the events inside the times ``t``."""
+    inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
+    return [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
+
+
+def phase_keys(run: Run) -> dict[str, str]:
+    """Return the event keys of the phases flown, in order, and their colours."""
+    flown = [f"phase.{name}" for name in run.phase_names if f"phase.{name}" in run.when]
+    return {key: PHASES[i % len(PHASES)] for i, key in enumerate(flown)}
+
+
+def phase_bands(run: Run) -> list[Band]:
+    """Return the mission phases as bands over time."""
+    keys = phase_keys(run)
+    starts = [*(run.when[key] for key in keys), float(run.t[-1])]
+    return [
+        Band(colour, x=span, opacity=0.75)
+        for colour, span in zip(keys.values(), pairwise(starts), strict=True)
+    ]
+
+
+def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
+    """Return the path of the vehicle in a plane."""
+    return Trace(x, y, name, colour=BLUE, width=2.2)
+
+
+def site_panel(
+    traces: Sequence[Trace],
+    unit: str = "m",
+    title: str = "",
+    equal: bool = True,
+    heat: Heat | None = None,
+) -> Panel:
+    """Return a map about the landing site, with the size of the cells if there are any."""
+    spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
+    east, north = (
+        Axis(f"{way} of the landing site ({unit})", span)
+        for way, span in zip(("east", "north"), spans, strict=True)
+    )
+    return Panel(east, north, traces, heat=heat, equal=equal, title=title)
+
+
+def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return two coordinates of points around a circle, the first of them again at the end."""
+    turn = np.linspace(0.0, 2.0 * np.pi, points)
+    return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
+
+
+def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:
+    """Return True if the run has the channel and it is not only zero and gaps."""
+    return channel in run and catalogue.has_signal(run[channel][rows])
+
+
+def placed(
+    run: Run, x: str, y: str, events: Mapping[str, str] = EVENTS, scale: tuple[float, float] = (1.0, 1.0)
+) -> Trace:
+    """Return the events as labelled points in the plane of two channels."""
+    keys = [key for key in events if key in run.when]
+    xs, ys = (
+        np.array([factor * run.at(channel, run.when[key]) for key in keys])
+        for channel, factor in zip((x, y), scale, strict=True)
+    )
+    labels = [events[key] for key in keys]
+    return Trace(xs, ys, "events", "points", BLACK, labels=labels, legend=False, border=True)

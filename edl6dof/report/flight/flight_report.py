@@ -1,0 +1,204 @@
+"""The review of one flight: its tables, and the figures of its parts section by section."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from edl6dof.config.base import STATUS_MARKS
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.catalogue import STACKS
+from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Report, Row, Section, Table, Text
+from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
+from edl6dof.report.flight.common import has_signal, over_flight
+from edl6dof.report.numbers import in_percent, printed
+from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
+from edl6dof.runs.run import Run
+
+#: Figure and format of what is shown at a glance.
+_FACTS = (
+    ("touchdown_s", ".1f"),
+    ("landing_distance_m", ",.0f"),
+    ("touchdown_vertical_m_s", ".2f"),
+    ("touchdown_tilt_deg", ".2f"),
+    ("peak_load_g0", ".2f"),
+    ("max_load_parachute_g0", ".2f"),
+    ("peak_dynamic_pressure_pa", ",.0f"),
+    ("peak_heat_flux_w_cm2", ".1f"),
+    ("parachute_mach", ".2f"),
+    ("propellant_used_kg", ".1f"),
+)
+#: A requirement that was kept or not; other differences are neither good nor bad.
+_KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
+
+
+def flight_report(run: Run) -> Report:
+    """Return the review of a run; a section about what the flight did not have is left out."""
+    sections: tuple[tuple[str, str, Iterable[Block]], ...] = (
+        ("limits", "Limits and published flight", limits_and_published(run)),
+        ("events", "Timeline", timeline(run)),
+        ("trajectory", "Trajectory", trajectory.figures(run)),
+        ("guidance", "Entry guidance", over_flight(run, STACKS["guidance"])),
+        ("navigation", "Navigation", navigation_errors.figures(run)),
+        ("attitude", "Attitude", over_flight(run, STACKS["attitude"])),
+        ("phase_planes", "Phase planes", phase_planes.figures(run)),
+        ("actuators", "Thrusters and propellant", thrusters.thruster_use(run)),
+        ("disturbances", "Disturbances", thrusters.disturbances(run)),
+        ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),
+        ("chute", "Parachute", over_flight(run, STACKS["chute"])),
+        ("landing", "Powered descent", trajectory.powered_descent(run)),
+        ("hazards", "Hazards and the chosen spot", hazard_maps.figures(run)),
+        ("site", "Ground track and landing site", trajectory.site_figures(run)),
+        ("configuration", "Configuration", configuration(run)),
+        ("software", "Software and data", [software(run)]),
+    )
+    filled = ((key, title, list(blocks)) for key, title, blocks in sections)
+    return Report(
+        title=run.name,
+        subtitle=subtitle(run),
+        headline=headline(run),
+        mood=mood(run.summary),
+        facts=facts(run),
+        sections=[Section(*section) for section in filled if section[2]],
+        footer=f"edl6dof {run.summary['edl6dof_version']}; scenario SHA-256 {run.summary['scenario_sha256']}",
+    )
+
+
+def mood(summary: Mapping[str, Any]) -> Mood:
+    """Return good within limits, warn if the goal was reached outside them, bad otherwise."""
+    if summary["success"]:
+        return "good"
+    return "warn" if summary.get("reached_goal") else "bad"
+
+
+def headline(run: Run) -> str:
+    """Return the outcome and its time."""
+    return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
+
+
+def facts(run: Run) -> list[Fact]:
+    """Return the key figures; those beyond a limit are marked bad."""
+    figures = run.summary["figures"]
+    missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
+    return [
+        Fact(
+            figure.meaning,
+            f"{value:{form}} {printed(figure.unit.label)}".strip(),
+            "bad" if figure.meaning in missed else "plain",
+        )
+        for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
+        if (value := figures.get(figure.name)) is not None
+        and (figure.name != "propellant_used_kg" or has_signal(run, "truth.propellant_kg"))
+    ]
+
+
+def limits_and_published(run: Run) -> Iterator[Block]:
+    """Tabulate limits, published figures and unusual values."""
+    of_limits, of_published = limits(run), published(run)
+    yield of_limits if of_limits.rows else Text("No limit applies as far as this flight went.")
+    if of_published.rows:
+        yield of_published
+    if unusual := run.summary.get("warnings"):
+        yield Table(["unusual value"], [[warning] for warning in unusual], "Warnings")
+
+
+def limits(run: Run) -> Table:
+    """Tabulate each limit with the share of it that was used."""
+    rows: list[Row] = []
+    for limit in run.summary["limits"]:
+        value = math.nan if limit["value"] is None else float(limit["value"])
+        shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
+        share = value / float(limit["limit"])
+        mood: Mood = "good" if limit["ok"] else "bad"
+        known = not math.isnan(share)
+        used = Cell(in_percent(share) if known else "-", mood, share if known else None)
+        result = Cell(LIMIT_STATUS[limit["ok"]], mood)
+        rows.append([limit["name"], printed(limit["unit"]), shown, f"≤ {allowed}", used, result])
+    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
+
+
+def published(run: Run) -> Table:
+    """Tabulate this flight's figures and the published ones."""
+    found = comparison(run.summary["figures"], run.summary["published"])
+    rows: list[Row] = [
+        [row.figure, printed(row.unit), row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
+        for row in found
+    ]
+    return Table(
+        ["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight"
+    )
+
+
+def _sign(bound: str) -> str:
+    """A bound with printed signs."""
+    return bound.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
+
+
+def subtitle(run: Run) -> str:
+    """Return the description of the scenario, and its faults."""
+    faults = [f"{event['name']} at {event['t_s']:.1f} s" for event in run.events if event["key"] == "fault"]
+    return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
+
+
+def timeline(run: Run) -> Iterator[Block]:
+    """Tabulate events in order of time."""
+    rows: list[Row] = []
+    for event in run.events:
+        height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
+        name = event["phase"].replace("_", " ") if "phase" in event else f"\u2003{event['name']}"
+        state = (
+            f"{height:,.0f}" if height is not None else "",
+            f"{speed:,.1f}" if speed is not None else "",
+            f"{mach:.2f}" if mach is not None else "",
+        )
+        rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
+    columns = ["t (s)>", "event", "height above ground (m)>", "speed over ground (m/s)>", "Mach in the air>"]
+    yield Table(columns, rows)
+    if "touchdown" in run.when:
+        yield Text(
+            "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind."
+        )
+
+
+def configuration(run: Run) -> Iterator[Block]:
+    """List the resolved scenario by section, each with the count of its status marks."""
+    counts: dict[str, Counter[str]] = {}
+    for path, status in run.document.status.items():
+        counts.setdefault(path.partition(".")[0], Counter())[status] += 1
+    total = sum(counts.values(), Counter())
+    letters = {status: letter for letter, status in STATUS_MARKS.items()}
+    yield Text(
+        "The scenario as it was flown, every default written out. Marks say what kind of claim a number is: "
+        + ", ".join(f"[{letters[status]}] {status} ({total[status]})" for status in letters if total[status])
+        + "."
+    )
+    lines = run.scenario_text.splitlines()
+    starts = [i for i, line in enumerate(lines) if line and line[0] not in " #-"] + [len(lines)]
+    loose: list[str] = []
+    for start, end in zip(starts, starts[1:], strict=False):
+        key, text = lines[start].partition(":")[0], "\n".join(lines[start:end])
+        if end - start == 1:
+            loose.append(text)
+            continue
+        count = counts.get(key, Counter())
+        note = ", ".join(f"{count[status]} {status}" for status in letters if count[status])
+        yield Listing(key.replace("_", " "), text, note)
+    if loose:
+        yield Listing("name and seed", "\n".join(loose))
+
+
+def software(run: Run) -> Table:
+    """Tabulate versions, seed, hash and telemetry."""
+    from edl6dof import __version__
+
+    rows: list[Row] = [
+        ["flown by", f"edl6dof {run.summary['edl6dof_version']}"],
+        ["report by", f"edl6dof {__version__}, Python {platform.python_version()}"],
+        ["scenario", f"{run.name}, seed {run.summary['seed']}"],
+        ["SHA-256 of the resolved scenario", run.summary["scenario_sha256"]],
+        ["telemetry", f"{len(run.t):,} rows, {len(run) - 1} channels, {run.t[0]:.2f} to {run.t[-1]:.2f} s"],
+    ]
+    return Table(["what", "which"], rows, "Software and data")

@@ -1,0 +1,251 @@
+"""Thrusters: activity, torque, propellant and disturbances; faults, and their diagnosis by torque and by the
+meters of their branches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from edl6dof.config.units import G0
+from edl6dof.report.catalogue import DISTURBANCE, PROPELLANT_AND_MASS, TORQUE
+from edl6dof.report.document import Table
+from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
+from edl6dof.report.flight.common import (
+    figure_of,
+    has_signal,
+    over_flight,
+    stacked,
+    time_panel,
+)
+from edl6dof.report.palette import BAD, BLUE, GREEN, GREY, ORANGE, VERMILION
+from edl6dof.runs.run import Run
+
+#: Columns of the activity map.
+BINS = 600
+#: Time (s) shown before a fault and after its diagnosis, or after the fault without one.
+BEFORE_S, AFTER_S = 2.0, 3.0
+#: Time (s) over which a flow is the mean; branches shown at most.
+MEAN_S, MOST = 0.1, 4
+
+
+def thruster_use(run: Run) -> Iterator[Figure | Table]:
+    """Draw activity, torque and propellant, and tabulate the use of each thruster."""
+    thrusters = [
+        jet["name"] for jet in run.scenario["vehicle"]["rcs"]["thrusters"] if f"rcs.{jet['name']}" in run
+    ]
+    if thrusters and any(has_signal(run, f"rcs.{name}") for name in thrusters):
+        yield activity(run, thrusters)
+        yield use(run)
+        yield from branch_use(run)
+        yield from over_flight(run, [TORQUE])
+    yield from over_flight(run, [PROPELLANT_AND_MASS])
+
+
+def activity(run: Run, thrusters: list[str]) -> Figure:
+    """Draw the mean duty of each thruster over time, one lane each."""
+    edges = np.linspace(run.t[0], run.t[-1], BINS + 1)
+    place = np.clip(np.searchsorted(edges, run.t, side="right") - 1, 0, BINS - 1)
+    count = np.maximum(np.bincount(place, minlength=BINS), 1)
+    duty = np.stack([np.bincount(place, run[f"rcs.{name}"], BINS) / count for name in thrusters])
+    high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
+    heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
+    failed = {
+        name: float(run.t[np.argmax(faulty)])
+        for name in thrusters
+        if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()
+    }
+    bands = [
+        Band(BAD, (failed[name], float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
+        for lane, name in enumerate(thrusters)
+        if name in failed
+    ]
+    y = Axis("thruster", (len(thrusters) - 0.5, -0.5), names=thrusters)
+    panel = replace(time_panel(run, run.t, y, ()), bands=bands, heat=heat)
+    width = edges[1] - edges[0]
+    caption = (
+        f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
+    )
+    caption += "".join(f" {name} failed at {since:.1f} s." for name, since in failed.items())
+    return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
+
+
+def use(run: Run) -> Table:
+    """Tabulate pulses, time at full thrust, impulse and propellant of each thruster."""
+    step = float(np.median(np.diff(run.t)))
+    rows = []
+    for jet in run.scenario["vehicle"]["rcs"]["thrusters"]:
+        duty = run[f"rcs.{jet['name']}"]
+        on = duty > 0.0
+        seconds = float(np.sum(duty) * step)
+        impulse = seconds * float(jet["thrust_n"])
+        pulses = int(np.sum(on[1:] & ~on[:-1]))
+        used = impulse / (float(jet["specific_impulse_s"]) * G0)
+        numbers = (f"{pulses:,}", f"{seconds:.2f}", f"{impulse:,.0f}", f"{used:.2f}")
+        rows.append([jet["name"], jet["group"], f"{jet['thrust_n']:g}", *numbers])
+    columns = ["thruster", "group", "thrust (N)>", "pulses>", "time at full thrust (s)>"]
+    columns += ["vacuum impulse (N s)>", "propellant (kg)>"]
+    caption = f"Thruster use, from the telemetry of one integration step each {step * 1e3:g} ms"
+    return Table(columns, rows, caption)
+
+
+def disturbances(run: Run) -> Iterator[Figure]:
+    """Draw torque and force from other sources than the thrusters, and their estimates."""
+    if not any(has_signal(run, f"truth.disturbance_{axis}_nm") for axis in "xyz"):
+        return
+    acting = "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
+    yield figure_of(run, DISTURBANCE, acting=acting)
+    if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
+        yield force(run, acting)
+
+
+def force(run: Run, acting: str) -> Figure:
+    """Draw the estimated and the true force; telemetry lacks the direction of the riser's pull, so that true
+    values under tension are left out.
+    """
+    rows = run.between(until="touchdown")
+    free, t = np.where(run["truth.riser_tension_n"] > 0.0, np.nan, 1.0), run.t[rows]
+    panels = []
+    for axis in "xyz":
+        thrust = run["truth.engine_thrust_n"] if axis == "x" else 0.0
+        acted = free * (run[f"truth.aero_force_{axis}_n"] - thrust)
+        traces = [
+            Trace(t, run[f"estimate.force_{axis}_n"][rows], "estimated", colour=ORANGE),
+            Trace(t, acted[rows], "true", colour=BLUE),
+        ]
+        panels.append(time_panel(run, t, Axis(f"{axis} (N)"), traces))
+    vehicle = run.scenario["vehicle"]
+    engine = " and, along x, the engine" if vehicle["engines"] else ""
+    pulled = " True values are left out while the parachute pulls." if vehicle["parachutes"] else ""
+    caption = f"Force of {acting}, in body axes: air{engine}.{pulled}"
+    return stacked("disturbance_force", "Disturbance force", panels, caption, 160)
+
+
+def fault_diagnosis(run: Run) -> Iterator[Figure]:
+    """Draw the history of the diagnosis; nothing without a fault and without an isolation."""
+    if not {"fault", "diagnosis"} & run.when.keys():
+        return
+    flown = run.between(until="touchdown")
+    if has_signal(run, "diagnosis.confidence"):
+        yield history(run, flown, "diagnosis", "Fault diagnosis")
+    if "fault" not in run.when:
+        return
+    end = run.when.get("diagnosis", run.when["fault"]) + AFTER_S
+    near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < end)
+    if "diagnosis" in run.when:
+        yield history(run, near, "diagnosis_close", "Fault diagnosis, from the fault to its name")
+    yield from branch_flows(run, near)
+
+
+def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
+    """Draw residual torque, confidence, branch under test and thrusters isolated, at some rows (bool)."""
+    t, isolated = run.t[rows], run["diagnosis.isolated"][rows]
+    free = np.where(run["truth.riser_tension_n"][rows] > 0.0, np.nan, 1.0)
+    residual = []
+    for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True):
+        torque = run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"]
+        residual.append(Trace(t, free * torque[rows], name, colour=colour))
+    threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
+    panels = [
+        time_panel(run, t, Axis("torque residual\n(N m)"), residual),
+        time_panel(
+            run,
+            t,
+            Axis("confidence (1)", (0.0, 1.18)),
+            [Trace(t, run["diagnosis.confidence"][rows], colour=BLUE)],
+            [Mark("y", threshold, "needed", BAD)],
+        ),
+        leaks(run, rows),
+        time_panel(
+            run,
+            t,
+            Axis("isolated (1)", (-0.1, max(float(isolated.max()), 1.0) + 0.1)),
+            [Trace(t, isolated, kind="steps", colour=BAD, width=2.0)],
+        ),
+    ]
+    caption = (
+        "Residual: estimated less true disturbance torque, which is thrust that never came; left out while "
+        "the parachute pulls."
+    )
+    return stacked(key, title, panels, caption, 150)
+
+
+def leaks(run: Run, rows: np.ndarray) -> Panel:
+    """Draw when which branch was closed to test it for a leak."""
+    t, leaking = run.t[rows], run["diagnosis.leaking"][rows]
+    lanes = sorted({int(number) for number in leaking if number >= 0.0})
+    y = Axis("leak in branch", names=[list(thrusters_of(run))[number] for number in lanes])
+    traces = [
+        Trace(t, np.where(leaking == number, lane, np.nan), colour=BAD, width=7.0)
+        for lane, number in enumerate(lanes)
+    ]
+    return time_panel(run, t, y, traces, weight=0.25 + 0.15 * len(lanes))
+
+
+def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
+    """Draw the flow through each branch with a failed thruster, at some rows (bool)."""
+    failed = [
+        name
+        for name, jets in thrusters_of(run).items()
+        if any(np.any(run.get(f"fault.{jet}", np.zeros(1)) != 0) for jet in jets)
+    ]
+    shown = [name for name in failed[:MOST] if f"metered.{name}_kg" in run]
+    if not shown:
+        return
+    left = f", the first {MOST} of {len(failed)}" if len(failed) > MOST else ""
+    caption = (
+        f"Means over {MEAN_S:g} s{left}; the meter as the flight computer reads it. A valve that stays open "
+        "lets the flow of one thruster through, a dead one none."
+    )
+    panels = [flow_panel(run, name, rows) for name in shown]
+    yield stacked("flows", "Flow through the branches that failed", panels, caption, 150)
+
+
+def branch_use(run: Run) -> Iterator[Table]:
+    """Tabulate the propellant of each branch and the count of its meter, if the run has meters."""
+    rows = [
+        [name, ", ".join(jets), *(f"{run[f'{kind}.{name}_kg'][-1]:.3f}" for kind in ("used", "metered"))]
+        for name, jets in thrusters_of(run).items()
+        if f"metered.{name}_kg" in run
+    ]
+    columns = ["branch", "thrusters", "propellant (kg)>", "metered (kg)>"]
+    if rows:
+        yield Table(columns, rows, "Propellant branches, each behind one latch valve")
+
+
+def thrusters_of(run: Run) -> dict[str, list[str]]:
+    """Return the propellant branches and the thrusters of each."""
+    rcs = run.scenario["vehicle"]["rcs"]
+    given = {branch["name"]: branch["thrusters"] for branch in rcs["branches"]}
+    return given or {jet["name"]: [jet["name"]] for jet in rcs["thrusters"]}
+
+
+def mean_flow(t: np.ndarray, counted: np.ndarray) -> np.ndarray:
+    """Return the mean flow (kg/s) up to each row from a count (kg); ``nan`` in the first."""
+    first = np.searchsorted(t, t - MEAN_S)
+    with np.errstate(invalid="ignore"):
+        return np.asarray((counted - counted[first]) / (t - t[first]))
+
+
+def flow_panel(run: Run, branch: str, rows: np.ndarray) -> Panel:
+    """Draw the commanded (if known), the true and the metered flow of one branch."""
+    t, expected = run.t[rows], run[f"expected.{branch}_kg_s"]
+    counts = [
+        ("commanded", np.cumsum(expected * np.diff(run.t, prepend=run.t[0])), GREY),
+        ("true", run[f"used.{branch}_kg"], BLUE),
+        ("metered", run[f"metered.{branch}_kg"], VERMILION),
+    ]
+    traces = [
+        Trace(t, 1e3 * mean_flow(run.t, counted)[rows], name, colour=colour)
+        for name, counted, colour in counts[0 if np.any(expected) else 1 :]
+    ]
+    jets = thrusters_of(run)[branch]
+    largest = max(
+        float(jet["thrust_n"]) / (float(jet["specific_impulse_s"]) * G0)
+        for jet in run.scenario["vehicle"]["rcs"]["thrusters"]
+        if jet["name"] in jets
+    )
+    y = Axis(f"{branch}: {', '.join(jets)}\n(g/s)")
+    return time_panel(run, t, y, traces, [Mark("y", 1e3 * largest, "one open", GREY)])
