@@ -3,8 +3,8 @@
     python tools/slopes.py [--flights 12]
 
 Each row flies so many cases, each with its own seed and direction of the slope.  Wrong exclusions are beams
-that had not failed; the error of velocity is the largest of the last 40 s.  Exit status 1 where a sound beam
-is excluded, a failed one is not, or the error exceeds 0.1 m/s.
+that had not failed; the error of velocity is the largest of the last 40 s.  Exit status 1 where a healthy
+beam is excluded, a failed one is not, or the error exceeds 0.1 m/s.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Dispersed landings whose throttle stands from some time after backshell release on, and sound ones.
+"""Dispersed landings whose throttle stands from some time after backshell release on, and healthy ones.
 
 python tools/stuck_throttle.py LAW FLIGHTS [SECONDS ...] [--hazards]
 
@@ -66,7 +66,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("law")
     parser.add_argument("flights", type=int)
-    parser.add_argument("seconds", type=float, nargs="*", help="after backshell release; none: sound engines")
+    parser.add_argument(
+        "seconds", type=float, nargs="*", help="after backshell release; none: healthy engines"
+    )
     parser.add_argument("--hazards", action="store_true", help=f"over the ground of {AMONG_ROCKS}")
     given = parser.parse_args()
     loaded, truths = with_law(given.law), dispersed(given.flights)

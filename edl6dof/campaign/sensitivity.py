@@ -68,7 +68,7 @@ class Drivers:
     Attributes:
         flights: that have the figure.
         found: drivers, the largest share first.
-        least: share below which an input cannot be told from chance.
+        least: share below which an input is not significant.
     """
 
     flights: int

@@ -78,12 +78,12 @@ flight_software:
 
 
 def show(name: str, found: Design) -> None:
-    """Print profile, figures and limits that are not kept."""
+    """Print profile, figures and limits that are not met."""
     console = Console(highlight=False, soft_wrap=True)
     console.print(_profile(name, found))
     console.print(_figures(found))
     for broken in found.broken:
-        console.print(f"not kept: {_REMEDIES[broken]}", markup=False)
+        console.print(f"not met: {_REMEDIES[broken]}", markup=False)
 
 
 def _profile(name: str, found: Design) -> Table:
@@ -216,7 +216,7 @@ def _exceeded(excess: Excess) -> str:
     """Say by how much a limit is exceeded, and if that is expected between the points of the design."""
     by = f"{excess.what}: exceeds its limit by {excess.by:.2g} {excess.unit}"
     most = f"the {100.0 * TOLERANCE:g} % allowed between the points where the design asks for it"
-    return f"{by}, within {most}" if excess.tolerated else f"not kept: {by}, more than {most}"
+    return f"{by}, within {most}" if excess.tolerated else f"not met: {by}, more than {most}"
 
 
 def _solution(found: Converged) -> str:

@@ -48,7 +48,7 @@ def show_figures(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str
         {name: s.deviation for name, s in found.items()},
     )
     if beside:
-        console.print(published_table(beside, "Beside the published flight", "mean and spread"))
+        console.print(published_table(beside, "Comparison with the published flight", "mean and spread"))
     table = open_table("Other figures", "figure", "unit", "mean>", "spread>", "flights>")
     for name, s in found.items():
         if name not in loaded.scenario.published:
@@ -77,7 +77,7 @@ def show_missions(missions: Sequence[Compared], target: Path) -> None:
 def _missions_table(missions: Sequence[Compared]) -> Table:
     """All missions in one table of 80 columns; the mark of a value stands behind its figure's name."""
     figure, *numbers, _, sigma, last = HEADS
-    table = open_table("Predicted beside flown", figure, *numbers, sigma, last)
+    table = open_table("Predicted and flown", figure, *numbers, sigma, last)
     table.collapse_padding, table.show_edge = True, False
     for mission in missions:
         share = inside(mission.predicted)

@@ -120,11 +120,11 @@ def _causes(report: Report) -> list[str]:
 def _outcome(report: Report) -> str:
     """Say under the table which figures are not as the study says, else how many hold."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
-        return f"broken: {', '.join(missed)}"
+        return f"violated: {', '.join(missed)}"
     explained = sum(bool(finding.why) for finding in report.findings)
     values = [finding for finding in report.findings if finding.within is not None]
     reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
-    kept = "every figure that does not hold is explained" if explained else "every requirement is kept"
+    kept = "every figure that does not hold is explained" if explained else "every requirement is met"
     return kept + (reproduced if values else "")
 
 
@@ -201,7 +201,7 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
-    """Say if a requirement is kept; of a flown value its difference, and if it is reproduced."""
+    """Say if a requirement is met; of a flown value its difference, and if it is reproduced."""
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
     result = Text(finding.result, style=style)
     if finding.bound or finding.published is None:

@@ -70,13 +70,13 @@ def follow_events(vehicle, mission, t, request, state):
         state.requested[i] = 1
         event = mission.events[i]
         if event.action == JETTISON:
-            take_off(vehicle, event.thing, state)
+            take_off(vehicle, event.component, state)
         elif event.action == DEPLOY:
             if (
-                vehicle.pack[event.thing] >= 0
+                vehicle.pack[event.component] >= 0
             ):  # the mortar throws the pack off: what it opens to is a body of its own
-                take_off(vehicle, vehicle.pack[event.thing], state)
-        elif event.action == EXTEND and event.thing != LANDING_GEAR:
+                take_off(vehicle, vehicle.pack[event.component], state)
+        elif event.action == EXTEND and event.component != LANDING_GEAR:
             state.wing_commanded = 1
             state.wing_time = t
         elif event.action == IGNITE or event.action == CUT_OFF:

@@ -11,9 +11,9 @@ from edl6dof.interface.roles import POWERED_DECELERATION
 
 #: Acceleration beyond weight that an action of 1 asks for, m/s2.
 ACCELERATION = 5.0
-#: Way out of every phase: it stands on the ground.
-_CONTACT = {"when": [{"quantity": "footpad_contact", "goes": "above", "value": 0.5}], "next": "landed"}
-_DOWN = {"when": [{"quantity": "phase_time_s", "goes": "above", "value": 3.0}], "next": "slow_descent"}
+#: Transition of every phase: it stands on the ground.
+_CONTACT = {"when": [{"quantity": "footpad_contact", "crosses": "above", "value": 0.5}], "next": "landed"}
+_DOWN = {"when": [{"quantity": "phase_time_s", "crosses": "above", "value": 3.0}], "next": "slow_descent"}
 
 
 def thrust_axis(memories: np.ndarray) -> np.ndarray:
@@ -33,9 +33,9 @@ class PoweredDescent(Task):
     title = "powered descent by the thrust vector"
     size = 3
     overrides = {
-        "mission.phases.powered_deceleration.ways_out": [_CONTACT],
+        "mission.phases.powered_deceleration.transitions": [_CONTACT],
         "mission.phases.hover_imaging.until": None,
-        "mission.phases.hover_imaging.ways_out": [_CONTACT, _DOWN],
+        "mission.phases.hover_imaging.transitions": [_CONTACT, _DOWN],
         "flight_software.guidance.powered.terminal.descent_sideways": "tilt",
     }
     role, later_s = POWERED_DECELERATION, 0.6

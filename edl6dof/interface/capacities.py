@@ -25,8 +25,8 @@ MAX_PHASES = 16
 #: Events of a mission, and those of one phase.
 MAX_EVENTS = 24
 MAX_PHASE_EVENTS = 8
-#: Ways out of a phase, and conditions of one.
-MAX_WAYS = 4
+#: Transitions of a phase, and conditions of one.
+MAX_TRANSITIONS = 4
 MAX_CONDITIONS = 4
 #: Faults of a flight.
 MAX_FAULTS = 16

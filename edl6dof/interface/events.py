@@ -1,7 +1,7 @@
 """Events: what the flight software requests and the vehicle then does, each at most once.
 
 Their names belong to the scenario.  Both sides number them as the scenario first names them, and know of each
-what is done, to which thing, and how long it takes from the command.
+what is done, to which component, and how long it takes from the command.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Action = Literal["jettison", "deploy", "release", "extend", "ignite", "cut_off"]
 ACTIONS: tuple[Action, ...] = get_args(Action)
 JETTISON, DEPLOY, RELEASE, EXTEND, IGNITE, CUT_OFF = range(len(ACTIONS))
 
-#: The thing of an event that extends the landing gear; all other things have their index in their list.
+#: The component of an event that extends the landing gear; all others have their index in their list.
 LANDING_GEAR = -1
 
 EVENT = np.dtype(
@@ -28,7 +28,7 @@ EVENT = np.dtype(
         ("action", "i8"),  # index in ACTIONS
         # index of the part, parachute, surface or engine in its list; LANDING_GEAR; of a group of engines
         # less than zero: its size is a bit for each
-        ("thing", "i8"),
+        ("component", "i8"),
         ("delay", "f8"),  # s, from the command to what is done
     ],
     align=True,
@@ -43,13 +43,13 @@ EVENT_TABLE = np.dtype(
 
 
 def group_of(indices: Iterable[int]) -> int:
-    """The thing of an event that is done to several engines."""
+    """The component of an event that is done to several engines."""
     return -sum(1 << index for index in indices)
 
 
 @kernel
 def is_done_to(event, engine):
     """Whether an event that ignites or cuts off does it to an ``engine``, alone or in a group."""
-    if event.thing >= 0:
-        return event.thing == engine
-    return (-event.thing >> engine) & 1 != 0
+    if event.component >= 0:
+        return event.component == engine
+    return (-event.component >> engine) & 1 != 0

@@ -124,8 +124,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
        form=value("mortar", "truth.height_m")),
     _F("parachute_speed_m_s", "speed at mortar fire", "events", form=value("mortar", "truth.speed_m_s")),
     _F("parachute_miss_m", "distance from the aim point at mortar fire", "events"),
-    _F("parachute_downrange_m", "way beyond the aim point at mortar fire", "events"),
-    _F("parachute_crossrange_m", "way right of the aim point at mortar fire", "events"),
+    _F("parachute_downrange_m", "downrange miss at mortar fire", "events"),
+    _F("parachute_crossrange_m", "crossrange miss at mortar fire", "events"),
     _F("max_load_parachute_g0", "peak load under parachute", "peaks"),
     _F("max_riser_tension_n", "peak riser tension", "peaks"),
     _F("max_rate_parachute_deg_s", "peak body rate under parachute", "telemetry",
@@ -210,9 +210,9 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("touchdown_nav_vertical_deg", "error of the estimated vertical at touchdown", "navigation",
        form=value("touchdown", *_ned("nav.error_attitude_{}_deg")[:2], before=True)),
     _F("missed_isolations", "failed thrusters that were not isolated", "diagnosis"),
-    _F("false_alarms", "isolations of sound thrusters or of a wrong kind of fault", "diagnosis"),
+    _F("false_alarms", "isolations of healthy thrusters or of a wrong kind of fault", "diagnosis"),
     _F("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
-    _F("instrument_false_alarms", "sound instruments excluded", "exclusions"),
+    _F("instrument_false_alarms", "healthy instruments excluded", "exclusions"),
     _F("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
     # a force that jumps inside a step, as where a riser pulls or a leg pushes, is known to half a step: that
     # makes up to 1.1e-5 and 0.6 m/s in landings, against 1e-8 and 1e-4 m/s in entries

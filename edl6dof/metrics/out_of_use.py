@@ -63,7 +63,7 @@ def diagnosis_figures(
     branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
-    """Number of wrong isolations, of a sound thruster or of a wrong kind of fault; where thrusters failed,
+    """Number of wrong isolations, of a healthy thruster or of a wrong kind of fault; where thrusters failed,
     the number of those that were not isolated, used or not; and time from the first thruster fault to the
     right isolation if there was one.  ``branches``: thrusters of each propellant branch.
     """
@@ -134,7 +134,7 @@ def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
 def exclusion_figures(
     found: Sequence[Exclusion], faults: Sequence[FaultParams], components: Components, plant: np.void
 ) -> dict[str, float]:
-    """Sound instruments excluded, and time from the first fault found to its exclusion, if any."""
+    """Healthy instruments excluded, and time from the first fault found to its exclusion, if any."""
     since = {
         (fault.component, fault.acts_on(components)): float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)

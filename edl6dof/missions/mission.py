@@ -1,6 +1,6 @@
 """A mission: its campaign, what is published of it and where it is found, and its flights beside that.
 
-Predicted beside flown: mean and spread of a figure over dispersed flights, and how many standard deviations
+Predicted and flown: mean and spread of a figure over dispersed flights, and how many standard deviations
 the flown value lies from them.  The standard deviation is that of one flight, as the real one was one draw,
 with that of the flown value where it is published.  A figure counts as predicted within three of them: the
 statistic that the authors of POST2 give of Mars 2020, about nine in ten.  How many flights lie below the

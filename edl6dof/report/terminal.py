@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: No table has more letters in a line.
 _WIDEST = 400
 #: Status of a limit or a requirement.
-LIMIT_STATUS = {True: "kept", False: "broken"}
+LIMIT_STATUS = {True: "met", False: "violated"}
 #: Remark below the figures of one flight.
 ONE_DRAW = "One flight is one draw; mean and spread of many: edl6dof figures SCENARIO"
 #: Figures of navigation and their formats.
@@ -58,7 +58,7 @@ def show_flight(console: Console, flight: Flight) -> None:
     console.print(timeline_table(flight))
     if flight.scenario.published:
         rows = comparison(flight.metrics, flight.scenario.published)
-        console.print(published_table(rows, "Beside the published flight", "this flight"))
+        console.print(published_table(rows, "Comparison with the published flight", "this flight"))
         console.print(ONE_DRAW, style="dim", end="\n\n")
     if any(name in flight.metrics for name in NAVIGATION):
         console.print(navigation_table(flight))

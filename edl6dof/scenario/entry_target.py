@@ -80,7 +80,7 @@ def _deploying_phase(scenario: Scenario) -> int | None:
     """Index of the first mission phase that deploys a parachute which is more than noted."""
     packed = {chute.name for chute in scenario.vehicle.parachutes if chute.pack is not None}
     deploys = (
-        any(event.action == "deploy" and event.thing in packed for event in phase.events)
+        any(event.action == "deploy" and event.component in packed for event in phase.events)
         for phase in scenario.mission.phases
     )
     return next((index for index, does in enumerate(deploys) if does), None)

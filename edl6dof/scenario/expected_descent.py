@@ -112,12 +112,12 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
             if scratch.request[number] == 0:
                 continue
             if event.action == JETTISON:
-                gone |= 1 << event.thing
+                gone |= 1 << event.component
                 hanging = Hanging(hanging.chute, hanging.line_stretch, configuration[gone].mass)
             elif event.action == DEPLOY:
-                pack = parachutes[event.thing]
+                pack = parachutes[event.component]
                 taut = k * STEP + event.delay + pack.line_length / pack.mortar_speed
-                hanging = Hanging(event.thing, taut, hanging.mass)
+                hanging = Hanging(event.component, taut, hanging.mass)
         _advance(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=k * STEP, y=y)
 
 

@@ -1,4 +1,4 @@
-"""Events and ways out of the mission by number: names of things and phases as indices."""
+"""Events and transitions of the mission by number: names of components and phases as indices."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Phase, Trigger, WayOut
-from edl6dof.interface.capacities import MAX_EVENTS, MAX_WAYS
+from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Phase, Transition, Trigger
+from edl6dof.interface.capacities import MAX_EVENTS, MAX_TRANSITIONS
 from edl6dof.interface.events import ACTIONS, LANDING_GEAR, group_of
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -21,7 +21,7 @@ WORKED_OUT_BY = {
 }
 
 
-def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
+def components(vehicle: VehicleParams, action: str) -> dict[str, int]:
     """Index by name of what an action can be done to."""
     if action == "jettison":
         return {part.name: index for index, part in enumerate(vehicle.parts)}
@@ -46,10 +46,10 @@ def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[t
     numbered = mission.events
     for i, phase in enumerate(mission.phases):
         for k, event in enumerate(phase.events):
-            here, known = f"mission.phases.{i}.events.{k}", things(vehicle, event.action)
-            if event.thing not in known:
-                what = f"nothing to {event.action.replace('_', ' ')} named {event.thing!r}"
-                yield f"{here}.thing", f"{what}; names: {', '.join(known) or 'none'}"
+            here, known = f"mission.phases.{i}.events.{k}", components(vehicle, event.action)
+            if event.component not in known:
+                what = f"nothing to {event.action.replace('_', ' ')} named {event.component!r}"
+                yield f"{here}.component", f"{what}; names: {', '.join(known) or 'none'}"
             if _meaning(event) != _meaning(numbered[event.name]):
                 yield f"{here}.name", f"another event is named {event.name!r} and does something else"
     if len(numbered) > MAX_EVENTS:
@@ -59,23 +59,23 @@ def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[t
 def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
     """Missing or dead-end phases, and time windows upside down: dotted key and message."""
     names = [phase.name for phase in mission.phases]
-    branches = {way.next for phase in mission.phases for way in phase.ways_out}
+    branches = {way.next for phase in mission.phases for way in phase.transitions}
     for i, phase in enumerate(mission.phases):
         here, last = f"mission.phases.{i}", i == len(names) - 1
         if not phase.exits and not last and names[i + 1] not in branches:
             yield here, f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
-        if len(phase.exits) > MAX_WAYS:
-            yield f"{here}.ways_out", f"at most {MAX_WAYS} with 'until' (got {len(phase.exits)})"
-        for k, way in enumerate(phase.ways_out):
+        if len(phase.exits) > MAX_TRANSITIONS:
+            yield f"{here}.transitions", f"at most {MAX_TRANSITIONS} with 'until' (got {len(phase.exits)})"
+        for k, way in enumerate(phase.transitions):
             if way.next is None and last:
                 message = "the last phase has no next one: name the phase that follows"
-                yield f"{here}.ways_out.{k}", message
+                yield f"{here}.transitions.{k}", message
             elif way.next is not None and way.next not in names:
                 message = f"no phase named {way.next!r}; names: {', '.join(names)}"
-                yield f"{here}.ways_out.{k}.next", message
-        windows: dict[str, Trigger | WayOut] = {
+                yield f"{here}.transitions.{k}.next", message
+        windows: dict[str, Trigger | Transition] = {
             **{f"events.{k}.when": event.when for k, event in enumerate(phase.events)},
-            **{f"ways_out.{k}": way for k, way in enumerate(phase.ways_out)},
+            **{f"transitions.{k}": way for k, way in enumerate(phase.transitions)},
             **({"until": phase.until} if phase.until is not None else {}),
         }
         for below, window in windows.items():
@@ -102,8 +102,8 @@ def _conditions(phase: Phase) -> Iterator[tuple[str, Condition, float]]:
     """Every condition of a phase with its dotted key and the time before which it is not looked at, s."""
     for k, event in enumerate(phase.events):
         yield f"events.{k}.when", event.when, event.when.earliest_s
-    for k, way in enumerate(phase.ways_out):
-        yield from ((f"ways_out.{k}.when.{m}", one, way.earliest_s) for m, one in enumerate(way.when))
+    for k, way in enumerate(phase.transitions):
+        yield from ((f"transitions.{k}.when.{m}", one, way.earliest_s) for m, one in enumerate(way.when))
     if phase.until is not None:
         yield "until", phase.until, phase.until.earliest_s
 
@@ -114,7 +114,7 @@ def fill_events(record: np.void, mission: MissionParams, vehicle: VehicleParams)
     record["n_events"] = len(numbered)
     for slot, event in zip(record["events"], numbered.values(), strict=False):
         slot["action"] = ACTIONS.index(event.action)
-        slot["thing"] = things(vehicle, event.action)[event.thing]
+        slot["component"] = components(vehicle, event.action)[event.component]
         slot["delay"] = event.delay_s
 
 
@@ -122,7 +122,7 @@ def fill_mission(record: np.void, mission: MissionParams, vehicle: VehicleParams
     """Fill a ``MISSION`` record with a checked mission: the phases, and the numbers of their events."""
     ways = mission.exits
     phases = [
-        phase.model_copy(update={"ways_out": out}) for phase, out in zip(mission.phases, ways, strict=True)
+        phase.model_copy(update={"transitions": out}) for phase, out in zip(mission.phases, ways, strict=True)
     ]
     fill(record, mission.model_copy(update={"phases": phases}))
     fill_events(record, mission, vehicle)
@@ -136,4 +136,4 @@ def fill_mission(record: np.void, mission: MissionParams, vehicle: VehicleParams
 
 
 def _meaning(event: Event) -> tuple[str, str, float]:
-    return event.action, event.thing, event.delay_s
+    return event.action, event.component, event.delay_s

@@ -130,7 +130,7 @@ def _wing_opens(scenario: Scenario, quantity: str) -> float:
         event.when
         for phase in scenario.mission.phases
         for event in phase.events
-        if event.action == "extend" and event.thing != "landing_gear"
+        if event.action == "extend" and event.component != "landing_gear"
     )
     return next((when.value for when in wings if when.quantity == quantity), 0.0)
 

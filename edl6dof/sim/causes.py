@@ -135,14 +135,14 @@ def _counts(flight: FlightRecords, fault: FaultParams, since: float, until: floa
     return since < _done(flight, over_after(fault.kind), [name, *carriers])
 
 
-def _done(flight: FlightRecords, actions: Sequence[str], things: Sequence[str]) -> float:
-    """Time (s) at which one of some actions was first done to one of some things; never: infinity."""
+def _done(flight: FlightRecords, actions: Sequence[str], components: Sequence[str]) -> float:
+    """Time (s) at which one of some actions was first done to one of some components; never: infinity."""
     events = flight.scenario.mission.events.values()
     return min(
         (
             float(t)
             for event, t in zip(events, flight.plant["done"][0], strict=False)
-            if event.action in actions and event.thing in things and isfinite(t)
+            if event.action in actions and event.component in components and isfinite(t)
         ),
         default=inf,
     )
@@ -204,14 +204,14 @@ def _engines(flight: FlightRecords) -> list[str]:
 def _left_undone(flight: FlightRecords) -> list[Consequence]:
     """What a mission that crashed has not done of what it was to do."""
     met, vehicle = float(flight.plant["touchdown_time"][0]), flight.scenario.vehicle
-    planned = {(event.action, event.thing) for event in flight.scenario.mission.events.values()}
+    planned = {(event.action, event.component) for event in flight.scenario.mission.events.values()}
     wanted = (
         ("deploy", [chute.name for chute in vehicle.parachutes], "no parachute deployed"),
         ("ignite", _engines(flight), "no engine lit"),
     )
     return [
         Consequence(met, words, words)
-        for action, things, words in wanted
-        if any((action, thing) in planned for thing in things)
-        and not isfinite(_done(flight, (action,), things))
+        for action, components, words in wanted
+        if any((action, component) in planned for component in components)
+        and not isfinite(_done(flight, (action,), components))
     ]

@@ -56,7 +56,7 @@ class Finding:
 
     @property
     def holds(self) -> bool | None:
-        """True if the bound is kept or the value reproduced; ``None`` without a bound or a tolerance."""
+        """True if the bound is met or the value reproduced; ``None`` without a bound or a tolerance."""
         if self.published is None:
             return None
         if self.bound:
@@ -73,11 +73,11 @@ class Finding:
 
     @property
     def result(self) -> str:
-        """In words: kept or not, reproduced within how much or not; empty without a bound or a tolerance."""
+        """In words: met or not, reproduced within how much or not; empty without a bound or a tolerance."""
         if self.holds is None or self.published is None:
             return ""
         if self.bound:
-            return "kept" if self.holds else "not kept" if self.why else "broken"
+            return "met" if self.holds else "not met" if self.why else "violated"
         if not self.holds:
             return "not reproduced"
         return f"within {max(ceil(100.0 * abs(self.computed / self.published - 1.0)), 1)} %"

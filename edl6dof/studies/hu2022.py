@@ -55,7 +55,7 @@ REMARKS = (
     "itself, with P + lambda D in place of P, and diagnosis leaves a quarter of what is left. The safe "
     "spot is reached either way, as the missing force is fed forward. The paper prints neither gains "
     "nor lambda; foreseen is d / (J (P + lambda D)).",
-    "Fig. 12: the 40 N are the estimate of a disturbance with sound thrusters, not the force of avoidance, "
+    "Fig. 12: the 40 N are the estimate of a disturbance with healthy thrusters, not the force of avoidance, "
     "of which a pair has 500 N. As printed, eq. 12 takes the commanded force as delivered, which makes pulse "
     "modulation part of the estimate; here the estimator sees the valves.",
     "Fig. 11: the largest torque of the real flight was about its yaw, here it is about the yaw of this body "

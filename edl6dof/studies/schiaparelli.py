@@ -45,7 +45,7 @@ def _five_gyros() -> str:
     return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
 
 
-#: Ways out, one at a time: the overrides that switch one on.
+#: Transitions, one at a time: the overrides that switch one on.
 GUARDS = {
     "nothing": (),
     "sign": (f"{_NAVIGATION}.guards.below_ground=true",),  # a height below the ground

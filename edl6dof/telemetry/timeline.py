@@ -15,7 +15,7 @@ from edl6dof.interface.roles import NO_ROLE, begun
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
-#: What an action did to its thing, in plain words; of what is extended, the command: that it is open is
+#: What an action did to its component, in plain words; of what is extended, the command: that it is open is
 #: another event.
 DONE = {
     "jettison": "{} jettisoned",
@@ -115,17 +115,17 @@ def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:
 
 def in_words(event: Event) -> str:
     """Describe an event: ``heat shield jettisoned``; landing gear goes by the event's own name."""
-    thing = event.name if event.thing == "landing_gear" else event.thing
-    return DONE[event.action].format(thing.replace("_", " "))
+    component = event.name if event.component == "landing_gear" else event.component
+    return DONE[event.action].format(component.replace("_", " "))
 
 
 def milestone(event: Event, vehicle: VehicleParams) -> str:
     """Milestone that figures, reports and pictures take an event for, from its action and its object."""
     if event.action == "jettison":
         shapes = {part.name: part.shape for part in vehicle.parts}
-        return UNCOVERED.get(shapes[event.thing], NO_MILESTONE)
+        return UNCOVERED.get(shapes[event.component], NO_MILESTONE)
     if event.action == "extend":
-        return "landing_legs" if event.thing == "landing_gear" else "trim_wing"
+        return "landing_legs" if event.component == "landing_gear" else "trim_wing"
     return MILESTONES.get(event.action, NO_MILESTONE)
 
 

@@ -131,11 +131,11 @@ def noted() -> tuple[dict[str, float], Callable[[str, float], None]]:
 
 
 def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
-    """Overrides: a mission that does nothing but some events (action, thing, flight time in s)."""
+    """Overrides: a mission that does nothing but some events (action, component, flight time in s)."""
     rows = (
-        f"{{name: event_{k}, action: {action}, thing: {thing}, "
-        f"when: {{quantity: time_s, goes: above, value: {t - 1e-6!r}}}}}"
-        for k, (action, thing, t) in enumerate(events)
+        f"{{name: event_{k}, action: {action}, component: {component}, "
+        f"when: {{quantity: time_s, crosses: above, value: {t - 1e-6!r}}}}}"
+        for k, (action, component, t) in enumerate(events)
     )
     phases = f"mission.phases=[{{name: events, events: [{', '.join(rows)}]}}]"
     return phases, "flight_software.check_out.thrusters=[]"

@@ -45,7 +45,7 @@ def test_campaign_refly_and_report(edl6dof, tmp_path):
     status, out, _ = edl6dof("report", "runs/drops")
     page = Path("runs/drops/report.html").read_text(encoding="utf-8")
     assert status == 0 and "60 of 60 flights succeed" in page and "vehicle.mass.entry_kg" in page
-    assert "Quantiles further out cannot be told with 60 flights: 95 % takes 72" in page
+    assert "Quantiles further out need more than 60 flights: 95 % takes 72" in page
     assert edl6dof("refly", "runs/drops", "60")[0] == 2
 
 

@@ -22,7 +22,7 @@ OTHERS = tuple(page for page in sorted(DOCS.rglob("*.md")) if page not in PLAIN)
 #: Words of everyday speech that stand in the place of a term, or that a reader has to read twice.
 AVOIDED = re.compile(
     r"\b(?:told|tells?|telling|untold|besides?|befell|befalls?|likewise|anew|goes on|go on|going on|"
-    r"way beyond|way right|nobody|hold against|held against|is sound|sound ones|"
+    r"way beyond|way right|nobody|hold against|held against|is sound|healthy ones|"
     r"(?:requirements?|limits?) (?:is |are )?(?:kept|broken)|keeps? (?:a|the|every|all) limits?)\b",
     re.IGNORECASE,
 )

@@ -17,12 +17,12 @@ def phases(change):
     return f"mission.phases={json.dumps(list(table.values()))}"
 
 
-def when(quantity, goes, value, **window):
-    return {"quantity": quantity, "goes": goes, "value": value, **window}
+def when(quantity, crosses, value, **window):
+    return {"quantity": quantity, "crosses": crosses, "value": value, **window}
 
 
-def event(name, action, thing, trigger, delay_s=0.0):
-    return {"name": name, "action": action, "thing": thing, "delay_s": delay_s, "when": trigger}
+def event(name, action, component, trigger, delay_s=0.0):
+    return {"name": name, "action": action, "component": component, "delay_s": delay_s, "when": trigger}
 
 
 def at(flight, column, t):

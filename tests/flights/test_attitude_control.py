@@ -189,7 +189,7 @@ def test_an_angle_of_attack_that_is_never_good_does_not_keep_the_parachute_for_e
         [
             "faults=[{kind: wing_lost, at: {time_s: 276}}]",
             "mission.phases.alpha_held.thrusters=[]",
-            "mission.phases.alpha_held.ways_out.0.when.1.value=0",
+            "mission.phases.alpha_held.transitions.0.when.1.value=0",
             "mission.goal=deployment",
         ],
     )

@@ -32,7 +32,7 @@ def broken(figures):
 
 
 def with_mistakes(folder, loaded, t_s, seconds, *mistakes):
-    """Figures by mistake, of a flight in plain Python from a time (s) of a sound one on."""
+    """Figures by mistake, of a flight in plain Python from a time (s) of a healthy one on."""
     (moment,) = moments_at(loaded, [t_s])
     given = setting(loaded, State(*moment, ""))
     raw = {name: np.frombuffer(array.tobytes(), np.uint8) for name, array in given.arrays.items()}

@@ -171,7 +171,7 @@ def test_lander_whose_riser_tears_leaves_early_and_comes_down_on_its_engine(time
     assert flight.metrics["backshell_height_m"] < 4100.0
     assert flight.success or ("at backshell release" in flight.cause and time_s < 410)
     straight_on = flown(
-        f"{{kind: riser_torn, at: {{time_s: {time_s}}}}}", sets=["mission.phases.parachute.ways_out=[]"]
+        f"{{kind: riser_torn, at: {{time_s: {time_s}}}}}", sets=["mission.phases.parachute.transitions=[]"]
     )
     assert straight_on.landed == (time_s >= 430)
 
@@ -214,11 +214,11 @@ def test_only_what_had_to_do_with_it_is_named():
 
 
 def test_faults_after_the_mortar_do_not_count_for_a_limit_at_the_mortar():
-    at_mach = "quantity: mach, goes: below, value: 1.8"
+    at_mach = "quantity: mach, crosses: below, value: 1.8"
     flight = flown(
         "{kind: wing_lost, at: {time_s: 276}}",
         "{kind: stuck_off, thruster: F6, at: {time_s: 400}}",
-        sets=[f"mission.phases.lift.ways_out=[{{when: [{{{at_mach}}}], next: parachute}}]"],
+        sets=[f"mission.phases.lift.transitions=[{{when: [{{{at_mach}}}], next: parachute}}]"],
     )
     assert flight.cause == ("outside limits: total angle of attack at mortar fire after trim_wing wing lost")
 
@@ -233,6 +233,8 @@ def test_order_of_the_sentence_is_that_of_time():
 
 
 def test_a_parachute_that_never_came_is_a_consequence_of_its_dead_mortar():
-    flight = flown("{kind: parachute_dead, at: {time_s: 100}}", sets=["mission.phases.parachute.ways_out=[]"])
+    flight = flown(
+        "{kind: parachute_dead, at: {time_s: 100}}", sets=["mission.phases.parachute.transitions=[]"]
+    )
     assert "no parachute deployed after main parachute dead at 100.0 s" in flight.outcome
     assert "mortar" not in {one["key"] for one in flight.events}

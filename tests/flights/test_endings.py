@@ -45,7 +45,7 @@ def test_time_limit_is_kept():
 def test_parachute_that_never_opens_is_fatal_but_named():
     """Without the branch that leaves the backshell early, which would bring it down on its engine."""
     useless = "truth={vehicle.parachutes.main.drag_coefficient: 0.001}"
-    flight = edl6dof.fly("tianwen1", [useless, "mission.phases.parachute.ways_out=[]"])
+    flight = edl6dof.fly("tianwen1", [useless, "mission.phases.parachute.transitions=[]"])
     assert not flight.landed
     assert flight.outcome.split(" in ")[0].split(" at ")[0] in {"crashed", "lost attitude"}
     assert len(flight.log) > 1000

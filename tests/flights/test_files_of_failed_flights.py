@@ -35,7 +35,7 @@ ENDED = ["at_once", "diverged", pytest.param("thrown", marks=pytest.mark.long)]
 
 @pytest.fixture(scope="module", params=ENDED)
 def flown(request, tmp_path_factory):
-    """The folder of a failed flight, in a folder with a sound one."""
+    """The folder of a failed flight, in a folder with a healthy one."""
     folder = tmp_path_factory.mktemp(request.param)
     sets = [word for change in FAILURES[request.param] for word in ("--set", change)]
     done = called("fly", "tianwen1", "--out", "failed", *sets, cwd=folder)

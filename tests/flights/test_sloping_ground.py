@@ -1,5 +1,5 @@
-"""Landings on ground that slopes: sound beams stay in use, velocity and height are known, and a beam that has
-failed is still found.
+"""Landings on ground that slopes: healthy beams stay in use, velocity and height are known, and a beam that
+has failed is still found.
 """
 
 import numpy as np

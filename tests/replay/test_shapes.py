@@ -114,7 +114,7 @@ def test_each_parachute_has_its_own_size_while_it_flies():
     assert (alone.number, motion.t[alone.first]) == (1, pytest.approx(main["t_s"], abs=0.05))
     phase = next(one for one in flight.scenario.mission.phases if one.events and one.role == "parachute")
     mortar = next(one for one in phase.events if one.name == "mortar")
-    phase.events.append(mortar.model_copy(update={"name": "drogue", "thing": "drogue"}))
+    phase.events.append(mortar.model_copy(update={"name": "drogue", "component": "drogue"}))
     flight.events.append({**main, "key": "drogue"})
     main["t_s"] += 3.0
     pair = Motion(history(flight)).parachutes()

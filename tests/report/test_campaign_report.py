@@ -127,7 +127,7 @@ def test_drivers_that_cannot_be_told_are_said_to_be_so():
     table = blocks[-1]
     assert not any(isinstance(block, Figure) for block in blocks)
     (row,) = table.rows
-    assert row[0].startswith("Mach at mortar fire: cannot be told with 100 flights, no share above 1")
+    assert row[0].startswith("Mach at mortar fire: not significant with 100 flights, no share above 1")
 
 
 def test_drivers_are_ranked_with_their_intervals():
@@ -149,7 +149,7 @@ def test_drivers_are_ranked_with_their_intervals():
 def test_few_flights_are_not_asked():
     known = results(19, parachute_mach=np.linspace(1.8, 1.9, 19))
     known.groups = {"a": np.linspace(0.0, 1.0, 19)[:, None]}
-    assert words(drivers.blocks(known)) == "Cannot be told with fewer than 20 flights."
+    assert words(drivers.blocks(known)) == "Needs at least 20 flights."
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ def test_map_shows_what_became_of_each_fault_the_worst_of_several(tmp_path):
     names = [trace.name for trace in became.traces]
     assert names == [
         "never used after it: cannot be known", "right name and kind", "not named, or not all",
-        "named with a wrong kind", "a sound one named", "not within limits",
+        "named with a wrong kind", "a healthy one named", "not within limits",
     ]  # fmt: skip
     colours = {trace.name: trace.colour for trace in became.traces}
     assert [colours[name] for name in names[:5]] == list(became.heat.colours)

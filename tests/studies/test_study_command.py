@@ -93,12 +93,12 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert run_study("small", out=out, quick=True, force=True) == 0
     assert pq.read_table(out / "runs.parquet").num_rows == 6
     shown = capsys.readouterr().out
-    assert "A remark." in shown and "every requirement is kept" in shown
+    assert "A remark." in shown and "every requirement is met" in shown
 
 
 def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
     assert run_study("small", runs=2, out=tmp_path / "s") == 1
-    assert "broken: bound" in capsys.readouterr().out
+    assert "violated: bound" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -111,9 +111,9 @@ def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
         (Finding("a", "km", 2.1, 2.4, within=0.1), False, "not reproduced"),
         (Finding("a", "km", 2.7, 2.4, within=0.1, why="shown below"), True, "not reproduced"),
         (Finding("a", "km", 2.5, 2.4, within=0.1, why="shown below"), False, "within 5 %"),
-        (Finding("a", "km", 2.5, 2.4, "<=", why="shown below"), True, "not kept"),
-        (Finding("a", "km", 2.3, 2.4, "<=", why="shown below"), False, "kept"),
-        (Finding("a", "km", float("nan"), 2.4, "<=", why="shown below"), False, "not kept"),
+        (Finding("a", "km", 2.5, 2.4, "<=", why="shown below"), True, "not met"),
+        (Finding("a", "km", 2.3, 2.4, "<=", why="shown below"), False, "met"),
+        (Finding("a", "km", float("nan"), 2.4, "<=", why="shown below"), False, "not met"),
     ],
 )
 def test_a_value_is_compared_on_both_sides_and_what_is_explained_must_not_hold(finding, ok, result):
@@ -237,5 +237,5 @@ def test_no_word_of_a_finding_is_broken_at_eighty_columns(monkeypatch, tmp_path,
     table = lines[: next(k for k, line in enumerate(lines) if "/s: " in line)]
     assert max(map(len, table)) <= 80
     words = " ".join(table).split()
-    assert {"tianwen1_range_trigger:", "polynomial:", "dispersed", "landings", "kept"} <= set(words)
+    assert {"tianwen1_range_trigger:", "polynomial:", "dispersed", "landings", "met"} <= set(words)
     assert any(line.strip() == "n = 20" for line in table), "what is to be known stands below its figure"

@@ -4,7 +4,7 @@ Source: Hu et al. 2022, section 3; the switching function is the minimum-time pa
 with a rate lead, widened to a deadband (Bryson, Control of Spacecraft and Aircraft, chapter 7).
 
 Free limit cycle, error e and rate w, deadband d, hysteresis h, lead T, acceleration a: a firing begins at e =
-d - w^2/2a - T w on the way out and ends at e = h d + w^2/2a + T w on the way back, so the cycle has
+d - w^2/2a - T w on the transition and ends at e = h d + w^2/2a + T w on the way back, so the cycle has
 
     2 T w + w^2 / a = (1 - h) d,   amplitude d - T w,   period 4 (d - T w) / w + 4 w / a,
 

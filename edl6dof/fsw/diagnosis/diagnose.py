@@ -75,10 +75,10 @@ class DiagnosisParams(Params):
     )
     load_noise_roll: float = param(0.001, "the same for roll torque", status="estimate", ge=0.0)
     torque_noise_nm: float = param(
-        4.0, "torque residual of a sound vehicle on an axis", status="estimate", gt=0.0
+        4.0, "torque residual of a healthy vehicle on an axis", status="estimate", gt=0.0
     )
     force_noise_n: float = param(
-        8.0, "lateral force residual of a sound vehicle on an axis", status="estimate", gt=0.0
+        8.0, "lateral force residual of a healthy vehicle on an axis", status="estimate", gt=0.0
     )
     model_error: float = param(
         0.1, "fraction by which believed thrust and inertia may be wrong", status="estimate", ge=0.0, le=1.0
@@ -87,7 +87,7 @@ class DiagnosisParams(Params):
         12.0, "cycles of evidence that count, of those in which a thruster was used", gt=1.0
     )
     prior: float = param(
-        16.0, "log of the odds for a sound vehicle: the price of a false alarm", gt=0.0, le=100.0
+        16.0, "log of the odds for a healthy vehicle: the price of a false alarm", gt=0.0, le=100.0
     )
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
     streak: int = param(2, "cycles on end with that confidence", ge=1, le=50)

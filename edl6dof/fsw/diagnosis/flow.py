@@ -289,7 +289,7 @@ def fires_alone(expected, given):
 
 @kernel
 def weigh_loss(params, residual, prediction, weight, keep, common, loss):
-    """Let a cycle in which a sound thruster would let ``-prediction`` (kg/s) through count for its loss."""
+    """Let a cycle in which a healthy thruster would let ``-prediction`` (kg/s) through count for its loss."""
     cross, own = residual * prediction * weight, prediction * prediction * weight
     now = cross / own
     before = loss.cross / loss.own if loss.cycles > 0 else now

@@ -16,7 +16,7 @@ the evidence speaks against it, so the time of the fault need not be known (Page
 
 Where a meter is believed, its evidence (:mod:`edl6dof.fsw.diagnosis.flow`) adds to that of force and torque.
 The loss of flow then has several explanations, which compete by their posterior odds.  Each fault that one
-needs costs the log prior odds P (``prior``) of a sound vehicle; with F the evidence of the flow, they are,
+needs costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the flow, they are,
 without the P that all share,
 
     the thruster, or its meter     the flow of the others is not known     F + f_i        F

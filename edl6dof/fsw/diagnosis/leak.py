@@ -1,7 +1,7 @@
 """Which thruster of a branch stays open: the latch valve is shut, and force and torque tell who went with it.
 
 A flow through a branch that nobody asked for is told by its meter within two cycles, and the branch is shut
-at once: that costs its sound thrusters too.  What the leak did to the vehicle shows in the change of the
+at once: that costs its healthy thrusters too.  What the leak did to the vehicle shows in the change of the
 unexplained force and torque from before to after: when it began, and each time the latch valve moves.  The
 change c is compared with what each thruster i of the branch would have done, b_i: over n looks the sum of
 squares S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as in

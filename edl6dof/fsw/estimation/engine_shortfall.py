@@ -2,7 +2,7 @@
 
 While the commanded thrust rests, the ratio of both is taken with a first-order lag.  The air that slows the
 lander shows as thrust and hides a little of what is missing; no more than all of the commanded thrust is ever
-believed.  A loss is believed from a bound on that dispersed masses and thrusts of sound engines stay below,
+believed.  A loss is believed from a bound on that dispersed masses and thrusts of healthy engines stay below,
 and followed from then on, until other engines burn.
 
 Source: this project; a bias of the thrust estimated from accelerometers: Crassidis and Junkins, Optimal

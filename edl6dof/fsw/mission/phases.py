@@ -15,7 +15,7 @@ from pydantic import field_validator
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section, stated
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
-from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_WAYS
+from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_TRANSITIONS
 from edl6dof.interface.events import EVENT_TABLE, Action
 from edl6dof.interface.roles import NO_ROLE, Role
 from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
@@ -75,7 +75,7 @@ class Condition(Params):
     """A condition on one navigated quantity."""
 
     quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
-    goes: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")
+    crosses: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
 
 
@@ -105,7 +105,7 @@ class Event(Params):
 
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
     action: Action = param(REQUIRED, "what is done", record=False)
-    thing: Key = param(
+    component: Key = param(
         REQUIRED,
         "name of what it is done to: a part, parachute, engine or surface of the vehicle, or landing_gear",
         record=False,
@@ -123,7 +123,7 @@ class Event(Params):
         return value
 
 
-class WayOut(Params):
+class Transition(Params):
     """One way in which a phase ends: conditions inside a time window of the phase, and what follows."""
 
     when: Annotated[list[Condition], Capacity(MAX_CONDITIONS)] = param(
@@ -136,7 +136,7 @@ class WayOut(Params):
 
 
 class Phase(Params):
-    """One mission phase.  Its ways out are tried in their order, then ``until``."""
+    """One mission phase.  Its transitions are tried in their order, then ``until``."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
     role: Role = param(
@@ -159,21 +159,21 @@ class Phase(Params):
     events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
         None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS
     )
-    ways_out: Annotated[list[WayOut], Capacity(MAX_WAYS)] = param(
+    transitions: Annotated[list[Transition], Capacity(MAX_TRANSITIONS)] = param(
         None, "ways in which the phase may end, and the phase that follows each", factory=list
     )
     until: Trigger | None = param(
-        None, "short for one more way out, with one condition, to the next phase", record=False
+        None, "short for one more transition, with one condition, to the next phase", record=False
     )
 
     @property
-    def exits(self) -> list[WayOut]:
-        """All ways out in the order in which they are tried."""
+    def exits(self) -> list[Transition]:
+        """All transitions in the order in which they are tried."""
         if self.until is None:
-            return self.ways_out
+            return self.transitions
         values = self.until.model_dump()
         window = {name: values.pop(name) for name in ("earliest_s", "latest_s")}
-        return [*self.ways_out, WayOut(when=[Condition(**values)], **window)]
+        return [*self.transitions, Transition(when=[Condition(**values)], **window)]
 
 
 class MissionParams(Params):
@@ -193,9 +193,12 @@ class MissionParams(Params):
     )
 
     @property
-    def exits(self) -> list[list[WayOut]]:
-        """Ways out of each phase; nothing follows the last of the list but what its ways name."""
-        return [*(phase.exits for phase in self.phases[:-1]), *(phase.ways_out for phase in self.phases[-1:])]
+    def exits(self) -> list[list[Transition]]:
+        """Transitions of each phase; after the last of the list, only those that name a phase."""
+        return [
+            *(phase.exits for phase in self.phases[:-1]),
+            *(phase.transitions for phase in self.phases[-1:]),
+        ]
 
     @property
     def last_events(self) -> set[str]:
@@ -220,7 +223,7 @@ MISSION = np.dtype(
     [
         *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
         ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
-        ("follows", "i8", (MAX_PHASES, MAX_WAYS)),  # phase that each way out of each phase leads to
+        ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # phase that each transition of each phase leads to
         *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
     ],
     align=True,

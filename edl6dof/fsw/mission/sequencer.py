@@ -94,7 +94,7 @@ def watched(quantity, nav, vehicle, guide, elapsed):
 def holds(condition, nav, vehicle, guide, elapsed):
     """Whether a condition holds."""
     value = watched(condition.quantity, nav, vehicle, guide, elapsed)
-    if condition.goes == 0:
+    if condition.crosses == 0:
         return value < condition.value
     return value > condition.value
 
@@ -111,7 +111,7 @@ def fires(trigger, nav, vehicle, guide, elapsed):
 
 @kernel
 def is_open(way, nav, vehicle, guide, elapsed):
-    """Whether a way out of a phase is taken ``elapsed`` seconds into it."""
+    """Whether a transition of a phase is taken ``elapsed`` seconds into it."""
     if elapsed < way.earliest - 1e-9:
         return False
     if elapsed >= way.latest:
@@ -151,7 +151,7 @@ def sequence(mission, nav, vehicle, guide, memory, request):
         number = mission.number[memory.phase, i]
         if memory.event_done[number] == 0 and fires(phase.events[i].when, nav, vehicle, guide, elapsed):
             memory.event_done[number] = request[number] = 1
-    for i in range(phase.n_ways_out):
-        if is_open(phase.ways_out[i], nav, vehicle, guide, elapsed):
+    for i in range(phase.n_transitions):
+        if is_open(phase.transitions[i], nav, vehicle, guide, elapsed):
             enter(mission.follows[memory.phase, i], nav.t, memory)
             return

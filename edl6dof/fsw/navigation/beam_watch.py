@@ -37,7 +37,7 @@ class BeamWatchParams(Params):
     )  # fmt: skip
     silent_angle_deg: float = param(
         45.0,
-        "angle to the vertical beyond which a sound beam may have none: its limit of incidence less a slope",
+        "angle to the vertical beyond which a healthy beam may have no echo: limit of incidence less a slope",
         status="estimate",
         gt=0.0,
         le=90.0,

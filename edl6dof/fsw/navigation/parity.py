@@ -34,7 +34,7 @@ class ParityParams(Params):
 
     enabled: bool = param(True, "whether they are tested and excluded")
     false_alarm: float = param(
-        1e-10, "probability that one look at sound instruments exceeds its limit", gt=1e-100, lt=0.5
+        1e-10, "probability that one look at healthy instruments exceeds its limit", gt=1e-100, lt=0.5
     )
     persistence_cycles: int = param(
         5, "looks on end at one cycle each that must point at the same instrument", ge=1, le=1000

@@ -113,7 +113,7 @@ class Vehicle(Recorder):
     def _legs_out(self) -> float | None:
         """Time at which the legs show: extended by the mission, else without the heat shield."""
         events = self.flight.scenario.mission.events.values()
-        if any(event.action == "extend" and event.thing == "landing_gear" for event in events):
+        if any(event.action == "extend" and event.component == "landing_gear" for event in events):
             return self.when.get("landing_legs")
         row = self.motion.released(self.motion.heat_shield) if self.vehicle.showing("capsule") else 0
         return None if row is None else float(self.t[row])

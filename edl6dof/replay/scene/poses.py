@@ -199,7 +199,7 @@ class Motion:
         self.height = flight["truth.height_m"]
         events = flight.scenario.mission.events
         self._deployed = [
-            (float(one["t_s"]), events[one["key"]].thing)
+            (float(one["t_s"]), events[one["key"]].component)
             for one in flight.events
             if one["key"] in events and events[one["key"]].action == "deploy"
         ]

@@ -47,7 +47,7 @@ def blocks(results: Results) -> Iterator[Block]:
     if not (results.groups and results.is_sample):
         return
     if len(results.cases) < FEWEST:
-        yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
+        yield Text(f"Needs at least {FEWEST} flights.")
         return
     explained = _explained(results)
     yield Text(
@@ -75,7 +75,7 @@ def indices(results: Results) -> Iterator[Block]:
         found = sobol_indices(a, b, matrices)[:_SHOWN]
         if not all(map(_is_resolved, found)):
             found = []
-        words = "" if found else f": cannot be told with {len(a):,} rows"
+        words = "" if found else f": not significant with {len(a):,} rows"
         rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
         for index in found:
             rows.append([_INDENT + index.name, *_shares(index.first), *_shares(index.total)])
@@ -121,7 +121,7 @@ def _rows(explained: list[Explained]) -> Iterator[Row]:
     """A line about each figure, and below it its drivers."""
     for one in explained:
         least = in_percent(one.drivers.least)
-        flights = f"cannot be told with {one.drivers.flights:,} flights"
+        flights = f"not significant with {one.drivers.flights:,} flights"
         if not one.drivers.found:
             yield [f"{one.figure.meaning}: {flights}, no share above {least}", "", "", ""]
             continue
@@ -152,7 +152,7 @@ def chart(explained: list[Explained]) -> Figure:
         traces,
         bands=bands,
     )
-    caption = "What no colour covers cannot be told from chance. Figures without a driver are left out."
+    caption = "What no colour covers is not significant. Figures without a driver are left out."
     return Figure(
         "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(explained)
     )

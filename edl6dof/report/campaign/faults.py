@@ -24,7 +24,7 @@ _BECAME = (
     ("right name and kind", GREEN),
     ("not named, or not all", SKY),
     ("named with a wrong kind", ORANGE),
-    ("a sound one named", PURPLE),
+    ("a healthy one named", PURPLE),
 )
 _CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _SOUND = range(len(_BECAME))
 _LOST = "not within limits"

@@ -27,8 +27,8 @@ _NEAREST = 3
 #: Figures that count what should be none: what it says of a flight in which there is none.
 _COUNTS = {
     "missed_isolations": "every failed thruster isolated",
-    "false_alarms": "no sound thruster isolated, and none for a wrong kind of fault",
-    "instrument_false_alarms": "no sound instrument excluded",
+    "false_alarms": "no healthy thruster isolated, and none for a wrong kind of fault",
+    "instrument_false_alarms": "no healthy instrument excluded",
 }
 _TIMES = ("time_to_detect_s", "time_to_exclude_s")
 
@@ -148,7 +148,7 @@ def note(results: Results) -> str:
     flights = len(results.cases)
     too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
     takes = ", ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
-    refused = f" Quantiles further out cannot be told with {flights:,} flights: {takes}." if too_far else ""
+    refused = f" Quantiles further out need more than {flights:,} flights: {takes}." if too_far else ""
     return f"Quantiles with their 95 % bounds, by order statistics.{refused}"
 
 

@@ -128,7 +128,9 @@ def published(run: Run) -> Table:
         for row in found
     ]
     return Table(
-        ["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight"
+        ["figure", "unit", "this flight>", "published>", "difference>"],
+        rows,
+        "Comparison with the published flight",
     )
 
 

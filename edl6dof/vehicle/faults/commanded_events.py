@@ -10,28 +10,28 @@ NEVER = 1e99
 
 
 @kernel
-def is_about(event, action, thing):
-    """Whether an event is an ``action`` on a ``thing``, or on a group of engines with it."""
+def is_about(event, action, component):
+    """Whether an event is an ``action`` on a ``component``, or on a group of engines with it."""
     if event.action != action:
         return False
-    return is_done_to(event, thing) if action >= IGNITE else event.thing == thing
+    return is_done_to(event, component) if action >= IGNITE else event.component == component
 
 
 @kernel
-def put_off(case, command, plant, action, thing, delay):
-    """Let an ``action`` on a ``thing`` happen ``delay`` s later, if it is commanded in this cycle; engines
+def put_off(case, command, plant, action, component, delay):
+    """Delay an ``action`` on a ``component`` by ``delay`` s if it is commanded in this cycle; engines
     that are lit together wait for each other.
     """
     for k in range(case.events.n_events):
         event = case.events.events[k]
-        if command.request[k] != 0 and is_about(event, action, thing):
+        if command.request[k] != 0 and is_about(event, action, component):
             plant.due[k] += delay
 
 
 @kernel
-def prevent(case, plant, action, thing):
-    """Let an ``action`` on a ``thing`` that is due not happen."""
+def prevent(case, plant, action, component):
+    """Let an ``action`` on a ``component`` that is due not happen."""
     for k in range(case.events.n_events):
         event = case.events.events[k]
-        if is_about(event, action, thing):
+        if is_about(event, action, component):
             plant.due[k] = NEVER

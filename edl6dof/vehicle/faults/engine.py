@@ -60,7 +60,12 @@ def engine_dead(fault, case, since, command, plant):
 def ignition_delay(fault, case, since, command, plant):
     """Put the ignition off when it is commanded."""
     put_off(
-        case, command, plant, action=IGNITE, thing=fault.component, delay=fault.params.ignition_delay.delay
+        case,
+        command,
+        plant,
+        action=IGNITE,
+        component=fault.component,
+        delay=fault.params.ignition_delay.delay,
     )
 
 

@@ -41,7 +41,7 @@ class RiserTornParams(ParachuteFault):
 def parachute_delay(fault, case, since, command, plant):
     """Put the deployment off when it is commanded."""
     delay = fault.params.parachute_delay.delay
-    put_off(case, command, plant, action=DEPLOY, thing=fault.component, delay=delay)
+    put_off(case, command, plant, action=DEPLOY, component=fault.component, delay=delay)
 
 
 @kernel

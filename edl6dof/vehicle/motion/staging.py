@@ -1,4 +1,4 @@
-"""What happens at each event: an action on a thing, with momentum conserved at every separation."""
+"""What happens at each event: an action on a component, with momentum conserved at every separation."""
 
 from __future__ import annotations
 
@@ -137,18 +137,18 @@ def jettison(case, plant, index):
 def carry_out(case, plant, number):
     """Change the vehicle as event ``number`` demands, at ``plant.t``."""
     event = case.events.events[number]
-    action, thing = event.action, event.thing
+    action, component = event.action, event.component
     if action == JETTISON:
-        jettison(case, plant, thing)
+        jettison(case, plant, component)
     elif action == DEPLOY:
-        deploy(case, plant, thing)
+        deploy(case, plant, component)
     elif action == RELEASE:
-        release(case, plant, thing)
+        release(case, plant, component)
     elif action == EXTEND:
-        if thing == LANDING_GEAR:
+        if component == LANDING_GEAR:
             plant.legs = 1
         else:
-            plant.wing_start[thing] = plant.t
+            plant.wing_start[component] = plant.t
     elif action == IGNITE or action == CUT_OFF:
         for i in range(case.vehicle.n_engines):
             if is_done_to(event, i):

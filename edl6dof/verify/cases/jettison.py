@@ -41,7 +41,7 @@ _SCENE = (
     "initial.speed_m_s=0",
     "initial.rate_deg_s=[10, -20, 11]",
 )
-#: Action and thing of the event at t = 0, part that leaves (as the canopy, or on its own), seconds flown,
+#: Action and component of the event at t = 0, part that leaves (as the canopy, or on its own), seconds flown,
 #: tolerance.
 CASES = (
     ("mortar", "deploy", "main", "parachute_pack", 3.0, 1e-5),
@@ -97,8 +97,8 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds:
 def run(planted: Sequence[str] = ()) -> Outcome:
     """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums."""
     results = []
-    for name, action, thing, part, seconds, tolerance in CASES:
-        scene = [*_SCENE, *doing((action, thing, 0.0)), f"simulation.time_limit_s={seconds}"]
+    for name, action, component, part, seconds, tolerance in CASES:
+        scene = [*_SCENE, *doing((action, component, 0.0)), f"simulation.time_limit_s={seconds}"]
         nominal, loaded = scenes(scene, planted)
         flight = to_the_end(loaded)
         error = balance(nominal, state_of(loaded), flight, part, seconds)

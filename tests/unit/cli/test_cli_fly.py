@@ -30,14 +30,14 @@ def test_nominal_lands_within_limits_with_status_0(nominal, here, capsys, monkey
     assert lines[-1] == "next: edl6dof report runs/tianwen1, edl6dof replay runs/tianwen1"
     assert max(map(len, (line.rstrip() for line in lines))) <= 80
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", out), "control characters"
-    for title in ("Timeline", "Beside the published flight", "Limits"):
+    for title in ("Timeline", "Comparison with the published flight", "Limits"):
         assert any(line.rstrip() == title for line in lines)
 
 
 def test_missed_limit_is_status_1_and_is_named(here, capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "fly", "tianwen1", "--set", "limits.landing_distance_m=1", *QUICK)
     assert code == 1
-    (line,) = (line for line in out.splitlines() if line.rstrip().endswith("broken"))
+    (line,) = (line for line in out.splitlines() if line.rstrip().endswith("violated"))
     assert line.strip().startswith("distance from the landing site")
     assert "landed outside limits (distance from the landing site)" in out
     assert json.loads(Path("runs/tianwen1/summary.json").read_text())["success"] is False

@@ -17,7 +17,7 @@ DO = (("ignite", 0), ("ignite", 1), ("cut_off", 0), ("cut_off", 1), ("ignite", B
 
 
 class Computer:
-    """A flight computer that believes in two engines and is told events by their action and thing."""
+    """A flight computer that believes in two engines and is told events by their action and component."""
 
     def __init__(self):
         self.vehicle, self.mission, self.state = (
@@ -25,8 +25,8 @@ class Computer:
         )
         self.vehicle["n_engines"], self.vehicle["engines"][:2] = 2, [LARGE, SMALL]
         self.mission["n_events"] = len(DO)
-        for slot, (action, thing) in zip(self.mission["events"], DO, strict=False):
-            slot["action"], slot["thing"] = ACTIONS.index(action), thing
+        for slot, (action, component) in zip(self.mission["events"], DO, strict=False):
+            slot["action"], slot["component"] = ACTIONS.index(action), component
 
     def tell(self, *events):
         request = np.array([event in events for event in DO], dtype=np.int64)

@@ -14,8 +14,8 @@ from edl6dof.scenario.mission_events import event_problems, fill_mission
 DT = 0.02
 
 
-def trigger(quantity, goes, value, **window):
-    return Trigger(quantity=quantity, goes=goes, value=float(value), **window)
+def trigger(quantity, crosses, value, **window):
+    return Trigger(quantity=quantity, crosses=crosses, value=float(value), **window)
 
 
 VEHICLE = load_scenario("tianwen1").scenario.vehicle

@@ -78,17 +78,17 @@ def test_quantity_crossing_inside_the_window_fires_at_the_crossing():
 
 def test_each_event_is_requested_once_and_again_in_no_later_phase():
     events = [
-        Event(name="mortar", action="deploy", thing="main", when=trigger("phase_time_s", "above", -1.0)),
+        Event(name="mortar", action="deploy", component="main", when=trigger("phase_time_s", "above", -1.0)),
         Event(
             name="heat_shield",
             action="jettison",
-            thing="heat_shield",
+            component="heat_shield",
             when=trigger("mach", "below", 0.8, earliest_s=1.0, latest_s=6.0),
         ),
         Event(
             name="landing_legs",
             action="extend",
-            thing="landing_gear",
+            component="landing_gear",
             when=trigger("phase_time_s", "above", 3.0),
         ),
     ]
@@ -102,10 +102,15 @@ def test_each_event_is_requested_once_and_again_in_no_later_phase():
 
 
 def test_same_event_slot_works_in_the_next_phase():
-    first = [Event(name="mortar", action="deploy", thing="main", when=trigger("phase_time_s", "above", 0.5))]
+    first = [
+        Event(name="mortar", action="deploy", component="main", when=trigger("phase_time_s", "above", 0.5))
+    ]
     second = [
         Event(
-            name="backshell", action="jettison", thing="backshell", when=trigger("phase_time_s", "above", 0.5)
+            name="backshell",
+            action="jettison",
+            component="backshell",
+            when=trigger("phase_time_s", "above", 0.5),
         )
     ]
     s = Sequencer(
@@ -120,7 +125,9 @@ def test_same_event_slot_works_in_the_next_phase():
 
 
 def test_event_outside_its_phase_is_not_requested():
-    events = [Event(name="trim_wing", action="extend", thing="trim_wing", when=trigger("mach", "below", 2.8))]
+    events = [
+        Event(name="trim_wing", action="extend", component="trim_wing", when=trigger("mach", "below", 2.8))
+    ]
     s = Sequencer(
         plan(Phase(name="a", until=trigger("phase_time_s", "above", 5.0)), Phase(name="b", events=events))
     )
@@ -215,32 +222,32 @@ def test_names_in_the_table_are_those_the_record_counts():
     assert record["n_events"] == len(mission.events) == 9
     for row, event in zip(record["events"], mission.events.values(), strict=False):
         assert ACTIONS[row["action"]] == event.action and row["delay"] == event.delay_s
-    assert [int(row["thing"]) for row in record["events"][:9]] == [0, 0, 0, -1, 1, 0, 0, 0, 0]
+    assert [int(row["component"]) for row in record["events"][:9]] == [0, 0, 0, -1, 1, 0, 0, 0, 0]
 
 
 def test_the_same_event_in_two_phases_is_one_and_a_name_with_two_meanings_is_refused():
     now = trigger("phase_time_s", "above", -1.0)
-    shield = Event(name="off", action="jettison", thing="heat_shield", when=now)
-    later = Event(name="off", action="jettison", thing="heat_shield", when=trigger("mach", "below", 1.0))
+    shield = Event(name="off", action="jettison", component="heat_shield", when=now)
+    later = Event(name="off", action="jettison", component="heat_shield", when=trigger("mach", "below", 1.0))
     record, _ = plan(Phase(name="a", events=[shield], until=now), Phase(name="b", events=[later]))
     assert record["n_events"] == 1 and record["number"][1, 0] == 0
-    other = Event(name="off", action="jettison", thing="backshell", when=now)
+    other = Event(name="off", action="jettison", component="backshell", when=now)
     mission = MissionParams(phases=[Phase(name="a", events=[shield, other])])
     assert "does something else" in dict(event_problems(mission, VEHICLE))["mission.phases.0.events.1.name"]
 
 
 def test_an_event_with_a_thing_that_is_not_there_is_refused():
-    event = Event(name="x", action="jettison", thing="ballast", when=trigger("mach", "below", 1.0))
+    event = Event(name="x", action="jettison", component="ballast", when=trigger("mach", "below", 1.0))
     words = dict(event_problems(MissionParams(phases=[Phase(name="a", events=[event])]), VEHICLE))
     assert words == {
-        "mission.phases.0.events.0.thing": "nothing to jettison named 'ballast'; names: heat_shield, "
+        "mission.phases.0.events.0.component": "nothing to jettison named 'ballast'; names: heat_shield, "
         "backshell, parachute_pack"
     }
 
 
 def test_an_event_of_two_phases_happens_once():
     now = trigger("phase_time_s", "above", -1.0)
-    shield = Event(name="off", action="jettison", thing="heat_shield", when=now)
+    shield = Event(name="off", action="jettison", component="heat_shield", when=now)
     again = Phase(name="b", events=[shield])
     s = Sequencer(plan(Phase(name="a", events=[shield], until=trigger("phase_time_s", "above", 1.0)), again))
     assert [name for _, name in s.run(3.0).events] == ["off"] and s.fsw["phase"] == 1

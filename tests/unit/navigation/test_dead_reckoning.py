@@ -175,7 +175,7 @@ def test_without_errors_navigation_is_the_truth(onboard, flown):
 
 def test_covariance_equals_flights_with_drawn_errors(onboard, flown):
     """NEES of position, velocity and attitude inside 95 % bounds over 100 flights, in each part of the
-    flight; no sound instrument is excluded.
+    flight; no healthy instrument is excluded.
     """
     rng, marks = np.random.default_rng(7), [STARS_UNTIL + 100, 5_500, 9_000, CYCLES]
     errors, claims, excluded = [], [], 0

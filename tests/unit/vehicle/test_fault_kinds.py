@@ -35,7 +35,7 @@ def sound_vehicle(tables):
 
 @pytest.fixture
 def of_kind(tables, sound_vehicle):
-    """Makes a vehicle with a fault of a kind, and a sound one."""
+    """Makes a vehicle with a fault of a kind, and a healthy one."""
 
     def make(kind):
         name = NAMED.get(components_of(kind)[0], "")

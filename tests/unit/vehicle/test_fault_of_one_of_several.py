@@ -29,7 +29,7 @@ def mission(change):
 
 
 def of_first_engine(event):
-    return [{**event, "thing": "left"} if event["action"] in ("ignite", "cut_off") else event]
+    return [{**event, "component": "left"} if event["action"] in ("ignite", "cut_off") else event]
 
 
 TWO_ENGINES = (doubled("engines", "left", "right"), mission(of_first_engine))
@@ -63,7 +63,7 @@ def test_only_the_surface_that_is_named_fails(tables, kind):
 
 def test_only_the_parachute_that_is_named_is_late(tables):
     def two_mortars(event):
-        first = {**event, "name": "first", "thing": "drogue"}
+        first = {**event, "name": "first", "component": "drogue"}
         return [first, event] if event["action"] == "deploy" else [event]
 
     others = [doubled("parachutes", "drogue", "main"), mission(two_mortars)]
@@ -98,4 +98,4 @@ def test_a_surface_must_be_there_to_fail():
 
 
 def without_wing(event):
-    return [] if event["thing"] == "trim_wing" else [event]
+    return [] if event["component"] == "trim_wing" else [event]
