@@ -1,12 +1,14 @@
 """Kernels that are given functions, called with those of the members that the records choose."""
 
-from edl6dof.fsw.allocation import update as allocation
+from edl6dof.fsw.allocation.update import allocate as shared_out
 from edl6dof.fsw.functions import PLACES as SOFTWARE
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry import registry as entry
 from edl6dof.fsw.guidance.entry import steering
 from edl6dof.fsw.hazard import update as hazard
 from edl6dof.fsw.hazard.registry import GIVEN
+from edl6dof.kernels import kernel
+from edl6dof.sensors import registry as sensing
 from edl6dof.sim.functions import PLACES
 from edl6dof.vehicle import actuate as actuation
 from edl6dof.vehicle.faults import fault
@@ -29,9 +31,24 @@ def inflict(case, command, plant):
     fault.inflict(breaking(case), case, command, plant)
 
 
-def allocate(onboard, *given):
-    """:func:`edl6dof.fsw.allocation.update.allocate` by the method of an ``ONBOARD`` record."""
-    allocation.allocate(chosen("share_out", onboard), onboard["allocation"], *given)
+def sense(case, *given):
+    """:func:`edl6dof.sensors.registry.sense` by the sensors that a ``CASE`` record carries."""
+    params = case["sensors"]["params"]
+    carried = {int(one) for one in params["carried"][: int(params["n_carried"])]}
+    sensing.sense(PLACES["measure"].function(carried), case, *given)
+
+
+@kernel
+def _allocate(share_out, params, vehicle, health, effectiveness, demand, out):
+    shared_out(share_out, params, vehicle, health.thruster, effectiveness, demand, out)
+
+
+def allocate(params, vehicle, health, effectiveness, demand, out):
+    """:func:`edl6dof.fsw.allocation.update.allocate` by the method of the parameters, with a ``HEALTH``
+    record.
+    """
+    share_out = SOFTWARE["share_out"].function({int(params["method"])})
+    _allocate(share_out, params, vehicle, health, effectiveness, demand, out)
 
 
 def steer_bank(onboard, *given):

@@ -4,12 +4,12 @@ given.
 
 import numpy as np
 import pytest
-from given_functions import entry_guidance
+from given_functions import allocate, entry_guidance
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
 from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
-from edl6dof.fsw.allocation.update import ALLOCATION, allocate
+from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
@@ -69,9 +69,7 @@ CALLS = {
     "allocation": (
         {"params": ONBOARD["allocation"], "vehicle": ONBOARD["vehicle"], "health": HEALTH}
         | {"effectiveness": EFFECTIVENESS, "demand": DEMAND, "out": ALLOCATION},
-        lambda p, vehicle, health, effectiveness, demand, out: allocate(
-            p, vehicle, health["thruster"], effectiveness, demand, out
-        ),
+        allocate,
         {"out"},
     ),
     **{

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from given_functions import sense
 
 import edl6dof
 from edl6dof.campaign.design.distributions.registry import DISTRIBUTIONS
@@ -24,7 +25,6 @@ from edl6dof.sensors.registry import (
     SensorParams,
     draw_sensor_units,
     fill_sensor_params,
-    sense,
     sensor_problems,
 )
 from edl6dof.spatial.quaternion import from_axes

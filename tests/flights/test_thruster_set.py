@@ -9,6 +9,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.health import HEALTH
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE
 from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.records import build_tables
@@ -51,7 +52,8 @@ def test_thrust_and_torque_are_shared_out_together(torque):
     demand["groups"] = 1 << AXIAL | 1 << ATTITUDE | 1 << FINE
     demand["boosting"] = 1
     count = onboard["vehicle"]["n_thrusters"]
-    allocate(onboard, onboard["vehicle"], np.ones(32, "i8"), effectiveness, demand, out)
+    health = np.ones(1, HEALTH)[0]
+    allocate(onboard["allocation"], onboard["vehicle"], health, effectiveness, demand, out)
     duty = out["duty"][:count]
     given = duty @ effectiveness["matrix"][:count]
     assert np.all((duty >= 0.0) & (duty <= 1.0))

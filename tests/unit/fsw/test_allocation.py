@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from allocation_bench import share_out
+from given_functions import allocate
 from scipy.optimize import lsq_linear
 from thruster_wrenches import ENTRY, LANDER, wrenches
 
@@ -56,7 +56,7 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     assert p["method"] == ALLOCATORS.names.index("least_squares")
     for _ in range(rounds):
         effectiveness["version"] += 1
-        share_out(p, vehicle, HEALTHY, effectiveness, asked, memory)
+        allocate(p, vehicle, HEALTHY, effectiveness, asked, memory)
     return memory
 
 

@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from allocation_bench import share_out
+from given_functions import allocate
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
@@ -37,7 +37,7 @@ def solve():
         demand["wrench"], demand["groups"] = wrench, allowed
         demand["translating"], demand["boosting"] = translating, boosting
         params["method"] = method
-        share_out(params, vehicle, health, effectiveness, demand, found)
+        allocate(params, vehicle, health, effectiveness, demand, found)
         return found, vehicle["thrusters"]["group"][:count], count, effectiveness["matrix"][:count]
 
     return run

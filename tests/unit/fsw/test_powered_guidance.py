@@ -9,6 +9,7 @@ from pyquaternion import Quaternion
 
 from edl6dof.fsw.control.frames import shortest_arc
 from edl6dof.fsw.estimation.registry import DISTURBANCE
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE, standing_force
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
@@ -95,12 +96,12 @@ def test_thrust_axis_is_kept_until_the_engine_burns(onboard):
     body.nav["north_I"], body.nav["east_I"], body.nav["up_I"] = np.eye(3)
     held = (sin(tilt) * cos(azimuth), sin(tilt) * sin(azimuth), cos(tilt))
     body.nav["q_I2B"] = shortest_arc((-1.0, 0.0, 0.0), held)
-    quiet = np.zeros(1, DISTURBANCE)[0]
-    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
+    quiet, law = np.zeros(1, DISTURBANCE)[0], chosen("powered_law", onboard[0])
+    descend_by_engine(law, onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
     assert body.out["thrust_direction_N"] == pytest.approx((held[0], held[1], -held[2]), abs=1e-12)
     assert memory["target"]["set"] == 0  # chosen where the engine lights
     state["ignited"], state["mass"], state["engine"] = 1, 950.0, onboard[0]["vehicle"]["engines"][0]
-    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
+    descend_by_engine(law, onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
     assert memory["target"]["set"] == 1
     assert body.out["thrust_direction_N"][:2] @ held[:2] < 0.0  # against the drift
 
