@@ -130,8 +130,7 @@ class Episodes:
         """Made anew, with the flights where they were."""
         self.__init__(*state["made_with"])  # type: ignore[misc]
         self._starts.known.update(state["known"])
-        for mine, saved in zip(self.fleet.flights, state["flights"], strict=True):
-            mine[:] = saved
+        self.fleet.restore(state["flights"])
         self._steps[:] = state["steps"]
         vars(self.task).update(deepcopy(state["task"]))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +71,8 @@ def flight_software_beside(scenario: BaseModel) -> Iterator[Sequence[str] | None
     finally:
         if other is not None:
             other.wait()
-    mark.touch()
+    with suppress(OSError):  # the disk is full
+        mark.touch()
 
 
 def _software_process(members: Sequence[str]) -> subprocess.Popen[bytes]:
@@ -85,7 +86,7 @@ def _software_process(members: Sequence[str]) -> subprocess.Popen[bytes]:
 
 def compile_loop(members: Sequence[str], *arguments: Any) -> None:
     """Compile the loop for its arguments, and of the plant's families these members."""
-    fly.called.compile((FUNCTIONS, *map(numba.typeof, arguments)))
+    cache.compiled(fly.called.compile, (FUNCTIONS, *map(numba.typeof, arguments)))
     for place in OF_PLANT.values():
         place.compile(members)
 

@@ -5,7 +5,7 @@ hold no lock.  Each flies as it would alone, bit for bit.
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,6 +114,18 @@ class Fleet:
             if rest.any():  # pages that were never written to are left so: they take no memory
                 rest[:] = 0
         self.cycles[index], self.outcomes[index], self._current[index] = start.cycle, FLYING, 0
+        self._choose_functions(index)
+
+    def restore(self, flights: Sequence[np.ndarray]) -> None:
+        """Let all flights go on where those of another fleet are, its :attr:`flights`."""
+        for mine, saved in zip(self.flights, flights, strict=True):
+            mine[:] = saved
+        begun = self.onboards.view(np.uint8).reshape(len(self), -1).any(axis=1)
+        if begun.any():
+            self._choose_functions(int(begun.argmax()))
+
+    def _choose_functions(self, index: int) -> None:
+        """Take the functions that the cases and the flight computer of one flight choose."""
         self._functions[:] = [functions_of(self.cases, self.onboards[index])]
 
     def halt(self, which: np.ndarray) -> None:

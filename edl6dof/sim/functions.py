@@ -4,10 +4,12 @@ sensors and kinds of fault.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numba import float64, types
+from numba.extending import typeof_impl
 
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
@@ -38,13 +40,33 @@ RUN = Given(run, CYCLE)
 FUNCTIONS = types.Tuple([CYCLE, SOFTWARE, *(one.type for one in PLACES.values())])
 
 
+class Functions(tuple[Any, ...]):
+    """All that the loop is given: to find the type of a plain tuple of functions, numba warns of them."""
+
+
+@typeof_impl.register(Functions)
+def _(_given: Functions, _: Any) -> types.Type:
+    return FUNCTIONS
+
+
 def functions_of(cases: np.ndarray, onboard: Any) -> Any:
     """The functions of flights with these ``CASE`` records, an array of them, on one ``ONBOARD`` record."""
     params, faults = cases["sensors"]["params"], cases["faults"]
     sensors = _first(params["carried"], params["n_carried"])
     kinds = _first(faults["slots"]["params"]["kind"], faults["count"])
     plant = PLACES["measure"].function(sensors), PLACES["inflict"].function(kinds)
-    return RUN, software_functions(onboard), *plant
+    functions = Functions((RUN, software_functions(onboard), *plant))
+    _compile(functions)
+    return functions
+
+
+def _compile(functions: Iterable[Any]) -> None:
+    """Compile each alone: of several in one call, no more than one that the disk has no room for goes on."""
+    for one in functions:
+        if isinstance(one, Given):
+            one.compile()
+        else:
+            _compile(one)
 
 
 def _first(indices: np.ndarray, counts: np.ndarray) -> frozenset[int]:

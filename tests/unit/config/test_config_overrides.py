@@ -38,7 +38,7 @@ def test_defaults_that_the_file_leaves_out_can_be_set():
         "guidance.gain=3",
         "gains.new=1",
         "window_s.1=20",
-        "plugin.any.thing=x",
+        "plugin.any.component=x",
     )
     toy = changed(*settings, text=LEAST)
     assert toy.vehicle.chute.deploy_mach == 2.0
