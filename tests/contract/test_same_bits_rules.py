@@ -36,7 +36,7 @@ ALLOWED = {
     "sim/linear.py": "a linear analysis of a flight, which no flight reads",
     "spatial/rotations.py": "attitudes of pictures",
     "spatial/elementary.py:**": "integers, when the module is imported",
-    "scenario/plausible.py:dist": "a warning; no record holds it",
+    "scenario/loaded.py:dist": "a warning; no record holds it",
     "vehicle/mass.py:eigvalsh": "the numbers of an error message",
     "vehicle/mass.py:linalg": "the numbers of an error message",
     "vehicle/aerodynamics/panels.py:ConvexHull": "a warning; no record holds it",
