@@ -227,11 +227,11 @@ class Alone:
 def fly_alone(
     plan: Plan, event: EventFigures, workers: int | None = None, progress: Progress | None = None
 ) -> Alone:
-    """Fly every source that is no list one standard deviation up and down, all through the same random
-    profiles.
+    """Step each source that is not a list by one standard deviation up and down, and fly each step alone.
+    All flights have the same random profiles.
 
     Raises:
-        ConfigError: the campaign has no covariance, or a flight does not come to the event.
+        ConfigError: the campaign has no covariance, or a flight does not reach the event.
     """
     found = [source for source in sources(plan) if not source.is_list]
     one = np.eye(sum(source.width for source in found))

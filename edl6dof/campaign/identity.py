@@ -62,7 +62,7 @@ def compared(recorded: Identity, present: Identity) -> list[str]:
 
 
 def changed_files(recorded: Identity) -> list[str]:
-    """Tables, vehicle and planet files that are no longer those of ``recorded``."""
+    """Tables, vehicle and planet files that have changed since ``recorded``."""
     return [name for name, value in recorded.files.items() if _hash(PACKAGE.parent / name) != value]
 
 

@@ -297,10 +297,11 @@ class Index:
 
 
 def sobol_indices(a: np.ndarray, b: np.ndarray, swapped: Mapping[str, np.ndarray]) -> list[Index]:
-    """Indices of each group, the largest total first; none where rows are too few or the figure stands still.
+    """Indices of each group, largest total first; empty if rows are too few or the figure is constant.
 
-    First-order: the share of the variance that goes when a group of inputs is known.  Total: the share that
-    stays when all others are known; above the first-order index by what the group does together with others.
+    The first-order index is the share of the variance that vanishes when a group of inputs is known.  The
+    total index is the share that remains when all others are known; it exceeds the first-order index by the
+    interactions of the group with others.
 
     Sources: Saltelli et al., Comput. Phys. Commun. 181 (2010) 259, table 2, b and f; Jansen, Comput. Phys.
     Commun. 117 (1999) 35; intervals by the bootstrap over rows, Archer et al., J. Stat. Comput. Simul. 58
@@ -308,8 +309,8 @@ def sobol_indices(a: np.ndarray, b: np.ndarray, swapped: Mapping[str, np.ndarray
 
     Args:
         a: the figure of the flights of matrix A, shape (rows,); NaN where a flight has none.
-        b: of matrix B.
-        swapped: of A with a group from B, by the name of the group.
+        b: the same of matrix B.
+        swapped: the same of A with one group taken from B, by the name of the group.
     """
     every = np.stack([a, b, *swapped.values()])
     every = every[:, np.isfinite(every).all(axis=0)]

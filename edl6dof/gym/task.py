@@ -122,7 +122,7 @@ class Task(ABC):
 
 
 def nav(field: str) -> Callable[[np.ndarray], np.ndarray]:
-    """Reader of a field of navigation."""
+    """Return a function that reads a field of navigation."""
     return lambda memories: memories["nav"][field]
 
 

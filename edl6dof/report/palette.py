@@ -46,6 +46,6 @@ SEQUENTIAL = _inks(
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """Return the dark-ground variant of a colour of paper as red, green and blue, 0 to 255."""
+    """Return the variant of a paper colour for dark backgrounds as red, green and blue, 0 to 255."""
     red, green, blue = bytes.fromhex(DARK[colour][1:])
     return red, green, blue

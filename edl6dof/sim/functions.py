@@ -14,6 +14,7 @@ from numba.extending import typeof_impl
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
 from edl6dof.fsw.onboard import FSW
+from edl6dof.kernels.cache import SETTINGS
 from edl6dof.kernels.functions import NOTHING, Given, kind_of
 from edl6dof.registry import place
 from edl6dof.scenario.records import TABLES
@@ -56,7 +57,8 @@ def functions_of(cases: np.ndarray, onboard: Any) -> Any:
     kinds = _first(faults["slots"]["params"]["kind"], faults["count"])
     plant = PLACES["measure"].function(sensors), PLACES["inflict"].function(kinds)
     functions = Functions((RUN, software_functions(onboard), *plant))
-    _compile(functions)
+    if not SETTINGS.DISABLE_JIT:
+        _compile(functions)
     return functions
 
 

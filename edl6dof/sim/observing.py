@@ -87,7 +87,7 @@ def wanted(fsw: np.ndarray, thrusters: int) -> dict[str, Reader]:
 
 
 def true_state(plant: np.ndarray, outputs: np.ndarray) -> dict[str, Reader]:
-    """Readers of the truth, by name; ``outputs`` are those of the last derivative that was evaluated."""
+    """Functions that read the true state, by name; ``outputs`` belong to the last evaluated derivative."""
     found = {
         name: _number(outputs, field, 1.0)
         for name, field in (

@@ -190,11 +190,11 @@ def path_axes(v, up):
 
 @kernel
 def bank_angle(v, up, body_x, body_y, body_z):
-    """Bank angle: rotation about the velocity from the zero-bank path frame to the body turned back by alpha
-    and beta.
+    """Bank angle: rotation about the velocity from the path frame at zero bank to the body, after alpha and
+    beta are removed.
 
-    All vectors in one common frame.  The body axis that stays perpendicular to the velocity under alpha and
-    beta rotations is ``y_V = (y_B - sin(beta) x_V) / cos(beta)``; the bank angle is its angle from the
+    All vectors are in one common frame.  The body axis that stays perpendicular to the velocity under alpha
+    and beta rotations is ``y_V = (y_B - sin(beta) x_V) / cos(beta)``; the bank angle is its angle from the
     horizontal, positive right wing down.
     """
     x, y, z = path_axes(v, up)

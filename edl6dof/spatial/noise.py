@@ -37,8 +37,8 @@ def random_bits_at(key, i, j):
 
 @kernel
 def normal_pair(key, counter):
-    """Two independent standard normals of (``key``, ``counter``); none beyond 6.4, as they come from 32 bits
-    each.
+    """Two independent standard normal deviates for (``key``, ``counter``).  Each comes from 32 bits, so none
+    exceeds 6.4.
     """
     bits = random_bits(key, counter)
     low, high = float(bits & _LOW), float(bits >> _32)

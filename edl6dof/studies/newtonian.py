@@ -38,7 +38,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """The coefficients of both shapes; there is nothing to repeat."""
+    """Compute the coefficients of both shapes once; no flights are repeated."""
     mach, alpha, published = read_static_table("phoenix_70deg_static_aero.csv")
     gas = edl6dof.load("tianwen1").scenario.planet.gas
     size = (PHOENIX.diameter_m, PHOENIX.moment_reference_x_over_d * PHOENIX.diameter_m)

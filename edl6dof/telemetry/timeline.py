@@ -59,7 +59,7 @@ def timeline(
 
 
 def moment(t: float, key: str, name: str, **about: Any) -> Moment:
-    """Something that happened at time ``t`` (s)."""
+    """An entry of the timeline at time ``t`` (s)."""
     return {"t_s": float(t), "key": key, "name": name, **about}
 
 

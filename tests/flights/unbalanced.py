@@ -47,7 +47,7 @@ def half_a_step(case, tables, plant, outputs, work, middle, end, t_end):
         plant.y[VELOCITY + k] = 0.5 * (before[k] + plant.y[VELOCITY + k])
 
 
-def free(*given):
+def free(*given, **named):
     """Propellant that no tank gives."""
 
 

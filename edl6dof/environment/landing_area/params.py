@@ -94,7 +94,7 @@ LANDING_AREA = extended(
 def fill_landing_area(
     record: np.void, params: LandingAreaParams, tiles: np.void, seed: int, case: int
 ) -> None:
-    """Lay down what is generated for (``seed``, ``case``), in a record that has the parameters."""
+    """Generate relief, craters and rocks for (``seed``, ``case``) in a record that has the parameters."""
     if params.model == "none":
         return
     rng = Stream(seed, case, GROUND_STREAM)

@@ -12,7 +12,7 @@ import numpy as np
 from edl6dof.interface.capacities import MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import FINE
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import whole
 from edl6dof.spatial.vector import take3
 
 ROWS = 6  # force x, y, z; torque x, y, z
@@ -24,7 +24,7 @@ EFFECTIVENESS = np.dtype(
         ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
         # configuration that it belongs to, plus one; 0 before the first
         ("of", whole(0, 2**MAX_PARTS)),
-        ("version", COUNT),  # how often it was worked out
+        ("mark", "f8"),  # sum of all entries, each times its place: what is worked out from them keeps it
     ],
     align=True,
 )
@@ -47,9 +47,20 @@ def update_effectiveness(vehicle, configuration, effectiveness):
     than before.
     """
     if effectiveness.of != configuration + 1:
-        effectiveness.of, effectiveness.version = configuration + 1, effectiveness.version + 1
+        effectiveness.of = configuration + 1
         centre = take3(vehicle.configuration[configuration].centre, 0)
         effectiveness_matrix(vehicle.thrusters, vehicle.n_thrusters, centre, effectiveness.matrix)
+        effectiveness.mark = mark_of(effectiveness.matrix, vehicle.n_thrusters)
+
+
+@kernel
+def mark_of(matrix, count):
+    """Sum of all entries, each times its place: two matrices with equal sums are taken for the same."""
+    total = 0.0
+    for i in range(count):
+        for row in range(ROWS):
+            total += (ROWS * i + row + 1.0) * matrix[i, row]
+    return total
 
 
 @kernel

@@ -21,8 +21,9 @@ from edl6dof.fsw.allocation.effectiveness import ROWS, fine_enough, usable
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import AXIAL, FINE
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import whole
 from edl6dof.registry import Member
+from edl6dof.spatial.vector import put3, take3
 
 
 class LeastSquaresParams(Params):
@@ -55,8 +56,8 @@ MEMORY = np.dtype(
         ("price", "f8", (MAX_THRUSTERS,)),
         ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
         ("gain", "f8", (MAX_THRUSTERS,)),
-        ("gram_of", whole(0, 4)),
-        ("gram_version", COUNT),  # of the effectiveness that it belongs to
+        ("gram_weight", "f8", (3,)),
+        ("gram_mark", "f8"),  # of the effectiveness
     ],
     align=True,
 )
@@ -88,7 +89,7 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
     axial = 1.0 / p.axial_force_scale**2 if boosting else 0.0
     lateral = 1.0 / (p.force_scale if translating else p.stray_force_scale) ** 2
     weight = (axial, lateral, 1.0 / shared.torque_scale**2)
-    update_products(weight, count, 1 + 2 * translating + boosting, effectiveness, memory)
+    update_products(weight, count, effectiveness, memory)
     order, n = memory.order, 0
     # fine thrusters take their share first: the coarse ones then only get what is left, not the last few
     # newton metres
@@ -134,13 +135,12 @@ def product(weight, a, b):
 
 
 @kernel
-def update_products(weight, count, weights_key, effectiveness, memory):
-    """Work out ``memory.gram`` when it belongs to another effectiveness, or to other weights than those that
-    ``weights_key`` stands for.
-    """
-    if memory.gram_of == weights_key and memory.gram_version == effectiveness.version:
+def update_products(weight, count, effectiveness, memory):
+    """Work out ``memory.gram`` when it belongs to another effectiveness or to other weights."""
+    if memory.gram_mark == effectiveness.mark and take3(memory.gram_weight, 0) == weight:
         return
-    memory.gram_of, memory.gram_version = weights_key, effectiveness.version
+    memory.gram_mark = effectiveness.mark
+    put3(memory.gram_weight, 0, weight)
     for i in range(count):
         for j in range(count):
             memory.gram[i, j] = product(weight, effectiveness.matrix[i], effectiveness.matrix[j])

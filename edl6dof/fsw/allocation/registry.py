@@ -3,7 +3,7 @@
 A member has one kernel, ``share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty,
 unallocated)``: it writes ``duty`` (0..1 each) and what these leave of the demand.  ``params`` and ``memory``
 are its own, ``shared`` what all methods have in common.  What was worked out from the effectiveness no
-longer holds when ``effectiveness.version`` changes.  An unallocated torque stops the integrators of attitude
+longer holds when ``effectiveness.mark`` changes.  An unallocated torque stops the integrators of attitude
 control.  On the nominal flight
 (``tests/flights/test_allocation_methods.py`` flies both):
 

@@ -111,8 +111,8 @@ def speed_is_wrong(params, instruments, health, radar, speed, sigma, memory):
 
 @kernel
 def vertical_is_wrong(params, instruments, radar, q, up):
-    """Whether several beams have an echo though the attitude ``q`` has them look less than the least angle
-    below the horizon; ``up``: unit vector, I.  One alone may have failed.
+    """True if at least two beams have an echo although, by the attitude ``q``, they point less than
+    ``params.horizon`` below the horizon; ``up``: unit vector, I.  A single such beam may have failed.
     """
     if radar.fresh == 0:
         return False

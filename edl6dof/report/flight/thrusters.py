@@ -173,7 +173,7 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
 
 
 def leaks(run: Run, rows: np.ndarray) -> Panel:
-    """Draw when which branch was closed to test it for a leak."""
+    """Draw the times at which each branch was closed to test it for a leak."""
     t, leaking = run.t[rows], run["diagnosis.leaking"][rows]
     lanes = sorted({int(number) for number in leaking if number >= 0.0})
     y = Axis("leak in branch", names=[list(thrusters_of(run))[number] for number in lanes])

@@ -55,7 +55,6 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     update_effectiveness(vehicle, LANDER, effectiveness)
     assert p["method"] == ALLOCATORS.names.index("least_squares")
     for _ in range(rounds):
-        effectiveness["version"] += 1
         allocate(p, vehicle, HEALTHY, effectiveness, asked, memory)
     return memory
 

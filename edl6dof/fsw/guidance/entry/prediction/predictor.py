@@ -33,16 +33,16 @@ LOWEST = -5000.0  # m: below it a prediction has failed to slow down
 
 @kernel
 def predict(onboard, nav, out, plan):
-    """Fly on from ``nav`` to the parachute with a bank plan (:mod:`bank_plan`).
+    """Predict the flight from ``nav`` to the parachute with a bank plan (:mod:`bank_plan`).
 
-    Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``; that of
-    drag follows its trend with height.
+    Drag and lift-to-drag ratio are the onboard model times the ratios measured so far, from ``out``.  The
+    ratio of drag follows its trend with height.
 
     Returns:
-        downrange miss (m, positive beyond the aim point) and crossrange miss (m, positive right of it)
-        relative to the great circle from here to the aim point, to the course where the aim point is all but
-        passed; altitude (m) and time (s) at the end.  Where the heading is aligned, a flight out of the plane
-        has for crossrange the one at which that begins.
+        downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), altitude
+        (m) and time (s) at the end.  The misses are relative to the great circle from here to the aim point,
+        or to the course if the aim point lies far off it.  With heading alignment, a plan that is not in
+        plane returns the crossrange at the start of the alignment.
     """
     planet, entry = onboard.planet, onboard.guidance.entry
     r, v = fixed_state(planet, nav)
