@@ -125,9 +125,9 @@ class Given(NamedTuple):
     kernel: Any
     type: Passed
 
-    def __call__(self, *given: Any) -> Any:
+    def __call__(self, *given: Any, **named: Any) -> Any:
         """Call the kernel: without numba's compiler, the loop does."""
-        return self.kernel(*given)
+        return self.kernel(*given, **named)
 
     def compile(self) -> None:
         """Compile the kernel."""
