@@ -93,6 +93,7 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
     """
     mission, configuration = onboard.mission, onboard.vehicle.configuration
     gone, hanging = 0, Hanging(0, np.inf, configuration[0].mass)
+    scene = (onboard, parachutes, winds, wind, areoid)
     enter(phase, 0.0, scratch.sequence)
     for k in range(STEPS):
         if mission.phases[scratch.sequence.phase].guidance != G_NONE or y[ALTITUDE] <= onboard.site.altitude:
@@ -118,7 +119,7 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
                 pack = parachutes[event.component]
                 taut = k * STEP + event.delay + pack.line_length / pack.mortar_speed
                 hanging = Hanging(event.component, taut, hanging.mass)
-        _advance(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=k * STEP, y=y)
+        _advance(scene, hanging, k * STEP, y)
 
 
 @kernel
@@ -135,29 +136,12 @@ def _look(onboard, y, t, nav):
 
 
 @kernel
-def _advance(onboard, parachutes, winds, wind, areoid, hanging, t, y):
-    a = _rates(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=t, y=y)
-    b = _rates(
-        onboard,
-        parachutes,
-        winds,
-        wind,
-        areoid,
-        hanging=hanging,
-        t=t + 0.5 * STEP,
-        y=_moved(y, 0.5 * STEP, a),
-    )
-    c = _rates(
-        onboard,
-        parachutes,
-        winds,
-        wind,
-        areoid,
-        hanging=hanging,
-        t=t + 0.5 * STEP,
-        y=_moved(y, 0.5 * STEP, b),
-    )
-    d = _rates(onboard, parachutes, winds, wind, areoid, hanging=hanging, t=t + STEP, y=_moved(y, STEP, c))
+def _advance(scene, hanging, t, y):
+    """Carry the state ``y`` over one step from ``t`` (s): Runge-Kutta of fourth order."""
+    a = _rates(scene, hanging, t, y)
+    b = _rates(scene, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, a))
+    c = _rates(scene, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, b))
+    d = _rates(scene, hanging, t + STEP, _moved(y, STEP, c))
     for i in range(len(y)):
         y[i] += STEP / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i])
 
@@ -172,8 +156,16 @@ def _moved(y, step, rates):
 
 
 @kernel
-def _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y):
-    """Rates of the state."""
+def _rates(scene, hanging, t, y):
+    """Rates of the state at time ``t`` (s), shape (6,): m/s, then m/s2.
+
+    Args:
+        scene: vehicle and air as :func:`expected_drift` is given them, from ``onboard`` to ``areoid``.
+        hanging: :class:`Hanging`.
+        t: flight time, s.
+        y: state, shape (6,).
+    """
+    onboard, parachutes, winds, wind, areoid = scene
     planet, chute = onboard.planet, parachutes[hanging.chute]
     density, sound, _ = model_atmosphere(onboard.atmosphere, y[ALTITUDE])
     north, east = wind_at(wind, winds, y[ALTITUDE] - areoid)

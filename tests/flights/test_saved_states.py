@@ -75,7 +75,7 @@ def refused(path):
 
 @pytest.mark.parametrize(("first", "last"), [(60, 140), pytest.param(0, 240, marks=pytest.mark.long)])
 def test_corrupted_states_are_refused_or_flown(saved, tmp_path, first, last):
-    """About one seed in fifteen gives a state that can be flown: none of 80 has a chance of 0.4 %."""
+    """About one seed in fifteen gives a state that can be flown; the test asks for more than one in fifty."""
     files = []
     for t, one in saved.items():
         files.append(str(tmp_path / f"at_{t:.0f}.npz"))
@@ -88,7 +88,7 @@ def test_corrupted_states_are_refused_or_flown(saved, tmp_path, first, last):
     assert len(ends) == last - first
     kinds = [kind for kind, _ in ends.values()]
     # both happen often enough for the test to mean something
-    assert kinds.count("refused") > 15 and kinds.count("flown") > 0
+    assert kinds.count("refused") > 15 and kinds.count("flown") > len(kinds) // 50
     assert all(words and "flying" not in words for _, words in ends.values())
 
 

@@ -7,7 +7,7 @@ reads beyond what the branch was to let through is
     + (1 - e) f_i     its valve stays open
 
 whatever air, riser and engine do to the vehicle, and for as long as the fault lasts.  The errors of a meter
-are known, so the evidence is the plain log likelihood ratio against "sound": a running sum that never falls
+are known, so the evidence is the plain log likelihood ratio against "healthy": a running sum that never falls
 below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss.  A
 cycle that tells another loss than those before it starts afresh: the fault is younger than they are.  What is
 missing while several of a branch fire makes each of them doubtful; each is then tried alone.

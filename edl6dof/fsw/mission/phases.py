@@ -75,7 +75,9 @@ class Condition(Params):
     """A condition on one navigated quantity."""
 
     quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
-    crosses: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")
+    crosses: Literal["below", "above"] = param(
+        REQUIRED, "side of the value on which it holds, also where the quantity was there from the start"
+    )
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
 
 

@@ -132,8 +132,8 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _carry_forward(params, onboard, health, ground_seen, solution, memory):
-    """Bring the covariance up to the time of the solution, with the height of the ground where the radar sees
-    it (``ground_seen``): the slope is that between the beams, and holds for no way that none of them saw.
+    """Bring the covariance up to the time of the solution, and the height of the ground with it while the
+    radar sees it (``ground_seen``): the slope between the beams says nothing of ground that no beam has seen.
     """
     planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
     mind_exclusions(instruments, health, memory)
