@@ -12,6 +12,7 @@ import os
 import re
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -38,6 +39,8 @@ PACKAGE = Path(__file__).resolve().parents[1]
 _WITH_MEMBERS = tuple(str(PACKAGE / room) for room in ("fsw", "sensors", "vehicle/faults"))
 #: numba's settings that change machine code and are not in its own key.
 _FLAGS = ("BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "OPT", "SLP_VECTORIZE")
+#: numba's warning that functions which are passed are an experimental feature.
+EXPERIMENTAL = numba.NumbaExperimentalFeatureWarning
 #: Age (s) at which a folder that was not used goes: 30 days.
 OLDEST_S = 30.0 * 86400.0
 #: Room (bytes) that must be free on the disk: all code of the package takes half.
@@ -195,13 +198,15 @@ def _seal(place: Path, name: str) -> None:
 
 def compiled(call: Callable[..., Any], *given: Any, **named: Any) -> Any:
     """Result of a call that may compile; where the code cannot be written, of another: it is in memory."""
-    try:
-        return call(*given, **named)
-    except OSError as error:  # no kernel raises it
-        say_once(f"machine code is not kept: {error.strerror}: {folder()} {_ADVICE}")
-        return call(*given, **named)
-    finally:
-        written()
+    with warnings.catch_warnings():  # the caller may take warnings for errors
+        warnings.simplefilter("ignore", EXPERIMENTAL)
+        try:
+            return call(*given, **named)
+        except OSError as error:  # no kernel raises it
+            say_once(f"machine code is not kept: {error.strerror}: {folder()} {_ADVICE}")
+            return call(*given, **named)
+        finally:
+            written()
 
 
 @cache

@@ -21,15 +21,13 @@ from numba import types
 from numba.experimental.function_type import FunctionModel, unbox_function_type
 from numba.extending import register_model, typeof_impl, unbox
 
-from edl6dof.kernels.cache import compiled
+from edl6dof.kernels.cache import EXPERIMENTAL, compiled
 from edl6dof.kernels.jit import Kernel, kernel
 
 #: What a kernel returns that is passed as a function: nothing, or a number.
 NOTHING, NUMBER = types.none, types.float64
 
-warnings.filterwarnings(
-    "ignore", category=numba.NumbaExperimentalFeatureWarning, message=".*First-class function"
-)
+warnings.simplefilter("ignore", EXPERIMENTAL)  # of the types that modules make when they are imported
 
 
 def numbers(*shape: int) -> types.Type:

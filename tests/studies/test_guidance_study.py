@@ -11,6 +11,7 @@ from numba.core.runtime import _nrt_python, rtsys
 import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import Variants
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.navigation.derived import NAV
@@ -217,8 +218,10 @@ def test_no_entry_law_allocates(nominal):
     navs, memories = np.zeros(1, NAV), np.zeros(1, ENTRY_MEMORY)
     navs[0], memories[0] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     for law in range(len(ENTRY_LAWS.members)):
+        onboard["guidance"]["entry"]["law"] = law
+        functions = [chosen(name, onboard[0]) for name in ("entry_law", "bank_side")]
         rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
-        once, often = (allocations(guidance._repeat, law, *rest, n) for n in (1, 20))
+        _, once, often = (allocations(guidance._repeat, *functions, *rest, n) for n in (1, 1, 20))
         assert once == often, ENTRY_LAWS.names[law]
 
 
@@ -227,8 +230,8 @@ def test_small_run_comes_out_whole(monkeypatch):
     monkeypatch.setattr(guidance, "CONDITIONS", CONDITIONS[:2])
     monkeypatch.setattr(guidance, "REPEATS", 5)
     seen = []
-    chosen = ("npc", "bank_profile")
-    report = guidance.STUDY.fly(3, chosen, lambda done, total: seen.append((done, total)))
+    laws = ("npc", "bank_profile")
+    report = guidance.STUDY.fly(3, laws, lambda done, total: seen.append((done, total)))
     # of two laws: 2 conditions and 3 dispersed entries of one vehicle, 2 conditions of the other
     density, angle = "truth.atmosphere.density_factor", f"truth.{ANGLE}"
     names = ("law", "condition", "profile", density, angle)

@@ -9,6 +9,7 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
+from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
@@ -95,10 +96,11 @@ def test_no_powered_law_allocates():
         record[0] = saved[0]
     memories = [np.zeros(1, POWERED_LAWS.memory) for _ in range(2)]
     for law, name in enumerate(POWERED_LAWS.names):
-        counts = []
+        onboard["guidance"]["powered"]["law"] = law
+        function, counts = chosen("powered_law", onboard[0]), []
         for repeats in (1, 1, 20):
             before = rtsys.get_allocation_stats().alloc
-            landing._repeat(law, onboard, *records, *memories, np.zeros(1, GUIDE), repeats)
+            landing._repeat(function, onboard, *records, *memories, np.zeros(1, GUIDE), repeats)
             counts.append(rtsys.get_allocation_stats().alloc - before)
         assert counts[1] == counts[2], name
 

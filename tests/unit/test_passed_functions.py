@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -101,6 +102,18 @@ def test_a_member_that_comes_later_flies_in_the_loop_as_it_was_compiled(records)
     late = Given(negative, LAW), SEVERAL.function({0})
     assert fly(late, 0, params, memory, 5.0)[0] == (-3.0, 5.0)
     assert fly.called.signatures == known and len(known) == 1
+
+
+def test_a_caller_that_takes_warnings_for_errors_can_compile_a_loop(records):
+    params, memory = records
+
+    @kernel
+    def once(functions, params, memory):
+        return functions[0](0, params, memory, 5.0)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert once(carrying(0), params, memory) == (15.0, 10.0)
 
 
 def test_an_error_in_a_member_is_that_of_the_flight(records):

@@ -46,7 +46,7 @@ def test_defaults_that_the_file_leaves_out_can_be_set():
     assert toy.guidance.gain == 3.0
     assert toy.gains == {"new": 1.0}
     assert toy.window_s == (0.0, 20.0)
-    assert toy.plugin == {"any": {"thing": "x"}}
+    assert toy.plugin == {"any": {"component": "x"}}
 
 
 def test_list_items_are_chosen_by_index_or_name():
