@@ -120,7 +120,7 @@ def show_calibration(found: Findings, target: Path) -> None:
 
 
 def _parameters(found: Findings, letters: Sequence[str]) -> Table:
-    table = open_table("", "", "prior>", "posterior>", "shift (sigma)>", "told by figures>")
+    table = open_table("", "", "prior>", "posterior>", "shift (sigma)>", "share from data>")
     for k, (path, prior) in enumerate(found.calibration.params.parameters.items()):
         cells = (
             f"{prior.mean:g} +- {prior.sigma:g}",

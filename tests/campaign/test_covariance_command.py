@@ -24,7 +24,7 @@ def test_covariance_is_that_of_the_campaign_beside_it(edl6dof, tmp_path):
     assert edl6dof("campaign", write_drop(tmp_path), "-q")[0] == 0
     status, out, _ = edl6dof("covariance", "runs/drops", "--at", "entry", "--pairs", "8", "--out", "b.csv")
     assert status == 0 and "campaign: 430 flights, 26.9 times as many" in out
-    assert "not told from the rest: vehicle.rcs.thrusters.*.thrust_n" in out
+    assert "not significant: vehicle.rcs.thrusters.*.thrust_n" in out
     found, flown = budget(tmp_path / "b.csv"), pq.read_table("runs/drops/cases.parquet")
     sampled = np.array([flown[name].to_numpy().std(ddof=1) for name in FIGURES])
     assert found["all"] == pytest.approx(sampled, rel=0.1)
