@@ -102,8 +102,8 @@ def _figures(found: Design) -> Table:
         table.add_row(figure, unit, *(f"{value:,.{places}f}" for value in values), limit)
 
     row("altitude of the parachute", "m", lambda p: p.altitude_m)
-    row("beyond the aim point", "m", lambda p: p.beyond_m)
-    row("right of it", "m", lambda p: p.aside_m, f"{limits.aside_m:,.0f}")
+    row("downrange miss", "m", lambda p: p.beyond_m)
+    row("crossrange miss", "m", lambda p: p.aside_m, f"{limits.aside_m:,.0f}")
     row("largest load", "g0", lambda p: p.load_g0, f"{limits.load_g0:.1f}", 2)
     row("largest heat rate", "W/cm2", lambda p: p.heat_rate_w_cm2, f"{limits.heat_rate_w_cm2:.0f}", 1)
     pressure = f"{limits.dynamic_pressure_pa:,.0f}"
