@@ -27,7 +27,7 @@ class Fleet(sim.Fleet):
 
     @property
     def flying(self) -> np.ndarray:
-        """True for each flight that goes on, shape (flights,)."""
+        """True for each flight that has not ended, shape (flights,)."""
         return self.outcomes == FLYING
 
     def landed_well(self, limits: LimitParams) -> np.ndarray:

@@ -91,11 +91,11 @@ class Flight(sim.Flight, FlightResults):
 
 
 class RecordedFlight(FlightResults):
-    """A flight read from the folder of a run; every file is compared with its hash before it is used.
+    """A flight that is read from the folder of a run; the hash of every file is checked before use.
 
     Attributes:
-        folder: of the run.
-        telemetry: columns by name, read when they are asked for.
+        folder: folder of the run.
+        telemetry: columns by name, each read at its first use.
     """
 
     def __init__(self, folder: Path):
@@ -108,7 +108,7 @@ class RecordedFlight(FlightResults):
 
     @property
     def outcome(self) -> str:
-        """How it ended, in words."""
+        """Outcome of the flight in words."""
         return self._run.summary["outcome"]
 
     @property

@@ -43,7 +43,7 @@ class FlightResults(ABC):
     @property
     @abstractmethod
     def outcome(self) -> str:
-        """How it ended, in words."""
+        """Outcome of the flight in words."""
 
     @property
     @abstractmethod

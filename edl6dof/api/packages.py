@@ -1,8 +1,8 @@
-"""Functions of ``import edl6dof`` that have the names of its packages: ``edl6dof.report(run)`` beside
+"""Make packages callable whose names are also functions, so that ``edl6dof.report(run)`` works together with
 ``from edl6dof.report.document import Report``.
 
-Python puts a package, once it is imported, in the place of the function of its name.  It is called like the
-function from then on.
+When Python imports such a package, the package replaces the function of the same name.  The package is then
+called like the function.
 """
 
 from __future__ import annotations

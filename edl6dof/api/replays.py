@@ -69,7 +69,7 @@ class Film(NamedTuple):
             raise refusal(self.file, "is no name of a film; films are written as .mp4")
 
     def cut(self, recording: Path) -> film.Cut:
-        """Cut the film: the whole flight, in no more than a minute, where nothing else was asked for."""
+        """Return the part of the flight to film: by default the whole flight, in at most a minute."""
         first = recorded_span(recording)[0] if self.start_s is None else self.start_s
         first, last = _time(recording, "--from", first), _time(recording, "--to", self.end_s)
         if first >= last:
@@ -186,10 +186,10 @@ def _labels(runs: Sequence[Path]) -> list[str]:
 
 
 def _time(recording: Path, option: str, asked_s: float | None) -> float:
-    """A time of the recording, s: what was asked for, or its end.
+    """Return the requested time of the recording, s, or by default its end.
 
     Raises:
-        ConfigError: the recording does not reach so far.
+        ConfigError: the time is outside the recording.
     """
     first, last = recorded_span(recording)
     if asked_s is None:

@@ -107,7 +107,9 @@ def remarks(found: Findings) -> list[str]:
         said.append(f"The figures say next to nothing about: {', '.join(untold)}.")
     for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
         if abs(correlation := fitted.correlation[i, j]) > ALIKE:
-            said.append(f"The figures cannot separate {paths[i]} and {paths[j]} (correlation {correlation:+.2f}).")
+            said.append(
+                f"The figures cannot separate {paths[i]} and {paths[j]} (correlation {correlation:+.2f})."
+            )
     if bound := [path for path, stands in zip(paths, fitted.at_bound, strict=True) if stands]:
         said.append(f"At a bound: {', '.join(bound)}.")
     if lost := found.unexplained:

@@ -86,7 +86,7 @@ def campaign(
 
 @contextmanager
 def _keeping(command: str, scenario: str, out: Path | None, resume: bool) -> Iterator[None]:
-    """Say how to go on with a campaign that is interrupted while it goes on: what has flown is kept."""
+    """Print how to resume a campaign if it is interrupted; the cases flown so far are kept."""
     try:
         yield
     except KeyboardInterrupt:
@@ -291,7 +291,7 @@ def covariance(
     if not lexists(folder / "campaign.json"):
         plan = load_plan(campaign, tuple(sets or ()), seed=seed)
     elif sets:
-        raise refusal(folder, "has its plan; covariance beside it takes no other values")
+        raise refusal(folder, "has its plan; its covariance accepts no other values")
     else:
         store = Store(folder)
         plan = resumed_plan(store)

@@ -83,7 +83,7 @@ def _rows(found: Covariance, sampled: np.ndarray | None) -> Iterator[tuple[str, 
 
 
 def _budget(found: Covariance) -> Table:
-    """Sources by their share in the position, or in all figures where none is told."""
+    """Return the sources in the order of their share in the position, or in all figures without one."""
     names = found.event.all[:_COLUMNS]
     table = _table("1 sigma of each source", names)
     floor = _CLEAR * found.pairs.slope_error[: len(names)]

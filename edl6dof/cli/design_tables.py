@@ -41,7 +41,7 @@ from edl6dof.sim.flight import Flight, fly, resolved_text
 
 
 def goal_of(maximise: str | None, minimise: str | None) -> Goal:
-    """Return what is asked for: one of the goals, by the option that belongs to it."""
+    """Return the goal of the design that the options select."""
     given = {"--maximise": maximise, "--minimise": minimise}
     if None not in given.values():
         raise refusal("--minimise", "and --maximise cannot both be given")
@@ -119,7 +119,7 @@ def _figures(found: Design) -> Table:
 
 
 _LIMITS = "flight_software.guidance.entry.limits"
-#: What to change where a designed plan does not keep a limit.
+#: Advice for each limit that a designed plan may violate.
 _REMEDIES = {
     "load": f"load: enter at a flatter angle, or raise {_LIMITS}.load_g0",
     "heat rate": f"heat rate: enter at a flatter angle, or raise {_LIMITS}.heat_rate_w_cm2",

@@ -40,9 +40,9 @@ def design_entry(
 ) -> int:
     """Optimise the bank profile of the planned entry.
 
-    It is shown beside the one of the scenario. Load, heat rate and dynamic pressure keep to
-    flight_software.guidance.entry.limits, the bank angles to their limits less the reserve, and the profile
-    to a quarter of the bank rate.
+    The result is compared with the profile of the scenario. Load, heat rate and dynamic pressure stay within
+    flight_software.guidance.entry.limits, the bank angles within their limits less the reserve, and the
+    profile changes by at most a quarter of the bank rate.
 
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
     """
@@ -90,21 +90,21 @@ def design_landing(
     sets: Sets = None,
     divert_m: Annotated[
         float | None,
-        option("M", "Divert against the drift, in the place of the scenario's target.divert_m.", min=0.0),
+        option("M", "Divert against the drift; replaces the scenario's target.divert_m.", min=0.0),
     ] = None,
     out: Annotated[Path | None, option("FILE", "Write states and controls (.csv).")] = None,
     figure: Annotated[
-        Path | None, option("FILE", "Draw them beside the scenario's own (.png, .pdf, .svg).")
+        Path | None, option("FILE", "Plot them with the scenario's own flight (.png, .pdf, .svg).")
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
-    """Design the powered landing of least propellant.
+    """Design the powered landing with the least propellant.
 
-    It is that of the rigid lander, from the true state of the scenario's own flight where the engine lights
-    to rest at its powered target, by successive convexification; shown beside what the scenario's own law
-    flies. Needs cvxpy: pip install 'edl6dof[design]'.
+    Successive convexification optimises the landing of the rigid lander, from the true state of the
+    scenario's own flight at engine ignition to rest at its powered target. The result is compared with the
+    flight of the scenario's own law. Needs cvxpy: pip install 'edl6dof[design]'.
 
-    Exit status: 0 designed, 1 no landing within the limits or one that breaks them on its way, 2 bad input,
+    Exit status: 0 designed, 1 no landing within the limits or one that exceeds them on its way, 2 bad input,
     69 cvxpy is missing, 130 interrupted.
     """
     activate(scenario)

@@ -176,9 +176,9 @@ def study(
     quick: Annotated[bool, flag("Fly few runs, to see that it works.", "--quick")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
 ) -> int:
-    """Repeat a paper's experiment: computed beside published.
+    """Repeat a paper's experiment and compare computed with published values.
 
-    Exit status: 0 every published requirement is kept, 1 not, 2 bad input, 130 interrupted.
+    Exit status: 0 every published requirement is met, 1 not, 2 bad input, 130 interrupted.
     """
     activate()
     from edl6dof.cli.studies import list_studies, run_study

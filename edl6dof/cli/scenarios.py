@@ -1,4 +1,4 @@
-"""Commands about one scenario: fly it, check it, begin one of your own, and what may stand in it."""
+"""Commands for one scenario: fly it, check it, start your own, and list its parameters."""
 
 from __future__ import annotations
 

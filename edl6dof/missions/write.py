@@ -70,9 +70,9 @@ def sigmas(one: Predicted) -> str:
 
 
 def remark(one: Predicted) -> str:
-    """Say if the flown value is predicted, or why it does not count; how many keep a requirement."""
+    """Say if the flown value is predicted, or why it does not count; how many meet a requirement."""
     if one.published.required:
-        return f"{100.0 * one.below:.3g} % keep" if isfinite(one.below) else "not reached"
+        return f"{100.0 * one.below:.3g} % meet" if isfinite(one.below) else "not reached"
     if one.counted:
         words = [] if one.inside else [OUTSIDE]
     else:

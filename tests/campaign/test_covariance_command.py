@@ -62,6 +62,6 @@ def test_bad_input_is_refused(edl6dof, tmp_path, words, message):
 def test_beside_a_campaign_no_other_values(edl6dof, tmp_path):
     assert edl6dof("campaign", write_drop(tmp_path), "-n", "8", "-q")[0] == 0
     status, _, err = edl6dof("covariance", "runs/drops", "--set", "wind.scale=2")
-    assert status == 2 and "covariance beside it takes no other values" in err
+    assert status == 2 and "its covariance accepts no other values" in err
     status, _, err = edl6dof("covariance", "runs/drops", "--at", "entry")
     assert status == 2 and "only 8 of its flights came to the event" in err
