@@ -6,12 +6,11 @@
 
 A mutant is one small change of one kernel: a sign, an operation, a coefficient by 10 %, a comparison turned
 around, min for max, sine for cosine.  The sample is drawn from all kernels by ``--seed``, one mutant a kernel
-before any kernel has two.  Each mutant is tested in a copy of the repository, with machine code of its own: first by the test files that
-name its module, then by all tests of its room.  A test that also fails without the mutant kills nothing: the
-same test runs in an unchanged copy before its verdict counts.  ``EQUIVALENT`` lists mutants that change no
-result.
-
-Exit status 1: fewer than 95 % are killed, or a test fails without a mutant.
+before any kernel has two.  Each mutant is tested in a copy of the repository, with machine code of its own:
+first by the test files that name its module, then by all tests of its room.  A test that also fails without
+the mutant kills nothing: the same test runs in an unchanged copy before its verdict counts.  ``EQUIVALENT``
+lists mutants that change no result.  Exit status 1: fewer than 95 % are killed, or a test fails without a
+mutant.
 """
 
 from __future__ import annotations
