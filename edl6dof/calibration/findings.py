@@ -18,19 +18,19 @@ from edl6dof.config.document.scalars import write_scalar
 #: A residual beyond which a figure is not explained, in standard deviations.
 UNEXPLAINED = 2.0
 #: Resolution below which the figures say next to nothing about a parameter, and correlation above which they
-#: tell two parameters apart no more.
+#: cannot separate two parameters.
 UNTOLD, ALIKE = 0.1, 0.9
 
 
 @dataclass(frozen=True, repr=False)
 class Findings:
-    """A calibration that has been done.
+    """Result of a calibration.
 
     Attributes:
-        calibration: what was to be explained, and by what.
+        calibration: the figures and the parameters.
         fit: the posterior.
         before: means of the figures over neighbouring flights at the priors' means, shape (figures,).
-        after: the same at the solution: flown, not read off the surface.
+        after: the same at the solution; flown, not computed from the linear model.
     """
 
     calibration: Calibration
@@ -57,7 +57,7 @@ class Findings:
 
     @property
     def residuals(self) -> np.ndarray:
-        """Of the figures, in standard deviations of what is published and of one flight; not widened."""
+        """Residuals of the figures, in standard deviations (published and of one flight, not widened)."""
         return (self.after - self.calibration.data.number) / self.fit.sigma
 
     @property
