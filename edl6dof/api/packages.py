@@ -14,7 +14,7 @@ from typing import Any
 
 
 def stay_callable(package: ModuleType, functions: Mapping[str, Callable[..., Any]]) -> None:
-    """Let what is imported into ``package`` under the name of one of these functions be called like it."""
+    """Make modules of ``package`` with the names of these functions callable like the functions."""
 
     class Package(ModuleType):
         """A package that knows functions of the names of its packages."""
@@ -31,7 +31,7 @@ def _called(function: Callable[..., Any]) -> type[ModuleType]:
     """Modules that are called like a function."""
 
     class Called(ModuleType):
-        """A package that is a function too."""
+        """A package that is also a function."""
 
         __signature__ = inspect.signature(function)
 

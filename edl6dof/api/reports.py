@@ -1,4 +1,4 @@
-"""The report of a run or a campaign: one page for whatever the folder holds."""
+"""Reports of runs and campaigns: one page for the contents of a folder."""
 
 from __future__ import annotations
 
