@@ -31,7 +31,7 @@ def design_entry(
     ] = None,
     points: Annotated[int, option("N", "Speeds at which the bank angle is free.", min=2, max=16)] = 6,
     reserve: Annotated[
-        float, option("DEG", "How far the plan stays from the bank limits.", min=0.0, max=60.0)
+        float, option("DEG", "Distance of the plan from the bank limits.", min=0.0, max=60.0)
     ] = 10.0,
     out: Annotated[
         Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
@@ -94,7 +94,7 @@ def design_landing(
     ] = None,
     out: Annotated[Path | None, option("FILE", "Write states and controls (.csv).")] = None,
     figure: Annotated[
-        Path | None, option("FILE", "Plot them with the scenario's own flight (.png, .pdf, .svg).")
+        Path | None, option("FILE", "Plot the result with the scenario's own flight (.png, .pdf, .svg).")
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
