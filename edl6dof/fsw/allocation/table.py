@@ -34,7 +34,7 @@ class TableParams(Params):
 
 @kernel
 def in_row(matrix, i, row, sign, alignment):
-    """Whether thruster ``i`` belongs to the row of the table for an axis and sign."""
+    """Return whether thruster ``i`` belongs to the row of the table for an axis and sign."""
     first = 1 if row < 3 else 3
     square = 0.0
     for k in range(first, 3 if row < 3 else 6):

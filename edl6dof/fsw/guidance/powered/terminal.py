@@ -1,9 +1,9 @@
 """The last hundred metres: hover and imaging, lateral hazard avoidance, slow vertical descent.
 
 Height is controlled by thrust, lateral motion in hover by a small tilt, then by the horizontal thrusters with
-the vehicle upright.  The standing lateral force is fed forward: the tilt, or the thrusters, hold against it
-before it has moved the vehicle.  Source of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the laws are
-proportional-derivative, an estimate.
+the vehicle upright.  The lateral bias force (an engine out of line, wind) is fed forward: tilt or thrusters
+cancel it before it has moved the vehicle.  Source of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the
+laws are proportional-derivative, an estimate.
 """
 
 from __future__ import annotations
@@ -14,12 +14,38 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
-from edl6dof.spatial.elementary import tan
-from edl6dof.spatial.vector import clamp, put3
+from edl6dof.spatial.elementary import exp, tan
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import clamp, dot, put3, take3
+
+LATERAL_BIAS = np.dtype([("known", FLAG), ("force_N", "f8", (2,))], align=True)
+
+
+@kernel
+def lateral_bias(time_constant, nav, disturbance, dt, memory):
+    """Return the lateral bias force, north and east (N): the steady force across the thrust axis that neither
+    engine nor thrusters explain.
+
+    It is the estimated disturbance force (Hu et al. 2022, eqs. 10-12) without its axial part, turned into
+    north and east and smoothed, since each single estimate contains the vibration of the engine.
+
+    Args:
+        time_constant: over which it is smoothed, s.
+        nav: ``NAV`` record.
+        disturbance: ``DISTURBANCE`` record.
+        dt: time since the last call, s.
+        memory: ``LATERAL_BIAS`` record; at the first call it takes the estimate as it is.
+    """
+    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    force = from_frame(q, (0.0, disturbance.force[1], disturbance.force[2]))
+    step = 1.0 - exp(-dt / time_constant) if memory.known != 0 else 1.0
+    memory.known = 1
+    memory.force_N[0] += step * (dot(force, take3(nav.north_I, 0)) - memory.force_N[0])
+    memory.force_N[1] += step * (dot(force, take3(nav.east_I, 0)) - memory.force_N[1])
+    return memory.force_N[0], memory.force_N[1]
 
 
 class TerminalParams(Params):
@@ -78,9 +104,7 @@ LEAST_UPWARD = 0.5
 #: Index of ``tilt`` among the choices of ``descent_sideways``.
 BY_TILT = 1
 
-TERMINAL = np.dtype(
-    [("standing", STANDING_FORCE), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True
-)
+TERMINAL = np.dtype([("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
 
 
 @kernel
@@ -108,13 +132,13 @@ def throttle(engine, out):
 
 @kernel
 def start_or_throttle(engine, weak, full_time, full_again, elapsed, out):
-    """Full level with the axial thrusters at the start, until the demand falls inside the throttle band; back
-    to it where the demand is far beyond the band, as after a fast release or of a weak engine, and whenever
-    the law asks for it.
+    """Command full level with the axial thrusters at the start, until the demand falls inside the throttle
+    band; back to it where the demand is far beyond the band, as after a fast release or of a weak engine, and
+    whenever the law asks for it.
 
     Args:
         engine: ``ENGINE_ABILITY`` record of those that burn.
-        weak: whether they are believed to give less than they are told to.
+        weak: whether they are believed to give less than commanded.
         full_time: shortest time at full level, s.
         full_again: demand, over the upper end of the band, beyond which full level comes back; a weak engine
             gives it where it is nearer to the demand.
@@ -138,20 +162,20 @@ def vertical(p, nav, rate):
 
 
 @kernel
-def hover(p, engine, nav, mass, standing, out):
-    """Hold the hover height, and take out lateral velocity and the ``standing`` force (north, east, N) by a
+def hover(p, engine, nav, mass, bias, out):
+    """Hold the hover height, and take out lateral velocity and the lateral ``bias`` (north, east, N) by a
     small tilt.
     """
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
-    settle_by_tilt(p, engine, nav, mass, rate, standing=standing, out=out)
+    settle_by_tilt(p, engine, nav, mass, rate, bias=bias, out=out)
 
 
 @kernel
-def settle_by_tilt(p, engine, nav, mass, rate, standing, out):
-    """Come down at ``rate`` m/s, and take out lateral velocity and the ``standing`` force by a small tilt."""
+def settle_by_tilt(p, engine, nav, mass, rate, bias, out):
+    """Come down at ``rate`` m/s, and take out lateral velocity and the lateral ``bias`` by a small tilt."""
     out.translating = 0
-    north = -p.settle_gain * nav.v_N[0] - standing[0] / mass
-    east = -p.settle_gain * nav.v_N[1] - standing[1] / mass
+    north = -p.settle_gain * nav.v_N[0] - bias[0] / mass
+    east = -p.settle_gain * nav.v_N[1] - bias[1] / mass
     command_thrust(mass, (north, east, vertical(p, nav, rate)), p.hover_tilt_limit, out)
     throttle(engine, out)
 
@@ -164,14 +188,14 @@ def stay_upright(p, engine, nav, mass, rate, out):
 
 
 @kernel
-def push_sideways(p, mass, acceleration, standing, out):
-    """Ask for the lateral force that makes an ``acceleration`` (north, east, m/s2) against the ``standing``
-    force (N).
+def push_sideways(p, mass, acceleration, bias, out):
+    """Ask for the lateral force that makes an ``acceleration`` (north, east, m/s2) against the lateral
+    ``bias`` (N).
     """
     limit = p.lateral_force
     out.translating = 1
-    out.force_N[0] = clamp(mass * acceleration[0] - standing[0], -limit, limit)
-    out.force_N[1] = clamp(mass * acceleration[1] - standing[1], -limit, limit)
+    out.force_N[0] = clamp(mass * acceleration[0] - bias[0], -limit, limit)
+    out.force_N[1] = clamp(mass * acceleration[1] - bias[1], -limit, limit)
 
 
 @kernel
@@ -183,7 +207,7 @@ def acceleration_towards(p, nav, north, east):
 
 
 @kernel
-def avoid(p, engine, nav, mass, standing, point, memory, out):
+def avoid(p, engine, nav, mass, bias, point, memory, out):
     """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending: to the
     one that was chosen, else to the one that is given.
     """
@@ -195,7 +219,7 @@ def avoid(p, engine, nav, mass, standing, point, memory, out):
         memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
         memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
     north, east = memory.target_L[1] - nav.site_L[1], memory.target_L[0] - nav.site_L[0]
-    push_sideways(p, mass, acceleration_towards(p, nav, north, east), standing, out)
+    push_sideways(p, mass, acceleration_towards(p, nav, north, east), bias, out)
     # slow down towards the final descent rate at the end of the phase
     above = max(nav.height - p.avoidance_height, 0.0)
     rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
@@ -203,20 +227,20 @@ def avoid(p, engine, nav, mass, standing, point, memory, out):
 
 
 @kernel
-def descend(p, engine, nav, mass, standing, point, out):
+def descend(p, engine, nav, mass, bias, point, out):
     """Come down vertically at the touchdown rate; until shortly before contact the horizontal thrusters hold
     the place of the spot that was chosen, or take out lateral velocity where none was; a vehicle without them
     tilts as in hover.
     """
     if p.descent_sideways == BY_TILT:
-        settle_by_tilt(p, engine, nav, mass, rate=p.touchdown_rate, standing=standing, out=out)
+        settle_by_tilt(p, engine, nav, mass, rate=p.touchdown_rate, bias=bias, out=out)
         return
     gain = p.touchdown_velocity_gain
     wanted = -gain * nav.v_N[0], -gain * nav.v_N[1]
     if point.fine_known != 0:
         north, east = point.fine_L[1] - nav.site_L[1], point.fine_L[0] - nav.site_L[0]
         wanted = acceleration_towards(p, nav, north, east)
-    push_sideways(p, mass, wanted, standing, out)
+    push_sideways(p, mass, wanted, bias, out)
     if nav.height < p.rest_height:
         out.translating = 0
     stay_upright(p, engine, nav, mass, rate=p.touchdown_rate, out=out)

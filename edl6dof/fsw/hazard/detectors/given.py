@@ -14,7 +14,7 @@ class GivenParams(Params):
 
 
 @kernel
-def classify(params, chart, footprint, radius, deviation, out):
+def classify(params, elevation_map, footprint, radius, deviation, out):
     """Nothing is classified."""
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.fsw.guidance.powered.convex.plan import CONTROLS
 from edl6dof.kernels import kernel
 
 #: Square of the first root of cos x cosh x = 1.
@@ -43,7 +43,7 @@ def lay_rows(plan):
 
 @kernel
 def add_push(landing, flat, plan):
-    """What the multipliers of the glide slope add to the primer at each control."""
+    """Add the pull of the multipliers of the glide slope to the primer at each control."""
     if landing.slope < 0.0:
         return
     push, glide, row = plan.push, plan.glide, plan.row
