@@ -1,8 +1,8 @@
-"""One base cycle of the flight software, box by box: navigation, mission phases, hazard detection, guidance,
-attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows
-from it.  Behind each box stands what may replace what it worked out: a command from outside.
+"""One base cycle of the flight software, step by step: navigation, mission phases, hazard detection,
+guidance, estimation, fault isolation, attitude control, allocation, modulation.  After each step a command
+from outside may replace its result.
 
-The cycle alone sees the memories of all modules.  It hands each module its own, and of the others what its
+The cycle alone sees the memories of all modules.  It hands each step its own, and the others that its
 signature names.
 """
 
@@ -39,6 +39,31 @@ from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thr
 from edl6dof.interface.engine import ENGINE_OFF
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
+
+#: Records of ``FSW``, each with the steps of a cycle that write it; a step reads those that it is handed.
+WRITERS = {
+    "navigation": ("estimate_state", "replace_estimate"),
+    "nav": ("derive", "filter_drag"),
+    "drag_filter": ("filter_drag",),
+    "mission": ("sequence",),
+    "vehicle": ("follow_events", "count_propellant", "believe_thrust", "run"),
+    "hazard": ("detect_hazards",),
+    "landing_point": ("detect_hazards", "replace_landing_point"),
+    "guidance": ("guide",),
+    "guide": ("switch_engine", "guide", "replace_bank", "replace_thrust"),
+    "own": ("guide", "replace_torque", "replace_duties"),
+    "effectiveness": ("update_effectiveness",),
+    "estimation": ("estimate_disturbance", "believe_thrust", "remember_valves"),
+    "disturbance": ("estimate_disturbance",),
+    "diagnosis": ("restart", "diagnose", "isolate_dead", "pair_to_test"),
+    "health": ("diagnose", "isolate_dead", "replace_health"),
+    "check_out": ("put_off", "check_out"),
+    "control": ("gather_inputs", "control"),
+    "demand": ("no_demand", "compose_demand"),
+    "allocation": ("allocate", "replace_duties"),
+    "modulation": ("open_alone", "modulate", "open_for_test"),
+    "command": ("run", "sequence", "detect_hazards", "command_angles_and_engine", "command_valves"),
+}
 
 
 @kernel

@@ -33,7 +33,7 @@ from edl6dof.fsw.guidance.phase_guidance import GUIDANCE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.stuck_throttle_descent import StuckThrottleDescentParams
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
-from edl6dof.fsw.guidance.powered.terminal import TerminalParams
+from edl6dof.fsw.guidance.powered.terminal_descent import TerminalParams
 from edl6dof.fsw.hazard.backshell_drift import DRIFTER
 from edl6dof.fsw.hazard.detection import HAZARD
 from edl6dof.fsw.hazard.registry import HazardParams

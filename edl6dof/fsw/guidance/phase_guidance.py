@@ -11,7 +11,7 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.stopping import brake_in_time
 from edl6dof.fsw.guidance.powered.stuck_throttle_descent import descend_on_stuck_throttle
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
-from edl6dof.fsw.guidance.powered.terminal import (
+from edl6dof.fsw.guidance.powered.terminal_descent import (
     TERMINAL,
     avoid,
     command_thrust,

@@ -26,8 +26,8 @@ from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 
 HAZARD = np.dtype(
     [
-        ("exposed", FLAG),  # the camera was told
-        ("scanning", FLAG),  # the lidar was told, and the map is not worked out yet
+        ("exposed", FLAG),  # the camera was triggered
+        ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
         ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
         ("scan_t", TIME_IF_EVER),  # s: first block of the scan
         ("spot_t", TIME_IF_EVER),  # s: spot chosen
@@ -228,7 +228,7 @@ def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, com
 
 @kernel
 def detect_nothing(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
-    """As :func:`detect_hazards`, of a vehicle that looks for none."""
+    """Do nothing: the step of a vehicle without hazard detection, see :func:`detect_hazards`."""
 
 
 @kernel
@@ -245,7 +245,7 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
         state: ``VEHICLE_STATE`` record.
         memory: ``HAZARD`` record, updated.
         point: ``LANDING_POINT`` record, written when a choice is made.
-        command: ``COMMAND`` record: what the eyes are told.
+        command: ``COMMAND`` record: requests to camera and lidar, written.
     """
     command.expose = command.scan = 0
     eyes = onboard.instruments.eyes

@@ -13,7 +13,7 @@ from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.phase_guidance import GUIDANCE, descend_by_engine
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
-from edl6dof.fsw.guidance.powered.terminal import (
+from edl6dof.fsw.guidance.powered.terminal_descent import (
     LATERAL_BIAS,
     TERMINAL,
     avoid,

@@ -38,7 +38,7 @@ class PredictiveParams(Params):
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
     """Side to bank to (+1 right): the other one once a reversal now would overshoot by no more than ``ratio``
-    of going on.
+    of keeping the side.
     """
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:

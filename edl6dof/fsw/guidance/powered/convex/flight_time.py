@@ -10,8 +10,13 @@ from __future__ import annotations
 
 from math import inf, sqrt
 
+from edl6dof.fsw.guidance.powered.convex.landing_plan import (
+    CONTROLS,
+    copy_plan,
+    full_controls,
+    shift_controls,
+)
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
-from edl6dof.fsw.guidance.powered.convex.plan import CONTROLS, copy_plan, full_controls, shift_controls
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import dot, norm, take3
 

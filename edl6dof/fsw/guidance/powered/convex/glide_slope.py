@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.fsw.guidance.powered.convex.plan import CONTROLS
+from edl6dof.fsw.guidance.powered.convex.landing_plan import CONTROLS
 from edl6dof.kernels import kernel
 
 #: Square of the first root of cos x cosh x = 1.

@@ -28,8 +28,7 @@ from edl6dof.fsw.guidance.powered.convex.flight_time import (
     search_times,
     try_earlier,
 )
-from edl6dof.fsw.guidance.powered.convex.pipg import solve
-from edl6dof.fsw.guidance.powered.convex.plan import (
+from edl6dof.fsw.guidance.powered.convex.landing_plan import (
     LANDING,
     PLAN,
     control_at,
@@ -37,6 +36,7 @@ from edl6dof.fsw.guidance.powered.convex.plan import (
     full_controls,
     shift_controls,
 )
+from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member

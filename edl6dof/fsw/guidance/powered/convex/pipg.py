@@ -3,9 +3,10 @@
 Each iteration asks the engine for the nearest thrust (a projection in closed form for each control), sums up
 where that ends, and moves the multipliers: of the end, and of the glide slope (a projection onto a cone where
 each control ends).  Velocity and position are eliminated, as they are sums over the controls; the six
-conditions that remain are preconditioned (:mod:`~edl6dof.fsw.guidance.powered.convex.plan`).  The mass along
-the plan follows the iterates.  Multipliers are bounded: beyond its price a miss costs less than avoiding it,
-which is the landing of least error (Blackmore, Acikmese, Scharf 2010) where the point cannot be reached.
+conditions that remain are preconditioned (:mod:`~edl6dof.fsw.guidance.powered.convex.landing_plan`).  The
+mass along the plan follows the iterates.  Multipliers are bounded: beyond its price a miss costs less than
+avoiding it, which is the landing of least error (Blackmore, Acikmese, Scharf 2010) where the point cannot be
+reached.
 
 Sources: Yu, Elango, Acikmese 2021, "Proportional-integral projected gradient method for model predictive
 control", IEEE Control Systems Letters 5(6); Yu, Elango, Topcu, Acikmese 2022, "Proportional-integral
@@ -17,7 +18,7 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
-from edl6dof.fsw.guidance.powered.convex.plan import CONTROLS, fly_plan, full_controls, lay_grid
+from edl6dof.fsw.guidance.powered.convex.landing_plan import CONTROLS, fly_plan, full_controls, lay_grid
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp, norm, put3, take3
