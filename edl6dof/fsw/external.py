@@ -17,7 +17,7 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import clamp, put3, take3
 
-#: What the flight software itself wanted last, whatever was commanded.
+#: Last results of the flight software itself, whatever was commanded.
 OWN = np.dtype(
     [
         ("bank", "f8"),  # rad: of entry guidance

@@ -89,7 +89,7 @@ _DETECT = function_type(
     *(PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
     *(_fsw("hazard"), _fsw("landing_point"), _fsw("command")),
 )
-#: What a cycle is given: laws of guidance and the two parts of a navigation filter together.
+#: Functions that a cycle is given: laws of guidance and the two parts of a navigation filter together.
 _GROUPS = (
     *(("entry_law", "bank_side", "powered_law"), "control", "share_out", "estimate"),
     *(("start_filter", "correct_solution"), "classify", "detect_hazards"),

@@ -131,9 +131,7 @@ class PoweredGuidanceParams(_PoweredLaws):
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
-    held_thrust: StuckThrottleDescentParams = group(
-        StuckThrottleDescentParams, "descent on a throttle that stands"
-    )
+    held_thrust: StuckThrottleDescentParams = group(StuckThrottleDescentParams, "descent on a stuck throttle")
 
 
 class GuidanceParams(Params):

@@ -16,7 +16,7 @@ from edl6dof.records import FLAG, whole
 HEALTH = np.dtype([("thruster", FLAG, (MAX_THRUSTERS,))], align=True)
 
 
-#: What engines can do: one of them, or those that burn taken together.
+#: Ability of an engine, or of those that burn taken together.
 ENGINE_ABILITY = np.dtype(
     [
         ("full_thrust", "f8"),  # N: at the full level
@@ -40,9 +40,9 @@ VEHICLE_STATE = np.dtype(
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
         ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
-        ("held_thrust", "f8"),  # N: of a throttle that is believed to stand; 0: it moves
+        ("held_thrust", "f8"),  # N: of a throttle that is believed stuck; 0: it moves
         ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
-        ("engine", ENGINE_ABILITY),  # of them together, less what is missing
+        ("engine", ENGINE_ABILITY),  # of them together, less the thrust that is missing
         ("ignition_time", "f8"),  # s: flight time at which the thrust of the engine begins
     ],
     align=True,

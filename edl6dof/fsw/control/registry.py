@@ -29,7 +29,7 @@ CONTROLLERS = Family(
     ),
 )
 
-#: What each takes notice of among what a phase may ask for; of those of plugins it is not known.
+#: Settings of a phase that each controller uses; for those of plugins they are unknown.
 HEEDS = {
     "off": (),
     "phase_plane": (),

@@ -125,7 +125,7 @@ class EstimationParams(_Estimators):
         le=0.02,
     )
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
-    held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a throttle that stands")
+    held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a stuck throttle")
     force_angle_lag_s: float = param(
         1.0,
         "lag with which the angle of the unexplained force from the body axis is smoothed; outlasts a leak "

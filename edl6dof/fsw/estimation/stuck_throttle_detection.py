@@ -54,9 +54,9 @@ STUCK_THROTTLE = np.dtype(
         ("meanwhile", "f8"),  # N: and its command then
         ("rested", "f8"),  # s: for how long it has
         ("stayed", "f8"),  # s: and for how long away from its command
-        ("reference", "f8"),  # N: what was noted
+        ("reference", "f8"),  # N: thrust that was noted
         ("asked", "f8"),  # N: and its command
-        ("held", "f8"),  # N: thrust of the throttle that stands; 0: it moves
+        ("held", "f8"),  # N: thrust of the stuck throttle; 0: it moves
     ],
     align=True,
 )

@@ -62,7 +62,7 @@ GUIDE = np.dtype(
         ("time_to_go", "f8"),  # s: until the powered target is reached
         ("relaxed", whole(0, EVERYTHING)),  # how many constraints powered guidance gives up, in their order
         ("landing_error", "f8"),  # m: how far from rest at the target it then expects to end
-        ("stop_height", "f8"),  # m, above ground: where a thrust that is held brings the lander to rest
+        ("stop_height", "f8"),  # m, above ground: where a stuck throttle brings the lander to rest
         ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
         ("surface", "f8"),  # m/s3: sliding surface
         ("virtual", "f8"),  # m/s3: virtual state of saturation

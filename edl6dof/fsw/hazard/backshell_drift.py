@@ -21,7 +21,7 @@ PATH_POINTS, STEPS = 160, 10
 #: Shares of the difference from the expected wind that last, each with a path of its own.
 LASTING = (0.0, 0.5, 1.0)
 
-#: What leaves the lander, as it is believed: backshell with the canopy that carries it.
+#: Believed body that leaves the lander: backshell with the canopy that carries it.
 DRIFTER = np.dtype(
     [
         ("mass", "f8"),  # kg; 0: nothing leaves it

@@ -21,7 +21,7 @@ from edl6dof.spatial.lookups import cell
 
 #: Largest radius of a footprint in cells.
 MAX_RADIUS = 32
-#: What stands in place of slope and roughness where the footprint is not all known; no footprint is so bad.
+#: Value of slope and roughness where the footprint is not all known; no footprint is so bad.
 UNKNOWN = np.float32(1e3)
 
 _ROW = MAP_CELLS + 2 * MAX_RADIUS + 2

@@ -38,7 +38,7 @@ class HazardParams(_Detectors):
 
     cell_m: float = param(0.2, "side of a cell of the map", status="derived", gt=0.01, le=5.0)
     footprint_radius_m: float = param(
-        2.25, "radius of the disc that is assessed: that under the lander, 2 m, and half of a rock beside it",
+        2.25, "radius of the disc that is assessed: that under the lander, 2 m, and half a rock next to it",
         status="derived", source="four footpads 1.77 m from the axis", gt=0.1, le=10.0,
     )  # fmt: skip
     filled_weight: float = param(

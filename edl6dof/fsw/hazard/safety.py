@@ -10,7 +10,7 @@ Ho, arXiv 2409.09309, model both by a Gaussian map).  Then
 with h_c the height over the plane and s_c^2 = s^2 / w_c + b^2.  The rise of a plane of least squares over
 independent errors has s_rise = s / (m sqrt(sum x^2)), m the side of a cell and x the columns from the middle;
 the half-plane in its direction holds the disc of gentler planes, so the first factor is an upper bound that
-is sharp for s_rise far below the limit, here 0.1 deg beside degrees.  The error of the plane itself in h_c is
+is sharp for s_rise far below the limit, here 0.1 deg, not degrees.  The error of the plane itself in h_c is
 that of a mean over hundreds of cells and is left out.
 """
 
@@ -97,7 +97,7 @@ def sharpness(elevation_map, deviation, between, out):
 
 @kernel
 def below_fast(x):
-    """:func:`below` of ``x`` in single precision, within 3e-7 and many at once; of what is negative that of
+    """:func:`below` of ``x`` in single precision, within 3e-7 and many at once; of a negative ``x`` that of
     zero.
     """
     x = x if x > _NONE else _NONE
@@ -135,7 +135,7 @@ def classify_by_probability(
     elevation_map, footprint, radius_m, steepest, roughest, deviation, between, least, out
 ):
     """Call a cell safe where the probability that slope and roughness keep their limits is large enough;
-    where it is not, what is noted is an upper bound of it.
+    where it is not, an upper bound of it is noted.
 
     Args:
         elevation_map: ``ELEVATION_MAP`` record.

@@ -138,7 +138,7 @@ def sequence(mission, nav, vehicle, guide, memory, request):
     Args:
         mission: ``MISSION`` record.
         nav: navigation record.
-        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust that is held, force angle).
+        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust of a stuck throttle, force angle).
         guide: guidance record (time and downrange to go, spot chosen, height of the stop).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.

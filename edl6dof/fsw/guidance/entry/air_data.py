@@ -41,7 +41,7 @@ class ExpectedWindParams(Params):
     )
     north_m_s: float = param(
         0.0,
-        "wind towards north at all heights, besides",
+        "wind towards north, added at all heights",
         record=False,
         ge=-200.0,
         le=200.0,
@@ -49,7 +49,7 @@ class ExpectedWindParams(Params):
     )
     east_m_s: float = param(
         0.0,
-        "wind towards east at all heights, besides",
+        "wind towards east, added at all heights",
         record=False,
         ge=-200.0,
         le=200.0,

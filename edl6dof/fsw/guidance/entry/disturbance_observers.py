@@ -101,7 +101,7 @@ PATH_OBSERVER = np.dtype(
     align=True,
 )
 
-#: What a law that tracks drag with this observer remembers.
+#: Memory of a law that tracks drag with this observer.
 MEMORY = np.dtype([("tracking", TRACKING), ("observer", PATH_OBSERVER)], align=True)
 
 

@@ -11,7 +11,7 @@ the final speed, as the parachute opens by speed, not at an altitude:
 
 with u the vertical lift-to-drag ratio, as far as it is controlled.  At equal speed a change of altitude is a
 change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude rate, d(h') = V cos(gamma)
-d(gamma), so that the coefficients belong to what is measured.  Source: Carman, Ives & Geller 1998,
+d(gamma), so that the coefficients belong to measured quantities.  Source: Carman, Ives & Geller 1998,
 "Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck & Carman 2002, "Guidance design for
 Mars smart landers using the entry terminal point controller", AIAA 2002-4502, on the controller gains;
 adjoint equations: Bryson & Ho 1975, section 2.3.
@@ -33,7 +33,7 @@ from edl6dof.spatial.elementary import cos, sin
 NODES = 64
 #: Steps of the adjoint integration between two nodes.
 SUBSTEPS = 8
-#: Deceleration (m/s2) from which on speed tells one point of the reference from the next.
+#: Deceleration (m/s2) from which on speed separates one point of the reference from the next.
 LEAST_DECELERATION = 0.5
 #: Half the differences: altitude (m), flight-path angle (rad), vertical lift-to-drag ratio.
 D_ALTITUDE, D_PATH, D_LIFT = 50.0, 1e-5, 1e-4

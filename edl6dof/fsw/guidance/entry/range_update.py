@@ -6,7 +6,7 @@ leave out, the cosine of the flight-path angle, comes from the reference.
 
 Difference from the prints: the scale belongs to the energies of the whole reference, not to what is left of
 them, so that a profile which is followed to the end is the one that was asked for at the start: it moves only
-with what is not followed.
+with the tracking error.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ ITERATIONS, RESOLUTION = 3, 1e-5
 #: Second derivative of ``shape``.
 SHAPE_CURVATURE = -4.0 * sqrt(2.0)
 
-#: What a law that follows the reference drag remembers.
+#: Memory of a law that follows the reference drag.
 TRACKING = np.dtype([("scale", "f8")], align=True)
 
 

@@ -2,8 +2,8 @@
 
 The observer of :mod:`~edl6dof.fsw.guidance.entry.disturbance_observers` gives drag, drag rate and the
 perturbation phi = b - b^ + (a - a^) u; the law cancels b^ and phi^ and places the poles of the drag error.
-The control is saturated (|cos(bank)| <= 1, and by the bank limits that all laws share), and the observer is
-told the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
+The control is saturated (|cos(bank)| <= 1, and by the bank limits that all laws share), and the observer
+gets the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
 Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
 
 Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.disturbance_observers` and

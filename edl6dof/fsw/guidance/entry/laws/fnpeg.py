@@ -259,7 +259,7 @@ def least_climb(params, onboard, nav):
 
 @kernel
 def within_limits(params, onboard, nav, bank):
-    """Bank angle (rad) whose vertical lift is that of ``bank`` and what the limits ask for besides."""
+    """Bank angle (rad) whose vertical lift is that of ``bank`` plus the lift that the limits require."""
     short = least_climb(params, onboard, nav) - nav.speed * sin(nav.flight_path_angle)
     if short <= 0.0 or nav.lift <= 0.0:
         return bank

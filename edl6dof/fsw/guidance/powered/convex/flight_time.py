@@ -1,9 +1,9 @@
 """Time of flight, and how much of it at full thrust.
 
 Full thrust is for the start alone; the rest, ``throttled`` seconds, keeps to the throttle band.  For a given
-``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which the
-multipliers tell (the Hamiltonian at the end, Pontryagin); where the landing cannot be had at all, the cost
-of its errors tells the same.  Then ``throttled`` is lengthened from its least value while that costs less.
+``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which
+follows from the multipliers (the Hamiltonian at the end, Pontryagin); where the landing is out of reach, from
+the cost of its errors.  Then ``throttled`` is lengthened from its least value while that costs less.
 """
 
 from __future__ import annotations

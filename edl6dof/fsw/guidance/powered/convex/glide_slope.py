@@ -6,7 +6,7 @@ clamped at both ends, time^2 / 4.730^2.
 
 Near its ends a beam gives way to nothing: at the share x of the time a row has a length that goes with (x (1
 - x))^1.5, a hundredth of that in the middle where the last controls end.  Each row is made as long as that in
-the middle, so that multipliers beside the landing point move as fast as the others: the largest gain of all
+the middle, so that multipliers near the landing point move as fast as the others: the largest gain of all
 of them together grows by no more than 1.4, as rows far from each other have little to do with each other.
 Source: diagonal preconditioning, Pock and Chambolle 2011, "Diagonal preconditioning for first order
 primal-dual algorithms in convex optimization", ICCV.
