@@ -265,7 +265,7 @@ def covariance(
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
-    """Compute the covariance of an event, and the contribution of each dispersion.
+    """Compute the covariance of an event and its contributions.
 
     Every dispersion is one standard deviation high in half of the flights and low in their mirror images,
     all at once; a twentieth of the flights of a campaign suffices for its ellipse and error budget.

@@ -43,7 +43,7 @@ def figures(
     flights: Annotated[int | None, option("N", "Flights; 30 if not given.", "-n", "--flights")] = None,
     as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
 ) -> int:
-    """Compute mean and spread of a scenario's figures over many flights.
+    """Compute mean and spread of figures over many flights.
 
     The flights differ by a millionth of a metre per second at their start. The digits of one flight are one
     random draw of many, so documents quote the results of this command.
@@ -174,7 +174,7 @@ def study(
     quick: Annotated[bool, flag("Fly few runs, as a quick test.", "--quick")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
 ) -> int:
-    """Repeat a paper's experiment and compare computed with published values.
+    """Repeat a paper's experiment and compare the results.
 
     Exit status: 0 every published requirement is met, 1 not, 2 bad input, 130 interrupted.
     """

@@ -119,7 +119,7 @@ def plot(
     ] = None,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> int:
-    """Plot channels of a run; channels with the same unit share a panel."""
+    """Plot channels of a run; equal units share a panel."""
     from edl6dof.cli.result_views import list_channels, write_plot
 
     with refusing_damage(run):

@@ -99,7 +99,7 @@ def check(
     files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")],
     sets: Sets = None,
 ) -> int:
-    """Check scenario files and report each mistake with file, line and key.
+    """Check scenario files; report mistakes with file, line and key.
 
     Nothing is flown.
 
