@@ -29,7 +29,7 @@ _OPEN: ThrusterFailure = "stuck_on"
 
 @dataclass(frozen=True)
 class Failure:
-    """A component that fails, and the kind that a right isolation names: none of an instrument."""
+    """A failed component, and the kind that a correct isolation names (``None`` for an instrument)."""
 
     component: Component
     name: str

@@ -45,8 +45,8 @@ def reach_of(params, plant):
 
 @kernel
 def lay_in_view(case, tables, origin, axes, height, reach, patch):
-    """Lay the ground around the place where an eye looks that reaches so far (m); origin, axes and height are
-    those of :func:`~edl6dof.sensors.sight.sight`.
+    """Tabulate the ground around the point that a camera or lidar looks at, if it is within ``reach`` (m);
+    ``origin``, ``axes`` and ``height`` are those of :func:`~edl6dof.sensors.sight.sight`.
     """
     ahead = axes[0]
     way = height / max(-ahead[2], LEVEL)

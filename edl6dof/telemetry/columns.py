@@ -147,7 +147,7 @@ def _slots(*names: tuple[str, ...]) -> dict[str, tuple[str, int]]:
 
 
 def range_of(beam: str) -> str:
-    """Name of the column of a radar beam."""
+    """Name of the telemetry column that holds the measured range of a radar beam."""
     return f"range.{beam}_m"
 
 

@@ -263,8 +263,8 @@ def by_both(params, vehicle, waiting, i, flow, memory, least):
 
 @kernel
 def explain_loss(params, vehicle, i, loss, most, told, flow, memory):
-    """Let every fault that explains a loss of thruster ``i`` that the flow shows compete: its meter, all of
-    its branch, and the thruster; returns the evidence for the last.
+    """Compare three explanations of a loss of flow at thruster ``i``: its meter has failed, its whole branch
+    is dead, or the thruster itself has failed; returns the evidence for the thruster.
 
     Args:
         params: diagnosis record.
@@ -272,9 +272,10 @@ def explain_loss(params, vehicle, i, loss, most, told, flow, memory):
         i: the thruster.
         loss: fraction of the flow lost.
         most: evidence of flow, force and torque for its loss.
-        told: that of the flow alone.
+        told: evidence of the flow alone.
         flow: ``FLOW`` record.
-        memory: ``HYPOTHESES`` record: ``against`` and ``lost`` of its branch are raised.
+        memory: ``HYPOTHESES`` record; the evidence against the meter (``against``) and for a dead branch
+            (``lost``) is raised.
     """
     b = vehicle.branches.of[i]
     if flow.word[b] == VOUCHED:

@@ -44,8 +44,8 @@ INERTIAL_MEMORY = np.dtype(
 
 @kernel
 def take_reading(instruments, t, inertial, memory):
-    """Difference the counts of the ``inertial`` unit that arrive at ``t``; returns the time (s) since the
-    last reading, 0 while there is no new one: the first one is handed out until an older one has arrived.
+    """Take the increments from the counts of the ``inertial`` unit that arrive at ``t``; returns the time (s)
+    between this reading and the last one: 0 at the start, while the delayed unit repeats its first reading.
     """
     if memory.begun == 0:
         memory.begun, memory.first, memory.t = 1, t, t

@@ -110,7 +110,7 @@ class Hazards(Recorder):
 
 
 class Beams(Recorder):
-    """Writes ``vehicle/beams``, in B, for a vehicle with a radar."""
+    """Writes the beams of the radar as lines in B to the entity ``vehicle/beams`` of the replay."""
 
     def motions(self) -> None:
         """Write the rays, as long as the measured range."""
