@@ -38,7 +38,7 @@ from edl6dof.fsw.navigation.derived import derive
 from edl6dof.fsw.navigation.drag_filter import filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
-from edl6dof.interface.engine import ENGINE_OFF
+from edl6dof.interface.effectors import ENGINE_OFF
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
 
@@ -95,7 +95,7 @@ def run(functions, onboard, sensed, k, fsw):
     control_dt = dt * rates.control_every
     for i in range(command.request.shape[0]):
         command.request[i] = 0
-    command.expose = command.scan = 0
+    command.camera_trigger = command.scan = 0
 
     # navigation
     estimate_state(filters, onboard, state, sensed, fsw.navigation)
@@ -208,7 +208,7 @@ def run(functions, onboard, sensed, k, fsw):
     )
     diagnose(onboard.diagnosis, signals, fsw.diagnosis)
     for b in range(vehicle.branches.count):
-        command.shut[b] = fsw.diagnosis.leak.shut[b]
+        command.latch_closed[b] = fsw.diagnosis.leak.latch_closed[b]
     replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)

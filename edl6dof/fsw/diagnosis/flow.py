@@ -1,28 +1,28 @@
-"""What the flow meters of the propellant branches say of each thruster.
+"""Evidence of the flow meters of the propellant branches for faults of each thruster.
 
-A thruster i that was to fire for the share e of a cycle lets the flow e f_i through its branch.  What a meter
-reads beyond what the branch was to let through is
+A thruster i that was to fire for the share e of a cycle lets the flow e f_i through its branch. The reading
+of a meter less the expected flow of the branch is
 
     - L e f_i         it lets the fraction L less through than it should (L = 1: stuck off)
     + (1 - e) f_i     its valve stays open
 
-whatever air, riser and engine do to the vehicle, and for as long as the fault lasts.  The errors of a meter
+whatever air, riser and engine do to the vehicle, and for as long as the fault lasts. The errors of a meter
 are known, so the evidence is the plain log likelihood ratio against "healthy": a running sum that never falls
-below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss.  A
-cycle that tells another loss than those before it starts afresh: the fault is younger than they are.  What is
-missing while several of a branch fire makes each of them doubtful; each is then tried alone.
+below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss. A
+cycle with another loss than those before it restarts the regression: the fault is younger than they are. Flow
+missing while several thrusters of a branch fire makes each of them doubtful; each is then tested alone.
 
-A loss that all branches show is the propellant's and no thruster's: only what goes beyond it counts.  So
-before a thruster is called degraded, other branches have to be seen in use since the first sign of it; one
-that lets nothing through is dead, whatever the others do.
+A loss that all branches show is the propellant's and no thruster's: only the excess over it counts. So before
+a thruster is called degraded, other branches have to be seen in use since the first sign of it; one without
+flow is dead, whatever the others do.
 
-A meter that has failed shows a loss in every thruster of its branch, so the others are fired too.  Only what
-it reads of them counts, after the loss has shown in two cycles: the flow of the cycle in which a meter or a
-thruster fails is a fraction of what it was to be, and a reading that stands still is the flow of whichever
-fires.  A meter that reads their flow works; if they show the same loss, the meter or the latch valve has
-failed.  The thrusters of the branch are then tried alone until force and torque tell the two apart, and stay
-in use until then.  No valve makes a meter read less than nothing, or at rest less than an open valve lets
-through: a meter that does has failed, and while it is suspected of it, it tells no loss.
+A meter that has failed shows a loss in every thruster of its branch, so the others are fired too. Only its
+readings of them count, after the loss has shown in two cycles: the flow of the cycle in which a meter or a
+thruster fails is a fraction of the expected one, and a reading that stands still is the flow of whichever
+fires. A meter that reads their flow works; if they show the same loss, the meter or the latch valve has
+failed. The thrusters of the branch are then tested alone until force and torque distinguish the two, and stay
+in use until then. No valve makes a meter read a negative flow, or at rest less than an open valve lets
+through: a meter that does has failed, and while it is suspected, its readings give no loss.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -42,19 +42,19 @@ from edl6dof.records import COUNT, FLAG, whole
 
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
-MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone never tells it
+MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone is not enough
 STEADY = 0.15  # losses of two cycles that differ by less are one loss, if their noise allows
 POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a branch
 ALONE = 0.1  # flow of others in the branch, over its own, up to which a loss is a thruster's own
 DOUBT = 4.0  # standard deviations of a meter from which something is missing
-LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun within the first
-TOLD = 900.0  # inverse variance of the loss of a branch from which it tells: good for 3 %
-LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
+LEAST_CYCLES = 2  # of use before a loss is confirmed: the fault may have begun within the first
+SURE = 900.0  # inverse variance of the loss of a branch from which it counts: good for 3 %
+LEAST_BRANCHES = 3  # branches that must show a loss before it is the propellant's
 METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
 LEAST_OPEN = 0.5  # of the flow of the smallest thruster of a branch, which an open valve lets through
-MOST_ASTRAY = 3  # cycles of rest on end with less than that, after which the meter has failed
+MOST_ASTRAY = 3  # cycles of rest in a row with less than that, after which the meter has failed
 NONE = -1
-#: What a meter reads of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
+#: Reading of a meter of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
 #: the same loss.
 UNHEARD, VOUCHED, IMPEACHED = range(3)
 LEAST_HEARD = 0.15  # flow of the others, over the full flow of the branch, from which that is known
@@ -89,7 +89,7 @@ FLOW = np.dtype(
         ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
         ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
         ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
-        ("astray", COUNT, (MAX_BRANCHES,)),  # cycles of rest on end with a flow that no valve explains
+        ("astray", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with a flow that no valve explains
         # loss of each branch, since the first sign of a loss if there is one
         ("pool", LOSS, (MAX_BRANCHES,)),
         ("seen", COUNT),  # branches in use since then
@@ -97,7 +97,7 @@ FLOW = np.dtype(
         ("common", "f8"),  # loss of all branches
         ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
         ("losing", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
-        # what each meter read of the others since a thruster of its branch shows a loss
+        # reading of the others since a thruster of its branch shows a loss
         ("word", whole(UNHEARD, IMPEACHED), (MAX_BRANCHES,)),
         ("asked", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
         ("meter_failed", FLAG, (MAX_BRANCHES,)),
@@ -119,13 +119,13 @@ def full_flow(thruster):
 
 @kernel
 def is_read(metered, b, memory):
-    """Whether branch ``b`` has a meter that is believed."""
+    """Test whether branch ``b`` has a meter that is trusted."""
     return metered and memory.meter_failed[b] == 0
 
 
 @kernel
 def forget_loss(loss):
-    """Start a loss afresh."""
+    """Reset a loss."""
     loss.cross = loss.own = 0.0
     loss.cycles = 0
 
@@ -166,8 +166,8 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 
 @kernel
 def follow_rest(vehicle, memory):
-    """Count for each meter the cycles of rest on end, in which no thruster of its branch was to fire, that it
-    read a flow in, and less of it than an open valve lets through.
+    """Count for each meter the cycles of rest in a row, in which no thruster of its branch was to fire, with
+    a flow that is less than an open valve lets through.
     """
     for b in range(vehicle.branches.count):
         if memory.expected[b] > 0.0:
@@ -189,8 +189,8 @@ def least_flow(vehicle, b):
 
 @kernel
 def reads_amiss(metered, branches, memory):
-    """The first branch whose believed meter reads less than no flow, or for some cycles one that no valve
-    explains; ``NONE`` if there is none.
+    """First branch whose trusted meter reads a negative flow, or for some cycles one that no valve explains;
+    ``NONE`` if there is none.
     """
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
@@ -202,13 +202,13 @@ def reads_amiss(metered, branches, memory):
 
 @kernel
 def cannot_be(b, flow, memory):
-    """Whether the meter of branch ``b`` is never as wrong as to read ``flow`` (kg/s) where there is none."""
+    """Test whether ``flow`` (kg/s) exceeds any error of the meter of branch ``b`` at zero flow."""
     return flow * flow * memory.weight[b] > METER_ERROR * METER_ERROR
 
 
 @kernel
 def find_common_loss(params, branches, memory):
-    """Find the loss that all branches in use show."""
+    """Find the loss that all branches in use share."""
     memory.seen, least = 0, 1.0
     for b in range(branches.count):
         pool, expected = memory.pool[b], memory.expected[b]
@@ -216,7 +216,7 @@ def find_common_loss(params, branches, memory):
             pool.cross = POOLED * pool.cross - expected * memory.residual[b] * memory.weight[b]
             pool.own = POOLED * pool.own + expected * expected * memory.weight[b]
             pool.cycles += 1
-        if pool.own > TOLD:
+        if pool.own > SURE:
             memory.seen += 1
             least = min(least, pool.cross / pool.own)
     if memory.seen >= min(LEAST_BRANCHES, branches.count):
@@ -225,7 +225,7 @@ def find_common_loss(params, branches, memory):
 
 @kernel
 def look_out(count, branches, memory):
-    """With the first sign of a loss, begin to see afresh what the branches lose."""
+    """Restart the losses of the branches at the first sign of a loss."""
     signs = 0
     for i in range(count):
         signs += memory.off[i].cycles
@@ -238,8 +238,8 @@ def look_out(count, branches, memory):
 
 @kernel
 def cross_check(params, vehicle, share, memory):
-    """Note what each meter reads of the others once a thruster of its branch shows a loss, and ask them to
-    fire until it has been read.
+    """Record each meter's reading of the other thrusters once one of its branch shows a loss, and request
+    their firing until it has been read.
     """
     of, count = vehicle.branches.of, vehicle.n_thrusters
     for i in range(count):
@@ -275,21 +275,21 @@ def cross_check(params, vehicle, share, memory):
 
 @kernel
 def is_waiting(branches, memory):
-    """Whether a loss is suspected and too few branches have been seen in use to tell whose it is."""
+    """Test whether a loss is suspected and too few branches have been in use to attribute it."""
     return memory.suspecting != 0 and memory.seen < min(LEAST_BRANCHES, branches.count)
 
 
 @kernel
 def fires_alone(expected, given):
-    """Whether of the flow that a branch is to let through hardly any is another's than the one that is to
-    let ``given`` through.
+    """Test whether nearly all of the ``expected`` flow of a branch is that of the thruster which is to let
+    ``given`` through.
     """
     return expected - given < ALONE * given
 
 
 @kernel
 def weigh_loss(params, residual, prediction, weight, keep, common, loss):
-    """Let a cycle in which a healthy thruster would let ``-prediction`` (kg/s) through count for its loss."""
+    """Add to its loss a cycle in which a healthy thruster would let ``-prediction`` (kg/s) through."""
     cross, own = residual * prediction * weight, prediction * prediction * weight
     now = cross / own
     before = loss.cross / loss.own if loss.cycles > 0 else now
@@ -304,21 +304,21 @@ def weigh_loss(params, residual, prediction, weight, keep, common, loss):
 
 
 @kernel
-def weigh_flow(params, keep, vehicle, share, shut, memory):
-    """Let one cycle count for every thruster whose meter is believed and whose branch is open.
+def weigh_flow(params, keep, vehicle, share, closed, memory):
+    """Add one cycle to the evidence for every thruster whose meter is trusted and whose branch is open.
 
     Args:
         params: flow record.
         keep: what a cycle leaves of those before it.
         vehicle: believed vehicle (thrusters, branches).
         share: share of the measured cycle in which each thruster should have given thrust.
-        shut: branches whose latch valve is shut.
+        closed: branches whose latch valve is closed.
         memory: ``FLOW`` record, updated.
     """
     find_common_loss(params, vehicle.branches, memory)
     for i in range(vehicle.n_thrusters):
         b = vehicle.branches.of[i]
-        if memory.meter_failed[b] != 0 or shut[b] != 0:
+        if memory.meter_failed[b] != 0 or closed[b] != 0:
             memory.on[i] = 0.0
             forget_loss(memory.off[i])
             continue
@@ -342,16 +342,16 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
             ):
                 memory.doubtful[i] = 1
         idle = (1.0 - share[i]) * flow
-        told = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
-        memory.on[i] = min(max(memory.on[i] + told, 0.0), LARGEST)
+        gained = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
+        memory.on[i] = min(max(memory.on[i] + gained, 0.0), LARGEST)
     look_out(vehicle.n_thrusters, vehicle.branches, memory)
     cross_check(params, vehicle, share, memory)
 
 
 @kernel
 def forget_branch(vehicle, named, memory):
-    """Forget what the flow of a branch said of its thrusters: it was about the one now ``named``.  A loss
-    that another showed when it fired alone is its own.
+    """Reset the flow evidence of a branch: it was about the thruster now ``named``. A loss that another
+    showed when it fired alone is its own.
     """
     b = vehicle.branches.of[named]
     memory.word[b] = UNHEARD
@@ -364,14 +364,14 @@ def forget_branch(vehicle, named, memory):
 
 @kernel
 def needs_trial(i, memory):
-    """Whether thruster ``i`` has to be tried alone before a loss can be told or refuted."""
+    """Test whether thruster ``i`` has to be tested alone before a loss can be confirmed or refuted."""
     return memory.doubtful[i] != 0 or 0 < memory.off[i].cycles < LEAST_CYCLES
 
 
 @kernel
-def loss_told(params, common, loss):
+def confirmed_loss(params, common, loss):
     """Fraction of flow lost beyond the ``common`` loss and the evidence for it; zeros before enough cycles
-    tell it, and for too small a one.
+    confirm it, and for too small a one.
     """
     if loss.cycles < LEAST_CYCLES:
         return 0.0, 0.0

@@ -1,18 +1,19 @@
-"""Which thruster of a branch stays open: the latch valve is shut, and force and torque tell who went with it.
+"""Isolation of the leaking thruster of a branch: the latch valve is closed, and force and torque show which
+thruster stopped with it.
 
-A flow through a branch that nobody asked for is told by its meter within two cycles, and the branch is shut
-at once: that costs its healthy thrusters too.  What the leak did to the vehicle shows in the change of the
-unexplained force and torque from before to after: when it began, and each time the latch valve moves.  The
-change c is compared with what each thruster i of the branch would have done, b_i: over n looks the sum of
-squares S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as in
-:mod:`edl6dof.fsw.diagnosis.hypotheses`.  A change within some tenths of a second is hardly spoilt by air or
-riser; where one look does not decide, the branch is opened and shut again, at the cost of that leak.
+A flow through a branch that was not commanded is detected by its meter within two cycles, and the branch is
+closed at once: that costs its healthy thrusters too. The effect of the leak shows in the change of the
+unexplained force and torque from before to after: when it began, and each time the latch valve moves. The
+change c is compared with the effect of each thruster i of the branch, b_i: over n looks the sum of squares
+S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as in
+:mod:`edl6dof.fsw.diagnosis.hypotheses`. A change within some tenths of a second is hardly disturbed by air or
+riser; where one look does not decide, the branch is opened and closed again, at the cost of that leak.
 
-If the meter reads a flow while the branch is shut, the meter has failed and the branch is given back.
-Without a meter, a leak is suspected of whatever does not respond, as force and torque alone tell; the branch
-is given back if nothing changes when it is shut.
+If the meter reads a flow while the branch is closed, the meter has failed and the branch is used again.
+Without a meter, a leak is suspected of any thruster that does not respond by force and torque; the branch is
+used again if nothing changes when it is closed.
 
-Source: none; keying an input to tell its effect from drifts is the lock-in of measurement technique.
+Source: none; keying an input to separate its effect from drifts is the lock-in of measurement technique.
 """
 
 from __future__ import annotations
@@ -27,26 +28,26 @@ from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, whole
 from edl6dof.spatial.elementary import exp
 
-UNDER_WAY, NAMED, METER_FAILED, SOUND = range(4)
+UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
 #: Control cycles after the latch valve moved that are mixed, and those after them that make a look.
 MIXED, LOOK = 1, 3
-SURELY_BEFORE = 5  # cycles ago that a leak just told had not begun
+SURELY_BEFORE = 5  # cycles ago that a leak just detected had not begun
 LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
 MOST_LOOKS = 20  # after which the likeliest is named, however likely
 
 LEAK = np.dtype(
     [
-        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is looked into
-        ("shut", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be shut
+        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
+        ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
         ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
-        ("told", FLAG),  # by a meter: one of them leaks
+        ("metered", FLAG),  # by a meter, one of them leaks
         ("open", FLAG),  # the latch valve
         ("cycles", COUNT),  # since it moved
         ("looks", COUNT),
         ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
         ("after", "f8", (6,)),  # and since
         ("flow", "f8"),  # kg/s, mean since
-        # share of the cycle before it moved in which each thruster was to be shut, and a leak shows
+        # share of the cycle before it moved in which each thruster was to be closed, and a leak shows
         ("idle", "f8", (MAX_THRUSTERS,)),
         ("sums", SUMS, (MAX_THRUSTERS,)),
         ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
@@ -57,7 +58,7 @@ LEAK = np.dtype(
 
 @kernel
 def leaking_branch(params, vehicle, healthy, flow):
-    """The branch through which most evidence says that something flows unasked, or ``NONE``."""
+    """Branch with the most evidence for a flow that was not commanded, or ``NONE``."""
     found, most = NONE, params.prior
     for i in range(vehicle.n_thrusters):
         b = vehicle.branches.of[i]
@@ -77,7 +78,7 @@ def mean_of(residual, first, last, mean):
 
 @kernel
 def take_look(params, signals, sign, memory):
-    """Compare the change from before to after with ``sign`` times what each candidate does."""
+    """Compare the change from before to after with ``sign`` times the effect of each candidate."""
     weight = weights(params, signals.activity.wrench, signals.load)
     before, after = memory.before, memory.after
     change = (
@@ -99,18 +100,18 @@ def take_look(params, signals, sign, memory):
 
 
 @kernel
-def open_leak(params, signals, b, told, residual, memory):
-    """Shut branch ``b`` to look into a leak, ``told`` by a meter or not; how it began is the first look."""
+def open_leak(params, signals, b, metered, residual, memory):
+    """Close branch ``b`` to isolate a leak, ``metered`` or not; its beginning is the first look."""
     vehicle, healthy = signals.vehicle, signals.healthy
-    memory.told = 1 if told else 0
+    memory.metered = 1 if metered else 0
     memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         memory.idle[i] = 1.0 - signals.activity.share[i]
         memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
-    shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, memory)
+    close_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, memory)
     mean_of(residual, 1, 1, memory.after)
-    if told and residual.taken >= SURELY_BEFORE + LOOK:
+    if metered and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
         take_look(params, signals, 1.0, memory)
     look_again(residual, memory)
@@ -118,7 +119,7 @@ def open_leak(params, signals, b, told, residual, memory):
 
 @kernel
 def look_again(residual, memory):
-    """The valve moves: the last cycles are what was before."""
+    """Take the last cycles for those before a movement of the valve."""
     mean_of(residual, 1, 1 if memory.looks < 2 else LOOK, memory.before)
     for j in range(6):
         memory.after[j] = 0.0
@@ -128,25 +129,25 @@ def look_again(residual, memory):
 @kernel
 def likeliest(count, memory):
     """Find the candidate that explains the looks best; returns its probability among all of them, and without
-    a meter beside that none leaks.
+    a meter among "none leaks" as well.
     """
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
-            told = evidence(memory.sums[i], 1.0)
-            if told > most:
-                total = total * exp(most - told) + 1.0
-                memory.best, most = i, told
+            found = evidence(memory.sums[i], 1.0)
+            if found > most:
+                total = total * exp(most - found) + 1.0
+                memory.best, most = i, found
             else:
-                total += exp(told - most)
-    if memory.told == 0:
+                total += exp(found - most)
+    if memory.metered == 0:
         total += exp(min(-most, LARGEST))
     return 1.0 / total
 
 
 @kernel
 def follow_leak(params, signals, flow, residual, memory):
-    """One control cycle with the branch shut, or open for a look: what is known, and the confidence.
+    """Run one control cycle with the branch closed, or open for a look; returns result and confidence.
 
     The time between looks varies: a canopy that breathes at the rate of the looks would look like a thruster.
     """
@@ -164,34 +165,34 @@ def follow_leak(params, signals, flow, residual, memory):
         for i in range(count):
             memory.idle[i] = 1.0
         confidence = likeliest(count, memory)
-        if memory.told == 0 and confidence < 1.0 - params.confidence:
-            return SOUND, confidence
+        if memory.metered == 0 and confidence < 1.0 - params.confidence:
+            return HEALTHY, confidence
         if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
-            if memory.told == 0 and confidence < params.confidence:
-                return SOUND, confidence
+            if memory.metered == 0 and confidence < params.confidence:
+                return HEALTHY, confidence
             memory.open = 0
-            memory.shut[b] = 1
+            memory.latch_closed[b] = 1
             return NAMED, confidence
     if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
         memory.open = 1 - memory.open
-        memory.shut[b] = 1 - memory.open
+        memory.latch_closed[b] = 1 - memory.open
         look_again(residual, memory)
     return UNDER_WAY, 0.0
 
 
 @kernel
-def shut_branch(branches, count, b, healthy, memory):
-    """Shut the latch valve of branch ``b``: none of its thrusters can be used."""
-    memory.shut[b] = 1
+def close_branch(branches, count, b, healthy, memory):
+    """Close the latch valve of branch ``b``: none of its thrusters can be used."""
+    memory.latch_closed[b] = 1
     for i in range(count):
         if branches.of[i] == b:
             healthy[i] = 0
 
 
 @kernel
-def give_back(count, memory, healthy):
-    """Open the branch again: its candidates are sound."""
-    memory.shut[memory.branch] = 0
+def reopen_branch(count, memory, healthy):
+    """Open the branch again: its candidates are healthy."""
+    memory.latch_closed[memory.branch] = 0
     for i in range(count):
         if memory.candidate[i] != 0:
             healthy[i] = 1

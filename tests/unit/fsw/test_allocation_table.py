@@ -11,7 +11,7 @@ from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effective
 from edl6dof.fsw.allocation.registry import ALLOCATORS
 from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.fsw.onboard import FSW
-from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
+from edl6dof.interface.effectors import ATTITUDE, AXIAL, FINE, HORIZONTAL
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
 

@@ -67,7 +67,7 @@ class Watch:
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory, self.activity = self.fsw["diagnosis"], self.fsw["estimation"]["activity"]
         self.memory["leak"]["branch"] = self.memory["hypotheses"]["meter"] = NONE
-        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.memory["leak"]["shut"][0]
+        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.memory["leak"]["latch_closed"][0]
         self.unexplained, self.used = self.fsw["disturbance"]["unexplained"][0], self.sensed["branch_used"][0]
         self.healthy[:] = 1
         self.t, self.asked = 0.0, np.zeros(32)

@@ -15,7 +15,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE
-from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import tan

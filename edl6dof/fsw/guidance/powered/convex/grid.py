@@ -11,7 +11,7 @@ from math import sqrt
 
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import put3, take3
 
 
