@@ -15,7 +15,7 @@ from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
-from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
 from edl6dof.fsw.estimation.force_angle import force_angle

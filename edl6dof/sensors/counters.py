@@ -136,7 +136,7 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         counted = clamp(wanted, -most, most)
         met = counted != wanted and dt > 0.0
         if fault.mode != WORKING:
-            counted = broken(fault.mode, memory.last[i], wanted, most)
+            counted = faulty_count(fault.mode, memory.last[i], wanted, most)
             met = fault.mode == SATURATED
         if met:
             memory.flagged_until[i] = t + params.persistence
@@ -148,7 +148,7 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
 
 
 @kernel
-def broken(mode, last, wanted, most):
+def faulty_count(mode, last, wanted, most):
     """Count of a failed instrument: ``last`` in the cycle before, ``wanted`` of a healthy one, ``most`` at
     the end of its range.
     """

@@ -23,7 +23,7 @@ from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import broken
+from edl6dof.sensors.counters import faulty_count
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.table_index import wrapped
 from edl6dof.vehicle.instruments import WORKING
@@ -101,7 +101,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
             error += fault.noise * dt * normal_pair(unit.key, _NORMALS * cycle + _FAULTY + k)[0]
         counted = (1.0 + unit.scale[k]) * (plant.branch_used[k] - memory.flowed[k]) + error
         if fault.mode != WORKING:
-            counted = broken(fault.mode, memory.last[k], counted, full * dt)
+            counted = faulty_count(fault.mode, memory.last[k], counted, full * dt)
         memory.last[k], memory.flowed[k] = counted, plant.branch_used[k]
         memory.count[k] += counted
         total = memory.count[k]

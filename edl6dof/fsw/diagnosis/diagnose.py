@@ -1,15 +1,14 @@
 """One control cycle of thruster fault diagnosis: residuals, hypotheses, and isolation.
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
-whose prior is the price of a false alarm; it is required in several cycles in a row.  A dead thruster is then
-taken out of the allocation, one that has lost little is named and used on.  One that stays open is shut off
-by the latch valve of its branch, which costs the others on it (:mod:`edl6dof.fsw.diagnosis.leak`).  Without a
-meter the latch valve is moved for either, unless the slow part speaks against it: a thruster that does not
-respond may be open as well as shut.
+whose prior is the price of a false alarm; it is required in several cycles in a row. A dead thruster is then
+taken out of the allocation; one that has lost little is named and stays in use. One that stays open is shut
+off by the latch valve of its branch, which costs the others on it
+(:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a meter the latch valve is moved for either fault,
+unless the slow part excludes a leak: a thruster that does not respond may be open as well as closed.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
-in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
-harm.
+in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful.
 """
 
 from __future__ import annotations
@@ -20,15 +19,15 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
-from edl6dof.fsw.diagnosis.flow import (
+from edl6dof.fsw.diagnosis.flow_evidence import (
     FLOW,
     NONE,
     FlowParams,
     forget_branch,
+    impossible_meter,
     is_read,
     read_meters,
-    reads_amiss,
-    weigh_flow,
+    update_flow_evidence,
 )
 from edl6dof.fsw.diagnosis.hypotheses import (
     HYPOTHESES,
@@ -36,18 +35,18 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     compare,
     forget_all,
     kind_of,
-    weigh,
+    update_evidence,
     weights,
 )
-from edl6dof.fsw.diagnosis.leak import (
+from edl6dof.fsw.diagnosis.leak_isolation import (
     HEALTHY,
     LEAK,
     METER_FAILED,
     NAMED,
-    follow_leak,
     leaking_branch,
-    open_leak,
     reopen_branch,
+    start_leak_isolation,
+    step_leak_isolation,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
@@ -174,7 +173,7 @@ def restart(memory):
 
 
 @kernel
-def note(vehicle, i, kind, loss, confidence, t, memory):
+def record_fault(vehicle, i, kind, loss, confidence, t, memory):
     """Record a failed thruster; evaluation of the rest restarts."""
     if memory.n_isolated < MAX_ISOLATED:
         one = memory.isolated[memory.n_isolated]
@@ -188,7 +187,7 @@ def note(vehicle, i, kind, loss, confidence, t, memory):
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
     """Record a thruster that gives too little, and take it out of use, unless it has lost little."""
-    note(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
+    record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
     if kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
     else:
@@ -196,7 +195,7 @@ def isolate(params, signals, i, kind, loss, confidence, memory):
 
 
 @kernel
-def isolate_likeliest(params, signals, memory):
+def isolate_most_probable(params, signals, memory):
     """Isolate the thruster of the best hypothesis, or all of a branch without flow."""
     best, vehicle = memory.hypotheses, signals.vehicle
     thruster, branch, kind, loss, confidence = (
@@ -213,42 +212,42 @@ def isolate_dead(params, signals, i, loss, memory):
     threshold.
     """
     kind = kind_of(params, loss)
-    note(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
+    record_fault(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
     signals.healthy[i] = 0
 
 
 @kernel
-def distrust_meter(b, t, memory):
+def exclude_meter(b, t, memory):
     """Exclude the meter of a branch."""
     memory.flow.meter_failed[b], memory.flow.failed_at[b] = 1, t
     restart(memory)
 
 
 @kernel
-def look_into_leak(params, signals, memory):
+def continue_leak_isolation(params, signals, memory):
     """Continue the isolation of a leak, and end it when it has decided: a thruster that was suspected of not
     responding and does not leak is dead or weak.
     """
     leak, best, vehicle = memory.leak, memory.hypotheses, signals.vehicle
-    found, confidence = follow_leak(params, signals, memory.flow, memory.residual, leak)
+    found, confidence = step_leak_isolation(params, signals, memory.flow, memory.residual, leak)
     if found == NAMED:
-        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
+        record_fault(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
         leak.branch = NONE
     elif found == METER_FAILED:
         reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
-        distrust_meter(leak.branch, signals.t, memory)
+        exclude_meter(leak.branch, signals.t, memory)
         leak.branch = NONE
     elif found == HEALTHY:
         reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
         if best.kind == STUCK_OFF or best.kind == DEGRADED:
-            isolate_likeliest(params, signals, memory)
+            isolate_most_probable(params, signals, memory)
         else:  # suspected of leaking, or an event has voided all evidence
             restart(memory)
 
 
 @kernel
-def follow_streak(params, before, memory):
+def update_streak(params, before, memory):
     """Count the cycles in a row with the same confident hypothesis."""
     best = memory.hypotheses
     if best.kind != NOTHING and best.confidence >= params.confidence:
@@ -268,7 +267,7 @@ def may_leak(params, b, load, residual, kind):
 
 
 @kernel
-def follow_missing(params, signals, memory):
+def filter_missing_wrench(params, signals, memory):
     """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
     the slow part contains them, steady use shows nothing.
     """
@@ -277,7 +276,7 @@ def follow_missing(params, signals, memory):
         missing = memory.missing[b]
         for j in range(6):
             missing.value[j] = 0.0
-        if memory.flow.losing[b] != 0:
+        if memory.flow.shows_loss[b] != 0:
             for i in range(vehicle.n_thrusters):
                 if vehicle.branches.of[i] == b:
                     for j in range(6):
@@ -309,19 +308,21 @@ def diagnose(params, signals, memory):
         params.flow, signals.instruments, vehicle, signals.used, activity.share, dt=signals.dt, memory=flow
     ):
         keep = 1.0 - 1.0 / params.memory_cycles
-        weigh_flow(params.flow, keep, vehicle, activity.share, memory.leak.latch_closed, memory=flow)
+        update_flow_evidence(
+            params.flow, keep, vehicle, activity.share, memory.leak.latch_closed, memory=flow
+        )
     if metered:
-        follow_missing(params, signals, memory)
+        filter_missing_wrench(params, signals, memory)
     if memory.leak.branch != NONE:
-        look_into_leak(params, signals, memory)
+        continue_leak_isolation(params, signals, memory)
         return
-    amiss = reads_amiss(metered, vehicle.branches, flow)
-    if amiss != NONE:
-        distrust_meter(amiss, signals.t, memory)
+    impossible = impossible_meter(metered, vehicle.branches, flow)
+    if impossible != NONE:
+        exclude_meter(impossible, signals.t, memory)
     leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         if known > 0:
-            weigh(
+            update_evidence(
                 params,
                 vehicle,
                 metered,
@@ -335,7 +336,7 @@ def diagnose(params, signals, memory):
             )
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, signals.healthy, flow, memory=best)
-        follow_streak(params, before, memory)
+        update_streak(params, before, memory)
         suspected = vehicle.branches.of[best.thruster]
         if (
             memory.streak >= params.streak
@@ -344,8 +345,8 @@ def diagnose(params, signals, memory):
         ):
             leaking, metered_leak = suspected, False
     if leaking != NONE:
-        open_leak(params, signals, leaking, metered_leak, memory.residual, memory=memory.leak)
+        start_leak_isolation(params, signals, leaking, metered_leak, memory.residual, memory=memory.leak)
     elif memory.streak >= params.streak:
-        isolate_likeliest(params, signals, memory)
+        isolate_most_probable(params, signals, memory)
     elif best.meter != NONE and known > 0:
-        distrust_meter(best.meter, signals.t, memory)
+        exclude_meter(best.meter, signals.t, memory)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.diagnosis.flow import NONE, is_waiting, needs_trial
+from edl6dof.fsw.diagnosis.flow_evidence import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
@@ -110,18 +110,18 @@ def is_free(i, signals):
 
 
 @kernel
-def has_answered(i, signals, memory):
+def is_measured(i, signals, memory):
     """Test whether the last use of thruster ``i`` has been measured."""
     t, dt = signals.t, signals.dt
     return t >= max(signals.valves.busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
 
 
 @kernel
-def is_quiet(b, signals, memory):
+def branch_is_measured(b, signals, memory):
     """Test whether the last use of branch ``b`` has been measured."""
     of = signals.vehicle.branches.of
     for i in range(signals.vehicle.n_thrusters):
-        if of[i] == b and not has_answered(i, signals, memory):
+        if of[i] == b and not is_measured(i, signals, memory):
             return False
     return True
 
@@ -135,17 +135,17 @@ def retest(params, signals, memory):
     rested, oldest = NONE, t
     for i in range(vehicle.n_thrusters):
         doubted = needs_trial(i, diagnosis.flow)
-        if not (doubted or diagnosis.flow.asked[i] != 0) or memory.used[i] >= oldest:
+        if not (doubted or diagnosis.flow.test_requested[i] != 0) or memory.used[i] >= oldest:
             continue
         if not is_free(i, signals):
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
             doubted
-            and is_quiet(vehicle.branches.of[i], signals, memory)
+            and branch_is_measured(vehicle.branches.of[i], signals, memory)
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )
-        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, signals, memory):
+        if doubted or diagnosis.flow.test_requested[i] != 0 and is_measured(i, signals, memory):
             rested, oldest = i, memory.used[i]
     if rested != NONE:
         return rested, NONE

@@ -14,10 +14,10 @@ leaves S' near S and proves nothing: the air in lift control and the riser under
 noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever
 the evidence speaks against it, so the time of the fault need not be known (Page's test).
 
-Where a meter is believed, its evidence (:mod:`edl6dof.fsw.diagnosis.flow`) adds to that of force and torque.
-The loss of flow then has several explanations, which compete by their posterior odds.  Each fault that one
-needs costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the flow, they are,
-without the P that all share,
+Where a meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force and
+torque.  The loss of flow then has several explanations, which compete by their posterior odds.  Each fault
+that one needs costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the flow,
+they are, without the P that all share,
 
     the thruster, or its meter     the flow of the others is not known     F + f_i        F
     the thruster, or its meter     the meter reads the flow of the others  F + f_i        F - P
@@ -42,12 +42,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import (
+from edl6dof.fsw.diagnosis.flow_evidence import (
+    CONFIRMED,
     LARGEST,
     LEAST_USE,
     NONE,
-    UNHEARD,
-    VOUCHED,
+    UNCHECKED,
     confirmed_loss,
     fires_alone,
     full_flow,
@@ -163,7 +163,7 @@ def weights(params, wrench, load):
 
 
 @kernel
-def weigh(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
+def update_evidence(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
     """Add one cycle to the evidence of every hypothesis with a prediction; where there are meters, to that of
     a loss only if the thruster fires alone in its branch, so that both use the same cycles.
 
@@ -194,7 +194,7 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, mis
             collect(memory.on[i], keep, signature=1.0 - share, along=along, square=square, every=every)
     for b in range(vehicle.branches.count):
         square = product(missing[b].value, missing[b].value, weight)
-        if flow.losing[b] == 0:
+        if flow.shows_loss[b] == 0:
             forget(memory.dead[b])
         elif square > LEAST_SEEN:
             along = product(residual.value, missing[b].value, weight)
@@ -202,7 +202,7 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, mis
 
 
 @kernel
-def for_loss(params, sums, least, afresh):
+def loss_evidence(params, sums, least, afresh):
     """Fraction of thrust lost that fits force and torque best and the evidence for it, or zeros.
 
     Too little a loss counts as none and, if wanted, starts afresh; evidence below ``least`` counts as none.
@@ -220,7 +220,7 @@ def for_loss(params, sums, least, afresh):
 
 
 @kernel
-def for_stuck_on(sums, least):
+def stuck_on_evidence(sums, least):
     """Evidence that a valve stays open, none below ``least``; it restarts where the evidence is
     against it.
     """
@@ -230,10 +230,10 @@ def for_stuck_on(sums, least):
 
 
 @kernel
-def by_thrust(params, sums_off, sums_on, least):
+def evidence_by_thrust(params, sums_off, sums_on, least):
     """(kind, loss, evidence) of the likelier fault of a thruster, by force and torque alone."""
-    loss, off = for_loss(params, sums_off, least, True)
-    on = for_stuck_on(sums_on, least)
+    loss, off = loss_evidence(params, sums_off, least, True)
+    on = stuck_on_evidence(sums_on, least)
     if on > off:
         return STUCK_ON, 0.0, on
     return kind_of(params, loss), loss, off
@@ -246,18 +246,18 @@ def kind_of(params, loss):
 
 
 @kernel
-def by_both(params, vehicle, waiting, i, flow, memory, least):
+def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least):
     """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
     torque; a valve that stays open is found by the meter. A meter that reads a flow at rest gives no
     evidence.
     """
     # while the flow shows a loss, force and torque do not restart
-    loss, lost = for_loss(params, memory.off[i], least, flow.off[i].cycles == 0)
+    loss, lost = loss_evidence(params, memory.off[i], least, flow.off[i].cycles == 0)
     kind, lost = kind_of(params, loss), lost - 0.5 * params.prior
     if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
         lost = 0.0
     less, by_flow = confirmed_loss(params.flow, flow.common, flow.off[i])
-    if less < params.loss_dead and waiting or flow.astray[vehicle.branches.of[i]] > 0:
+    if less < params.loss_dead and waiting or flow.unexplained_rest[vehicle.branches.of[i]] > 0:
         by_flow = 0.0
     felt = evidence(memory.off[i], less) if by_flow > 0.0 and memory.off[i].cycles > 0.0 else 0.0
     if by_flow + felt > lost:
@@ -266,7 +266,7 @@ def by_both(params, vehicle, waiting, i, flow, memory, least):
 
 
 @kernel
-def explain_loss(params, vehicle, i, loss, most, by_flow, flow, memory):
+def weigh_explanations(params, vehicle, i, loss, most, by_flow, flow, memory):
     """Weigh all faults that explain a loss of flow of thruster ``i``: its meter, all of its branch, and the
     thruster; returns the evidence for the last.
 
@@ -281,11 +281,11 @@ def explain_loss(params, vehicle, i, loss, most, by_flow, flow, memory):
         memory: ``HYPOTHESES`` record: ``against`` and ``lost`` of its branch are raised.
     """
     b = vehicle.branches.of[i]
-    if flow.word[b] == VOUCHED:
+    if flow.meter_check[b] == CONFIRMED:
         memory.against[b] = max(memory.against[b], by_flow - params.prior)
         return most
     memory.against[b] = max(memory.against[b], by_flow)
-    if flow.word[b] == UNHEARD:
+    if flow.meter_check[b] == UNCHECKED:
         return most
     if loss >= params.loss_dead:
         felt = evidence(memory.dead[b], 1.0) if memory.dead[b].cycles > 0.0 else 0.0
@@ -312,11 +312,15 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             continue
         b = vehicle.branches.of[i]
         if is_read(metered, b, flow):
-            kind, loss, most, by_flow = by_both(params, vehicle, waiting, i, flow, memory=memory, least=least)
+            kind, loss, most, by_flow = evidence_by_flow_and_thrust(
+                params, vehicle, waiting, i, flow, memory=memory, least=least
+            )
             if by_flow > 0.0:
-                most = explain_loss(params, vehicle, i, loss, most, by_flow=by_flow, flow=flow, memory=memory)
+                most = weigh_explanations(
+                    params, vehicle, i, loss, most, by_flow=by_flow, flow=flow, memory=memory
+                )
         else:
-            kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
+            kind, loss, most = evidence_by_thrust(params, memory.off[i], memory.on[i], least)
         if most >= least:
             total += exp(most)
             if most > best:
@@ -329,7 +333,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         total += exp(memory.against[b]) if memory.against[b] > 0.0 else 0.0
         total += exp(memory.lost[b]) if memory.lost[b] > 0.0 else 0.0
     for b in range(vehicle.branches.count):
-        if flow.word[b] != UNHEARD and exp(memory.against[b]) > params.confidence * total:
+        if flow.meter_check[b] != UNCHECKED and exp(memory.against[b]) > params.confidence * total:
             memory.meter = b
     memory.evidence = best
     memory.confidence = exp(best) / total if memory.kind != NOTHING else 0.0

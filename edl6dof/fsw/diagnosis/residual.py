@@ -4,7 +4,7 @@ component.
 The slow part, which no thruster fault explains, is the mean before the last fifteen cycles. A fault younger
 than that is not in it; the steady effect of an older one is. An old leak is then indistinguishable from a
 dead thruster: either shows only in that it does not respond, and the latch valve has to separate them
-(:mod:`edl6dof.fsw.diagnosis.leak`).
+(:mod:`edl6dof.fsw.diagnosis.leak_isolation`).
 """
 
 from __future__ import annotations

@@ -107,7 +107,7 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
         gravity = sub(sub(velocity, take3(memory.velocity, 0)), take3(memory.gained, 0))
         turn = _set_upright(onboard.planet, gravity, solution)
         _take_over(onboard, health, sensed.radar, from_frame(turn, velocity), solution)
-        solution.turned_anew = params.found**2
+        solution.new_attitude_variance = params.found**2
         memory.lost, memory.found_t = 0, sensed.t
 
 

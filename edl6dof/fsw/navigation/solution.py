@@ -38,7 +38,7 @@ SOLUTION = np.dtype(
         ("terrain", "f8"),  # m: how much higher the ground below is than the landing site
         ("slope", "f8", (2,)),  # rise of the ground below per metre towards north and east
         (
-            "turned_anew",
+            "new_attitude_variance",
             "f8",
         ),  # rad2: variance about each axis of an attitude just found, for the filter to take up
         ("started", FLAG),  # ground tracking and star tracker have started it

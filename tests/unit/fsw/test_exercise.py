@@ -9,7 +9,7 @@ from thruster_bench import modulate, open_for_test, opposite, pair_to_test
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.exercise import ExerciseParams
-from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.modulation import ModulationParams
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.effectors import STUCK_OFF

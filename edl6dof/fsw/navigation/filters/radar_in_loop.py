@@ -63,7 +63,7 @@ class RadarInLoopParams(Params):
 RADAR_IN_LOOP = np.dtype(
     [
         ("started_t", "f8"),  # s, flight time
-        ("age", "f8"),  # s: since the last look at the radar
+        ("age", "f8"),  # s: since the last use of the radar
         ("begun", FLAG),  # whether there was an echo
         ("seen", "f8"),  # s: duration of echoes
         ("agreed", "f8"),  # s: duration of the present agreement of radar and inertial solution

@@ -51,7 +51,7 @@ TWO_FILTER = np.dtype(
         ("covariance", "f8", (6, 6)),
         ("correction", "f8", (6,)),
         ("converged", FLAG),  # whether velocity is corrected
-        ("age", "f8"),  # s: since the last look at the radar
+        ("age", "f8"),  # s: since the last use of the radar
         ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
         ("heights", COUNT),  # how many have come yet
         ("started_t", "f8"),  # s, flight time
@@ -60,7 +60,7 @@ TWO_FILTER = np.dtype(
         ("row", "f8", (6,)),
         ("product", "f8", (6,)),
         ("gain", "f8", (6,)),
-        ("look", "f8", (MAX_BEAMS,)),
+        ("beam_errors", "f8", (MAX_BEAMS,)),
         ("ordered", "f8", (MAX_BEAMS,)),
     ],
     align=True,
@@ -200,7 +200,7 @@ def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solut
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
     used, count = 0, 0
     for step in range(2):  # the median first
-        common = median(memory.look, count, memory.ordered) if count > 0 else 0.0
+        common = median(memory.beam_errors, count, memory.ordered) if count > 0 else 0.0
         for beam in range(instruments.n_beams):
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
             sound = speeds >> beam & 1 and beam_usable(health.beam_range, radar, beam)
@@ -209,7 +209,7 @@ def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solut
                 error = (reach - radar.range[beam]) * slope
                 sigma = slope * (instruments.range_sigma + instruments.range_sigma_relative * abs(reach))
                 if step == 0:
-                    memory.look[count] = error
+                    memory.beam_errors[count] = error
                     count += 1
                 elif abs(error - common) <= params.edit * 1.5 * sigma:
                     memory.height_error[memory.heights % params.heights] = error

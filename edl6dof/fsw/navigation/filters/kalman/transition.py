@@ -51,8 +51,8 @@ def accumulate(params, motion, solution, memory):
     # an error that lasts: its variance grows with the square of the time
     memory.unknown_rate_time = 0.0 if motion.rate_known != 0 else memory.unknown_rate_time + dt
     interval.unknown_turn += params.unknown_rate**2 * 2.0 * memory.unknown_rate_time * dt
-    interval.unknown_turn += solution.turned_anew
-    solution.turned_anew = 0.0
+    interval.unknown_turn += solution.new_attitude_variance
+    solution.new_attitude_variance = 0.0
     memory.unknown_force_time = 0.0 if motion.force_known != 0 else memory.unknown_force_time + dt
     interval.unknown_gain += params.unknown_force**2 * 2.0 * memory.unknown_force_time * dt
 

@@ -52,12 +52,12 @@ SURE = 900.0  # inverse variance of the loss of a branch from which it counts: g
 LEAST_BRANCHES = 3  # branches that must show a loss before it is the propellant's
 METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
 LEAST_OPEN = 0.5  # of the flow of the smallest thruster of a branch, which an open valve lets through
-MOST_ASTRAY = 3  # cycles of rest in a row with less than that, after which the meter has failed
+MOST_UNEXPLAINED = 3  # cycles of rest in a row with less than that, after which the meter has failed
 NONE = -1
 #: Reading of a meter of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
 #: the same loss.
-UNHEARD, VOUCHED, IMPEACHED = range(3)
-LEAST_HEARD = 0.15  # flow of the others, over the full flow of the branch, from which that is known
+UNCHECKED, CONFIRMED, CONTRADICTED = range(3)
+LEAST_CHECK_FLOW = 0.15  # flow of the others, over the full flow of the branch, from which that is known
 SHARED = 0.6  # of its loss, from which the others show the same loss
 
 
@@ -89,17 +89,17 @@ FLOW = np.dtype(
         ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
         ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
         ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
-        ("astray", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with a flow that no valve explains
+        ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
         # loss of each branch, since the first sign of a loss if there is one
         ("pool", LOSS, (MAX_BRANCHES,)),
         ("seen", COUNT),  # branches in use since then
         ("suspecting", FLAG),  # whether there is one
         ("common", "f8"),  # loss of all branches
         ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
-        ("losing", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
+        ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
         # reading of the others since a thruster of its branch shows a loss
-        ("word", whole(UNHEARD, IMPEACHED), (MAX_BRANCHES,)),
-        ("asked", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
+        ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
+        ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
         ("meter_failed", FLAG, (MAX_BRANCHES,)),
         ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
         ("off", LOSS, (MAX_THRUSTERS,)),
@@ -158,14 +158,14 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
         expected, full = memory.expected[b], branches.full_flow[b]
         memory.weight[b] = 1.0 / (idle * full * full + running * expected * expected)
         memory.residual[b] -= expected
-    follow_rest(vehicle, memory)
+    monitor_rest(vehicle, memory)
     started = memory.started != 0
     memory.started = 1
     return started
 
 
 @kernel
-def follow_rest(vehicle, memory):
+def monitor_rest(vehicle, memory):
     """Count for each meter the cycles of rest in a row, in which no thruster of its branch was to fire, with
     a flow that is less than an open valve lets through.
     """
@@ -173,8 +173,8 @@ def follow_rest(vehicle, memory):
         if memory.expected[b] > 0.0:
             continue
         flow = memory.residual[b]
-        astray = cannot_be(b, flow, memory) and flow < LEAST_OPEN * least_flow(vehicle, b)
-        memory.astray[b] = memory.astray[b] + 1 if astray else 0
+        unexplained_rest = is_impossible(b, flow, memory) and flow < LEAST_OPEN * least_flow(vehicle, b)
+        memory.unexplained_rest[b] = memory.unexplained_rest[b] + 1 if unexplained_rest else 0
 
 
 @kernel
@@ -188,20 +188,20 @@ def least_flow(vehicle, b):
 
 
 @kernel
-def reads_amiss(metered, branches, memory):
+def impossible_meter(metered, branches, memory):
     """First branch whose trusted meter reads a negative flow, or for some cycles one that no valve explains;
     ``NONE`` if there is none.
     """
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
-        backwards = flow < 0.0 and cannot_be(b, flow, memory)
-        if is_read(metered, b, memory) and (backwards or memory.astray[b] >= MOST_ASTRAY):
+        backwards = flow < 0.0 and is_impossible(b, flow, memory)
+        if is_read(metered, b, memory) and (backwards or memory.unexplained_rest[b] >= MOST_UNEXPLAINED):
             return b
     return NONE
 
 
 @kernel
-def cannot_be(b, flow, memory):
+def is_impossible(b, flow, memory):
     """Test whether ``flow`` (kg/s) exceeds any error of the meter of branch ``b`` at zero flow."""
     return flow * flow * memory.weight[b] > METER_ERROR * METER_ERROR
 
@@ -224,7 +224,7 @@ def find_common_loss(params, branches, memory):
 
 
 @kernel
-def look_out(count, branches, memory):
+def restart_pools(count, branches, memory):
     """Restart the losses of the branches at the first sign of a loss."""
     signs = 0
     for i in range(count):
@@ -243,15 +243,15 @@ def cross_check(params, vehicle, share, memory):
     """
     of, count = vehicle.branches.of, vehicle.n_thrusters
     for i in range(count):
-        memory.asked[i] = 0
+        memory.test_requested[i] = 0
     for b in range(vehicle.branches.count):
-        most, least = 0, LEAST_HEARD * vehicle.branches.full_flow[b]
+        most, least = 0, LEAST_CHECK_FLOW * vehicle.branches.full_flow[b]
         for i in range(count if memory.suspecting != 0 else 0):
             if of[i] == b:
                 most = max(most, memory.off[i].cycles)
-        memory.losing[b] = 1 if most > 0 else 0
+        memory.shows_loss[b] = 1 if most > 0 else 0
         if most < LEAST_CYCLES:
-            memory.word[b] = UNHEARD
+            memory.meter_check[b] = UNCHECKED
             continue
         for i in range(count):
             if of[i] == b and memory.off[i].cycles >= LEAST_CYCLES:
@@ -263,14 +263,14 @@ def cross_check(params, vehicle, share, memory):
                 # a fault that began within a pulse shows too small a loss at first: the others are impeached
                 # only by what the thruster does not explain even if it lets nothing through
                 if others > least and lost - given > shared:
-                    memory.word[b] = IMPEACHED
+                    memory.meter_check[b] = CONTRADICTED
                 elif others > least and lost - loss * given <= shared:
-                    memory.word[b] = VOUCHED
+                    memory.meter_check[b] = CONFIRMED
         for i in range(count):
             if of[i] == b:
-                asked = memory.word[b] == UNHEARD and memory.off[i].cycles == 0
-                memory.asked[i] = 1 if asked else 0
-                memory.doubtful[i] = 1 if memory.word[b] == IMPEACHED else memory.doubtful[i]
+                asked = memory.meter_check[b] == UNCHECKED and memory.off[i].cycles == 0
+                memory.test_requested[i] = 1 if asked else 0
+                memory.doubtful[i] = 1 if memory.meter_check[b] == CONTRADICTED else memory.doubtful[i]
 
 
 @kernel
@@ -288,7 +288,7 @@ def fires_alone(expected, given):
 
 
 @kernel
-def weigh_loss(params, residual, prediction, weight, keep, common, loss):
+def add_loss_cycle(params, residual, prediction, weight, keep, common, loss):
     """Add to its loss a cycle in which a healthy thruster would let ``-prediction`` (kg/s) through."""
     cross, own = residual * prediction * weight, prediction * prediction * weight
     now = cross / own
@@ -304,7 +304,7 @@ def weigh_loss(params, residual, prediction, weight, keep, common, loss):
 
 
 @kernel
-def weigh_flow(params, keep, vehicle, share, closed, memory):
+def update_flow_evidence(params, keep, vehicle, share, closed, memory):
     """Add one cycle to the evidence for every thruster whose meter is trusted and whose branch is open.
 
     Args:
@@ -326,7 +326,7 @@ def weigh_flow(params, keep, vehicle, share, closed, memory):
         if share[i] > LEAST_USE:
             given = share[i] * (1.0 - memory.known_loss[i]) * flow
             if fires_alone(memory.expected[b], given):
-                weigh_loss(
+                add_loss_cycle(
                     params,
                     residual,
                     prediction=-given,
@@ -344,7 +344,7 @@ def weigh_flow(params, keep, vehicle, share, closed, memory):
         idle = (1.0 - share[i]) * flow
         gained = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
         memory.on[i] = min(max(memory.on[i] + gained, 0.0), LARGEST)
-    look_out(vehicle.n_thrusters, vehicle.branches, memory)
+    restart_pools(vehicle.n_thrusters, vehicle.branches, memory)
     cross_check(params, vehicle, share, memory)
 
 
@@ -354,7 +354,7 @@ def forget_branch(vehicle, named, memory):
     showed when it fired alone is its own.
     """
     b = vehicle.branches.of[named]
-    memory.word[b] = UNHEARD
+    memory.meter_check[b] = UNCHECKED
     forget_loss(memory.off[named])
     for i in range(vehicle.n_thrusters):
         if vehicle.branches.of[i] == b:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import LARGEST, NONE, cannot_be
+from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, NONE, is_impossible
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
@@ -33,7 +33,7 @@ UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
 MIXED, LOOK = 1, 3
 SURELY_BEFORE = 5  # cycles ago that a leak just detected had not begun
 LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
-MOST_LOOKS = 20  # after which the likeliest is named, however likely
+MOST_LOOKS = 20  # after which the most probable is named, whatever its probability
 
 LEAK = np.dtype(
     [
@@ -77,7 +77,7 @@ def mean_of(residual, first, last, mean):
 
 
 @kernel
-def take_look(params, signals, sign, memory):
+def compare_change(params, signals, sign, memory):
     """Compare the change from before to after with ``sign`` times the effect of each candidate."""
     weight = weights(params, signals.activity.wrench, signals.load)
     before, after = memory.before, memory.after
@@ -100,7 +100,7 @@ def take_look(params, signals, sign, memory):
 
 
 @kernel
-def open_leak(params, signals, b, metered, residual, memory):
+def start_leak_isolation(params, signals, b, metered, residual, memory):
     """Close branch ``b`` to isolate a leak, ``metered`` or not; its beginning is the first look."""
     vehicle, healthy = signals.vehicle, signals.healthy
     memory.metered = 1 if metered else 0
@@ -113,12 +113,12 @@ def open_leak(params, signals, b, metered, residual, memory):
     mean_of(residual, 1, 1, memory.after)
     if metered and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
-        take_look(params, signals, 1.0, memory)
-    look_again(residual, memory)
+        compare_change(params, signals, 1.0, memory)
+    restart_look(residual, memory)
 
 
 @kernel
-def look_again(residual, memory):
+def restart_look(residual, memory):
     """Take the last cycles for those before a movement of the valve."""
     mean_of(residual, 1, 1 if memory.looks < 2 else LOOK, memory.before)
     for j in range(6):
@@ -127,7 +127,7 @@ def look_again(residual, memory):
 
 
 @kernel
-def likeliest(count, memory):
+def most_probable(count, memory):
     """Find the candidate that explains the looks best; returns its probability among all of them, and without
     a meter among "none leaks" as well.
     """
@@ -146,7 +146,7 @@ def likeliest(count, memory):
 
 
 @kernel
-def follow_leak(params, signals, flow, residual, memory):
+def step_leak_isolation(params, signals, flow, residual, memory):
     """Run one control cycle with the branch closed, or open for a look; returns result and confidence.
 
     The time between looks varies: a canopy that breathes at the rate of the looks would look like a thruster.
@@ -158,13 +158,13 @@ def follow_leak(params, signals, flow, residual, memory):
             memory.after[j] += signals.unexplained[j] / LOOK
         memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
     if memory.cycles == MIXED + LOOK:
-        if memory.open == 0 and cannot_be(b, memory.flow, flow):
+        if memory.open == 0 and is_impossible(b, memory.flow, flow):
             return METER_FAILED, 1.0
         sign = 1.0 if memory.open != 0 else -1.0
-        take_look(params, signals, sign, memory)
+        compare_change(params, signals, sign, memory)
         for i in range(count):
             memory.idle[i] = 1.0
-        confidence = likeliest(count, memory)
+        confidence = most_probable(count, memory)
         if memory.metered == 0 and confidence < 1.0 - params.confidence:
             return HEALTHY, confidence
         if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
@@ -176,7 +176,7 @@ def follow_leak(params, signals, flow, residual, memory):
     if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
         memory.open = 1 - memory.open
         memory.latch_closed[b] = 1 - memory.open
-        look_again(residual, memory)
+        restart_look(residual, memory)
     return UNDER_WAY, 0.0
 
 
