@@ -14,9 +14,9 @@ from edl6dof.records import first_not_finite
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 
-EYES = ("landing_camera", "lidar", "stereo")
+IMAGERS = ("landing_camera", "lidar", "stereo")
 GROUND = area()
-#: What the flight computer of Tianwen-1 needs, and the eyes.
+#: What the flight computer of Tianwen-1 needs, and the imagers.
 READINGS = "inertial_unit, star_tracker, ground_tracking, radar, switches, flow_meters"
 CARRIED = f"sensors.carried=[{READINGS}, landing_camera, lidar, stereo]"
 
@@ -33,27 +33,27 @@ def test_cells_divide_the_plane_across_the_line_of_sight(cells):
     assert (corner[1] / corner[0], corner[2] / corner[0]) == pytest.approx((tangent, -tangent))
 
 
-def test_flight_computer_believes_the_eyes_that_are_carried():
+def test_flight_computer_believes_the_imagers_that_are_carried():
     carried = [CARRIED, "sensors.lidar.range_noise_m=0.05", "sensors.lidar.quantum_m=0.12"]
-    eyes = build_records(edl6dof.load("tianwen1", carried)).onboard[0]["instruments"]["imagers"]
-    assert tuple(eyes["lidar"]["place"]) == (-0.5, 0.6, 0.0)
-    assert eyes["lidar"]["tangent"] == pytest.approx(np.tan(np.radians(14.0)))
-    assert eyes["camera"]["tangent"] == pytest.approx(np.tan(np.radians(30.0)))
-    assert eyes["lidar"]["sigma"] == pytest.approx(np.sqrt(0.05**2 + 0.12**2 / 12.0))
+    imagers = build_records(edl6dof.load("tianwen1", carried)).onboard[0]["instruments"]["imagers"]
+    assert tuple(imagers["lidar"]["place"]) == (-0.5, 0.6, 0.0)
+    assert imagers["lidar"]["tangent"] == pytest.approx(np.tan(np.radians(14.0)))
+    assert imagers["camera"]["tangent"] == pytest.approx(np.tan(np.radians(30.0)))
+    assert imagers["lidar"]["sigma"] == pytest.approx(np.sqrt(0.05**2 + 0.12**2 / 12.0))
     # 0.1 px over 1.5 m and a focal length of 1024 px / tan(14 deg)
-    assert eyes["stereo"]["sigma_square"] == pytest.approx(0.1 / (1024.0 / np.tan(np.radians(14.0)) * 1.5))
+    assert imagers["stereo"]["sigma_square"] == pytest.approx(0.1 / (1024.0 / np.tan(np.radians(14.0)) * 1.5))
     none = build_records(edl6dof.load("tianwen1")).onboard[0]["instruments"]["imagers"]
     assert [none[name]["tangent"] for name in ("camera", "lidar", "stereo")] == [0.0, 0.0, 0.0]
 
 
-def test_eyes_stay_where_ideal_sensors_fly():
+def test_imagers_stay_where_ideal_sensors_fly():
     loaded = edl6dof.load(
         "tianwen1", [CARRIED.replace("perfect, imu", "perfect, radar, imu"), "sensors.set=perfect"]
     )
     assert loaded.scenario.sensors.flown == ["perfect", "imu", "landing_camera", "lidar", "stereo"]
 
 
-def test_commands_reach_the_eyes_for_a_cycle():
+def test_commands_reach_the_imagers_for_a_cycle():
     loaded = edl6dof.load("tianwen1")
     case = build_records(loaded).case
     plant, command = initial_plant(loaded.truth, case)[0], np.zeros(1, COMMAND)[0]
@@ -63,7 +63,7 @@ def test_commands_reach_the_eyes_for_a_cycle():
         assert (plant["imagers"]["camera_trigger"], plant["imagers"]["scan"]) == (expose, scan)
 
 
-@pytest.mark.parametrize("name", EYES)
+@pytest.mark.parametrize("name", IMAGERS)
 @pytest.mark.parametrize(
     "value",
     [np.nan, pytest.param(np.inf, marks=pytest.mark.long), pytest.param(-1e300, marks=pytest.mark.long)],
@@ -79,7 +79,7 @@ def test_images_are_finite_whatever_the_vehicle_does(name, value):
 @pytest.mark.parametrize("name, record, image", [
     ("landing_camera", "camera", "seen"), ("lidar", "lidar", "range"), ("stereo", "stereo", "range"),
 ])  # fmt: skip
-def test_eyes_see_nothing_through_the_heat_shield(name, record, image):
+def test_imagers_see_nothing_through_the_heat_shield(name, record, image):
     for shape, sees in ((CONFIG_CAPSULE, False), (CONFIG_BACKSHELL, True)):
         bench = Hovering(name, GROUND)
         bench.plant["shape"] = shape
@@ -94,9 +94,9 @@ def with_fault(bench, fault):
     return bench
 
 
-@pytest.mark.parametrize("name, record", [*zip(EYES, ("camera", "lidar", "stereo"), strict=True)])
+@pytest.mark.parametrize("name, record", [*zip(IMAGERS, ("camera", "lidar", "stereo"), strict=True)])
 def test_an_eye_that_is_lost_makes_no_images_and_the_others_do(name, record):
-    for lost in EYES:
+    for lost in IMAGERS:
         bench = with_fault(Hovering(name, GROUND), f"{lost}: {lost}, kind: images_lost")
         assert bench.measure()[record]["fresh"] == (lost != name)
 
