@@ -12,7 +12,7 @@ import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import Collect
-from edl6dof.interface.thrusters import ThrusterFailure
+from edl6dof.interface.effectors import ThrusterFailure
 from edl6dof.metrics.out_of_use import failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight

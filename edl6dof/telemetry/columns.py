@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.config.errors import UnknownName
 from edl6dof.config.units import UNITS
-from edl6dof.interface.thrusters import THRUSTER_FAILURES
+from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.spatial.arrays import lengths, tan
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.campaign.design.case import A, B, Of, group_of
 from edl6dof.campaign.design.sections import CampaignParams
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 
 #: Third number of the seed of every generator here; 1 and 2 are the random profiles of
 #: ``edl6dof.environment.profiles``.
