@@ -17,8 +17,7 @@ from edl6dof.metrics.out_of_use import failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.fault import FaultParams
-from edl6dof.vehicle.faults.registry import failure_of
+from edl6dof.vehicle.faults.fault import FaultParams, failure_of
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 #: Until the backshell is released, and from then on; of a fault that did not begin before touchdown.

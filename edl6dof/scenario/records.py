@@ -34,7 +34,7 @@ from edl6dof.spatial.frames import attitude_from_wind_angles, ned_attitude, ned_
 from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.body_table import BodyInputs, body_inputs, build_body_table
-from edl6dof.vehicle.aerodynamics.table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.capsule_table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 
 TABLES = np.dtype(

@@ -23,7 +23,7 @@ from edl6dof.spatial.lookups import wrapped
 from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.stream import Stream
 from edl6dof.spatial.vector import clamp, dot
-from edl6dof.vehicle.instruments import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+from edl6dof.vehicle.plant import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 #: Normals that the instruments of one kind may use in a cycle.
 _NORMALS = 32

@@ -27,7 +27,7 @@ from edl6dof.sensors.counters import broken
 from edl6dof.spatial.lookups import wrapped
 from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.stream import Stream
-from edl6dof.vehicle.instruments import WORKING
+from edl6dof.vehicle.plant import WORKING
 
 #: Readings that can be under way.
 DEPTH = 8

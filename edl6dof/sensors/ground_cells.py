@@ -11,8 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.environment.landing_area.plane import geodetic_of
-from edl6dof.environment.terrain import ground, regional
+from edl6dof.environment.terrain import geodetic_of, ground, regional
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.eyes import look
 from edl6dof.kernels import kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from edl6dof.environment.landing_area.craters import crater_height
+from edl6dof.environment.landing_area.features import crater_height
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
 from edl6dof.interface.capacities import CAMERA_CELLS

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.environment.landing_area.plane import place_of
-from edl6dof.environment.terrain import ground
+from edl6dof.environment.terrain import ground, place_of
 from edl6dof.kernels import kernel
 from edl6dof.sensors.echo import antenna
 from edl6dof.spatial.elementary import atan2

@@ -41,7 +41,7 @@ _BOTH = [getattr(one, "py_func", one) for one in (fly, RUN.kernel)]
 
 
 def is_compiled() -> bool:
-    """Whether loop and flight software are compiled."""
+    """True if loop and flight software are compiled."""
     mark = _mark()
     return mark is None or mark.exists()
 

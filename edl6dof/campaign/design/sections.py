@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.campaign.design.case import Of
-from edl6dof.campaign.design.distributions.registry import Distribution
+from edl6dof.campaign.design.distributions import Distribution
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
 from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.spatial.arrays import cholesky

@@ -43,4 +43,6 @@ else:  # which controllers there are, plugins included, is known only when it ru
 
 CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
 
-attitude_control = CONTROLLERS.role("control", "params", "nav", "goal", "inputs", "dt", "memory")
+attitude_control = CONTROLLERS.role(
+    "control", "params", "nav", "goal", "inputs", "dt", "memory", own=("params", "memory")
+)

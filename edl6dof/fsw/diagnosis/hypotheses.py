@@ -262,21 +262,19 @@ def by_both(params, vehicle, waiting, i, flow, memory, least):
 
 
 @kernel
-def explain_loss(params, vehicle, i, loss, most, told, flow, memory):
-    """Let every fault that explains a loss of thruster ``i`` that the flow shows compete: its meter, all of
-    its branch, and the thruster; returns the evidence for the last.
+def explain_loss(params, flow, memory, b, found):
+    """Let every fault that explains the loss of a thruster that the flow shows compete: the meter of its
+    branch, all of the branch, and the thruster; returns the evidence for the last.
 
     Args:
         params: diagnosis record.
-        vehicle: believed vehicle (thrusters, branches).
-        i: the thruster.
-        loss: fraction of the flow lost.
-        most: evidence of flow, force and torque for its loss.
-        told: that of the flow alone.
         flow: ``FLOW`` record.
-        memory: ``HYPOTHESES`` record: ``against`` and ``lost`` of its branch are raised.
+        memory: ``HYPOTHESES`` record: ``against`` and ``lost`` of the branch are raised.
+        b: branch of the thruster.
+        found: fraction of the flow lost; evidence of flow, force and torque for the loss; that of the flow
+            alone.
     """
-    b = vehicle.branches.of[i]
+    loss, most, told = found
     if flow.word[b] == VOUCHED:
         memory.against[b] = max(memory.against[b], told - params.prior)
         return most
@@ -310,7 +308,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         if is_read(metered, b, flow):
             kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory=memory, least=least)
             if told > 0.0:
-                most = explain_loss(params, vehicle, i, loss, most, told=told, flow=flow, memory=memory)
+                most = explain_loss(params, flow, memory, b, (loss, most, told))
         else:
             kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
         if most >= least:

@@ -69,4 +69,4 @@ class EstimationParams(_Estimators):
     )
 
 
-estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "out")
+estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "out", own=("params", "memory"))

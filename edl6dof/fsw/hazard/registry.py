@@ -49,4 +49,6 @@ class HazardParams(_Detectors):
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 
-classify = HAZARD_DETECTION.role("classify", "params", "chart", "footprint", "radius", "deviation", "out")
+classify = HAZARD_DETECTION.role(
+    "classify", "params", "chart", "footprint", "radius", "deviation", "out", own=("params",)
+)

@@ -20,7 +20,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.vehicle.propulsion.tanks import with_propellant
+from edl6dof.vehicle.propulsion.feed_system import with_propellant
 from edl6dof.verify.case import (
     BARE,
     ENDLESS,

@@ -21,15 +21,15 @@ INSTRUMENTS = ("inertial_unit", "star_tracker", "ground_tracking")
 #: scenario that choose it.
 FAMILIES = [
     (
-        *("atmosphere", "environment/atmospheres/exponential.py", "exponential", "isothermal"),
+        *("atmosphere", "environment/atmosphere_models.py", "exponential", "isothermal"),
         {"atmosphere": {"model": "isothermal", "isothermal": AIR}},
     ),
     (
-        *("wind", "environment/winds/shear.py", "shear", "gradient"),
+        *("wind", "environment/wind_models.py", "shear", "gradient"),
         {"wind": {"model": "gradient", "gradient": {"east_m_s": 3.0}}},
     ),
     (
-        *("parachute_model", "vehicle/parachutes/models/reefed.py", '"reefed"', '"skirt"'),
+        *("parachute_model", "vehicle/parachutes/canopy_models.py", '"reefed"', '"skirt"'),
         {
             "truth": {
                 "vehicle.parachutes.main.model": "skirt",
@@ -38,7 +38,7 @@ FAMILIES = [
         },
     ),
     (
-        *("engine_model", "vehicle/propulsion/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
+        *("engine_model", "vehicle/propulsion/engine_models.py", '"pulsed"', '"bang_bang"'),
         {
             "truth": {
                 "vehicle.engines.main.model": "bang_bang",
@@ -55,7 +55,7 @@ FAMILIES = [
         {"flight_software": {"navigation": {"filter": "unaided", "unaided": {"every_s": 2.0}}}},
     ),
     (
-        *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
+        *("distribution", "campaign/design/distributions.py", "uniform", "level"),
         {"campaign": {"cases": 5, "truth": {"wind.scale": {"kind": "level", "half_width": 0.2}}}},
     ),
 ]

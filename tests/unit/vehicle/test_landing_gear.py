@@ -31,7 +31,7 @@ def gear(pads=PADS, **changes):
 def contact(record, centre, clearance, up, v, w):
     """Of all points, over one plane: force, moment about the origin of B, and how many touch."""
     parts = [
-        one_contact(record, contact_point(record, k), centre, clearance, up, v, w)
+        one_contact(record, contact_point(record, k), centre, (up, clearance), (v, w))
         for k in range(contacts(record))
     ]
     force, moment = (np.sum([part[i] for part in parts], axis=0) if parts else np.zeros(3) for i in (0, 1))
