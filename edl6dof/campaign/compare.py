@@ -42,7 +42,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Outcome of two campaigns beside each other.
+    """Comparison of the outcomes of two campaigns.
 
     Attributes:
         counts: pairs in which both succeed, A alone, B alone, neither.

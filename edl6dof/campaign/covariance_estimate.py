@@ -114,7 +114,7 @@ class Covariance:
     Attributes:
         event: the figures.
         pairs: what the flights gave.
-        apart: sources whose parts are told apart, in the order of their columns.
+        apart: sources whose parts are separated, in the order of their columns.
         together: lists whose items change at random, and are part of the rest.
     """
 
@@ -145,7 +145,7 @@ class Covariance:
     @property
     def contributions(self) -> list[tuple[str, np.ndarray]]:
         """Each source apart with the standard deviation that it gives to every figure, signed where it is one
-        parameter; by its share in the position, or in all figures where none is told.
+        parameter; by its share in the position, or in all figures where none is given.
         """
         shares = self.budget / np.maximum(self.spread.deviation**2, np.finfo(float).tiny)
         if size := len(self.event.position):
@@ -157,10 +157,10 @@ class Covariance:
     @property
     def rest(self) -> np.ndarray:
         """Standard deviation of every figure that no source apart gives, shape (figures,): at most all of it,
-        though the parts told are below zero where chance alone would give more.
+        though the parts found are below zero where chance alone would give more.
         """
-        told = np.maximum(self.budget.sum(axis=0), 0.0)
-        return np.sqrt(np.maximum(self.spread.deviation**2 - told, 0.0))
+        explained = np.maximum(self.budget.sum(axis=0), 0.0)
+        return np.sqrt(np.maximum(self.spread.deviation**2 - explained, 0.0))
 
     @property
     def _slopes(self) -> np.ndarray:
@@ -177,7 +177,7 @@ def fly_covariance(
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Covariance:
-    """Fly at least so many pairs, as many more as the sources need to be told apart; ``progress`` is called
+    """Fly at least so many pairs, as many more as the sources need to be separated; ``progress`` is called
     with the flights done and the flights in all.
 
     Raises:
@@ -203,7 +203,7 @@ def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...]
 @dataclass(frozen=True)
 class Alone:
     """Response to each deviate of some sources, stepped alone about one flight: the central first and second
-    difference over one standard deviation.  Where the bend is not small beside the slope the response is not
+    difference over one standard deviation.  Where the bend is not small against the slope the response is not
     linear: a bank reversal comes sooner in one of the flights, or lift is at its limit.
 
     Attributes:

@@ -1,4 +1,5 @@
-"""Figures that mean something: mean and spread over flights that nobody could tell apart at their start.
+"""Significant figures of a closed loop: mean and spread over flights whose starts differ by less than can be
+known.
 
 The closed loop answers a change of a nanometre per second with another sequence of pulses, so the digits of
 one flight are one draw of many.  Neighbouring flights differ by a millionth of a metre per second in entry

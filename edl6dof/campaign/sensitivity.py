@@ -3,7 +3,7 @@
 
 Shares are made for many inputs and few flights.  Figure and inputs enter by their normal scores, so that a
 few odd flights and the shapes of distributions do not decide.  Groups are taken up one after the other, each
-time that which explains most of what is left, as long as an F test tells it from chance among all that were
+time that which explains most of what is left, as long as it is significant by an F test among all that were
 tried.  What those taken up explain together is split among them, each share less what its regressors explain
 by chance alone, so that the shares add up to the adjusted R2.  Their intervals are by the bootstrap.  What
 only two inputs together do (their interaction) is explained by none and remains.
@@ -26,7 +26,7 @@ from scipy.special import betainc, betaincinv, ndtri
 #: Chance that inputs that do nothing are called a driver, of a figure or of all figures of a report.
 CHANCE = 0.05
 
-#: Flights of fewer than which nothing is told: ranks of a handful agree by chance.
+#: Fewest flights for a statement: ranks of a handful agree by chance.
 FEWEST = 20
 
 #: Flights for each regressor without which a group keeps to straight effects.
@@ -176,7 +176,7 @@ def _terms(scores: np.ndarray) -> np.ndarray:
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:
-    """A basis of what the columns do besides a constant."""
+    """Basis of the columns without their constant part."""
     vectors, values, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
     return np.asarray(vectors[:, values > _DEGENERATE * np.sqrt(len(columns))])
 
@@ -234,7 +234,7 @@ def _p_value(unexplained: float, terms: int, free: int) -> float:
 
 
 def _critical(terms: int, free: int, level: float) -> float:
-    """Share of the rest that regressors must explain to be told from chance, less what chance explains."""
+    """Share of the rest that regressors must explain to be significant, less what chance explains."""
     unexplained = float(betaincinv(0.5 * free, 0.5 * terms, level))
     return 1.0 - unexplained - terms / free * unexplained
 

@@ -3,14 +3,14 @@
 ::
 
     runs/tianwen1_mc/
-      campaign.json     what the rows follow from: hashes of plan, sources, plugins and tables, versions
+      campaign.json     all that the rows follow from: hashes of plan, sources, plugins and tables, versions
       campaign.yaml     the plan, every default written out
-      parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 beside it
+      parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 next to it
       cases.parquet     all rows, when it is complete
       summary.json      success probability, causes, speed, and the SHA-256 of the rows
 
 Killing the program at any moment, or filling the disk, loses at most the cases of the parts not yet in place,
-and going on gives the same table, byte for byte.  That rests on the order in which files appear: a campaign
+and continuing gives the same table, byte for byte.  That rests on the order in which files appear: a campaign
 is begun when ``campaign.yaml`` is there, complete when ``summary.json`` is; the parts go after it.  Replacing
 a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
 """

@@ -81,7 +81,7 @@ class AirInputs(NamedTuple):
 
 @lru_cache(maxsize=8)
 def build_table(inputs: AirInputs) -> np.ndarray:
-    """The table, shape (1,), dtype ``ATMOSPHERE_TABLE``, for nobody to write to; without a csv only the grid
+    """The table, shape (1,), dtype ``ATMOSPHERE_TABLE``, read-only; without a csv only the grid
     and sigma count.
 
     Below the file the air is isothermal and hydrostatic, p = rho R T and dp/dh = -rho g, so that ln rho falls

@@ -30,7 +30,7 @@ _NAMED = 5
 
 
 class Profile(NamedTuple):
-    """The air of a csv, SI units, each shape (n,), for nobody to write to.
+    """The air of a csv, SI units, each shape (n,), read-only.
 
     Attributes:
         altitude: m above the areoid, rising.

@@ -223,7 +223,7 @@ def _metres(params: TerrainParams, planet: PlanetParams) -> tuple[float, float]:
 
 @lru_cache(maxsize=4)
 def ground_arrays(inputs: GroundInputs) -> np.void:
-    """The arrays of the ground, ``GROUND``, which all share and nobody writes to.
+    """The arrays of the ground, ``GROUND``, shared and read-only.
 
     Raises:
         OSError, ValueError, ModuleNotFoundError: as :func:`edl6dof.environment.height_map.read_map` and

@@ -49,7 +49,7 @@ class FigureOfMerit(NamedTuple):
             of the flight, ``navigation`` for the error of the estimate, ``peaks`` for what the plant keeps at
             every step, ``contact`` for the located first ground contact, ``footing`` for the rough ground
             that it came to stand on, ``diagnosis`` for fault isolation, ``exclusions`` for instruments out of
-            use, ``balance`` for what the state has become beside what it was given.
+            use, ``balance`` for the errors of the balances of energy, momentum and mass.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
         allowed: what bounds it from above in every scenario, as it judges the simulator and not the mission.
         form: how telemetry and events give it, where these alone do.
@@ -224,7 +224,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("mass_balance", "balance of mass", "balance", allowed=1e-5),
 )
 # fmt: on
-#: Figures that have a limit, in the order in which they are told of.
+#: Figures that have a limit, in the order of messages.
 LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 #: Figures that have to be small in every flight.
 BALANCES = tuple(figure for figure in FIGURES if figure.source == "balance")

@@ -37,7 +37,7 @@ class TrueSpot(NamedTuple):
 def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
     """The chosen spot on the ground; ``None`` where none was chosen from a scan of this telemetry."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
-    # a flight that goes on from a saved state has no telemetry of what was before
+    # a flight continued from a saved state has no telemetry of what was before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
         return None
     east, north = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")

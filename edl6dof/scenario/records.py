@@ -78,7 +78,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
 
 
 def build_tables(scenario: Scenario) -> np.ndarray:
-    """The tables, shape (1,); scenarios of the same inputs share them, and nobody writes to them.
+    """The tables, shape (1,); scenarios of the same inputs share them, and they are read-only.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.

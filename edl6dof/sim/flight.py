@@ -57,8 +57,8 @@ class Flight(FlightRecords):
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        mission, vehicle, befell = self.scenario.mission, self.scenario.vehicle, timeline_moments(self)
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, befell)
+        mission, vehicle, others = self.scenario.mission, self.scenario.vehicle, timeline_moments(self)
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
 
     @cached_property
     def metrics(self) -> Named[float]:

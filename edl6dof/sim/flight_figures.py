@@ -24,7 +24,7 @@ def figures_of(flight: FlightRecords) -> dict[str, float]:
     """Figures by name with unit suffix."""
     scenario, truth, plant = flight.scenario, flight.loaded.truth, flight.plant[0]
     happened = first_times(moments(plant, flight.fsw[0], scenario.mission, scenario.vehicle))
-    # a flight that goes on from a saved state has no telemetry of what happened before
+    # a flight continued from a saved state has no telemetry of what happened before
     when = {key: t for key, t in happened.items() if t >= flight.telemetry["t_s"][0] - 1e-9}
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
         flown = Flown(flight.telemetry, when, scenario.phase_roles)

@@ -62,7 +62,7 @@ def functions_of(cases: np.ndarray, onboard: Any) -> Any:
 
 
 def _compile(functions: Iterable[Any]) -> None:
-    """Compile each alone: of several in one call, no more than one that the disk has no room for goes on."""
+    """Compile each alone: if the disk is full, a call goes on after one failure only."""
     for one in functions:
         if isinstance(one, Given):
             one.compile()

@@ -131,7 +131,7 @@ class SteppedFlight:
         return found
 
     def restore(self, state: State | Snapshot) -> None:
-        """Go back, or on, to a state of this scenario; telemetry begins anew there.
+        """Restore a state of this scenario; telemetry starts again there.
 
         Raises:
             ConfigError: the state does not fit the scenario.

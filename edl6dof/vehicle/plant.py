@@ -95,7 +95,7 @@ VALVES = np.dtype(
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
-        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow, likewise
+        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
         ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
         # how each thruster fails, 0 for one that works
         ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
@@ -189,19 +189,19 @@ BALANCE = np.dtype(
         # since
         ("velocity", "f8", (3,)),  # m/s, I: by forces and separations
         ("separations", "f8"),  # m/s: momentum that was missing after them, sum of the magnitudes
-        ("work", "f8"),  # J/kg: by all forces but gravitation, likewise
+        ("work", "f8"),  # J/kg: by all forces but gravitation, summed up in the same way
         ("lost", "f8"),  # kg: propellant used, and parts that have left
     ],
     align=True,
 )
 
-#: What the derivative is given beside time and state, laid down for a step
+#: Inputs of the derivative in addition to time and state, set for a step
 #: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
 INPUTS = np.dtype(
     [
         ("middle", "f8"),  # s: time of the middle of the step
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
-        ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: likewise
+        ("rcs_moment", "f8", (3,)),  # N m, B, about its origin
         ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
         ("rcs_moment_slope", "f8", (3,)),  # N m/s
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
@@ -269,7 +269,7 @@ STATE = np.dtype(
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
         ("balance", BALANCE),
-        ("eyes", EYE_COMMANDS),  # what landing camera, lidar and stereo cameras are told
+        ("eyes", EYE_COMMANDS),  # to landing camera, lidar and stereo cameras
     ],
     align=True,
 )

@@ -25,8 +25,8 @@ class Case:
 
     Attributes:
         index: number of the case; rows come in its order.
-        truth: values of which the flight computer is not told.
-        belief: values that the flight computer is told; the truth follows them where ``truth`` does not say
+        truth: true values, unknown to the flight computer.
+        belief: values that the flight computer believes; the truth follows them where ``truth`` does not say
             otherwise.
         profile: which random profiles (density, gusts) of the scenario's seed it meets; the scenario's own
             when ``None``.
@@ -54,7 +54,7 @@ def group_of(column: str, campaign: Mapping[str, Any]) -> str:
     drawn as correlated; groups are independent of each other.  A lone one is its own, by its path.
 
     Args:
-        column: of the results, such as ``truth.wind.scale``; what the flight computer is told keeps its mark.
+        column: of the results, such as ``truth.wind.scale``; a value of the belief keeps its mark.
         campaign: the campaign section as plain data.
     """
     mark = BELIEF if column.startswith(BELIEF) else ""

@@ -122,7 +122,7 @@ def dtm_path(name: str) -> Path:
 
 @lru_cache(maxsize=4)
 def read_dtm(source: DtmFile) -> np.void:
-    """The model, ``DTM``, which all share and nobody writes to.
+    """The model, ``DTM``, shared and read-only.
 
     Raises:
         OSError: the file cannot be read.

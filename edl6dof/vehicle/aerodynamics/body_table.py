@@ -90,7 +90,7 @@ def body_inputs(body: BodyAeroParams, heat_capacity_ratio: float, sheds: bool) -
 
 @lru_cache(maxsize=4)
 def build_body_table(inputs: BodyInputs) -> np.ndarray:
-    """The table record (array of one, for nobody to write to).
+    """The table record (array of one, read-only).
 
     Raises:
         ValueError, OSError, ConfigError: no table can be built.

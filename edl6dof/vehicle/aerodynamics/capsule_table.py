@@ -121,7 +121,7 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
 
 @lru_cache(maxsize=8)
 def build_aero_table(inputs: AeroInputs) -> np.ndarray:
-    """The table record (array of one, for nobody to write to) of a capsule: every entry finite, Mach
+    """The table record (array of one, read-only) of a capsule: every entry finite, Mach
     ascending, slopes per degree.
 
     Source: module docstring; damping merged onto the same Mach grid so that one look-up serves all

@@ -3,8 +3,8 @@
 A fault acts on one component of the vehicle, given by its name; the only one of its kind need not be named.
 It begins at a flight time, or a while after a mission phase was entered, and lasts, unless its kind has a
 duration.  It acts between the actuators and the plant:
-:func:`edl6dof.vehicle.actuate.inflict` runs after the commands of a base
-cycle have reached the valves and before the plant moves.
+:func:`edl6dof.vehicle.actuate.inflict` runs after the commands of a base cycle have reached the valves and
+before the plant moves.
 
 A kind of fault is a member of :data:`FAULT_KINDS`: its parameters derive from the fault of a component
 (:mod:`edl6dof.vehicle.faults.component`), which declares the components that may break and, of thrusters, how

@@ -149,7 +149,7 @@ class ThrusterSetParams(Params):
 
 @kernel
 def thruster_set_goal(params, engine, t, step, command):
-    """No thrust beside that of the thrusters."""
+    """Give no thrust beyond that of the thrusters."""
     return 0.0, 0.0
 
 
