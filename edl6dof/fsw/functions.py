@@ -21,7 +21,7 @@ from edl6dof.fsw.hazard.update import detect_hazards, detect_nothing
 from edl6dof.fsw.navigation.filters.registry import correct_solution, start_filter
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
-from edl6dof.kernels.functions import NOTHING, NUMBER, Given, function_type, kind_of, numbers
+from edl6dof.kernels.functions import NOTHING, NUMBER, Given, function_type, kind_of, numbers, together
 from edl6dof.registry import place
 
 
@@ -95,8 +95,8 @@ _GROUPS = (
     *(("start_filter", "correct_solution"), "classify", "detect_hazards"),
 )
 _TYPES = {name: one.type for name, one in PLACES.items()} | {"detect_hazards": _DETECT}
-SOFTWARE = types.Tuple(
-    [_TYPES[one] if isinstance(one, str) else types.Tuple([_TYPES[name] for name in one]) for one in _GROUPS]
+SOFTWARE = together(
+    *(_TYPES[one] if isinstance(one, str) else together(*(_TYPES[name] for name in one)) for one in _GROUPS)
 )
 #: A cycle of the flight software, :func:`edl6dof.fsw.cycle.run`.
 CYCLE = function_type("run", signature(run).parameters, NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())

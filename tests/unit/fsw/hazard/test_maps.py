@@ -57,6 +57,18 @@ def test_points_make_mean_highest_and_weight_of_their_cell():
     assert np.count_nonzero(chart["weight"]) == 1
 
 
+def test_points_of_less_than_a_whole_weight_make_the_mean_alone():
+    """Until they are one together, the highest is the mean; from then on it is that of whole points."""
+    chart = empty_chart(centre_L=(0.0, 0.0, 0.0))
+    seen = []
+    for up, weight in ((1.0, 0.5), (2.0, 0.25), (4.0, 0.3), (3.0, 1.0), (8.0, 0.5)):
+        add_point((0.05, 0.05, up), weight, chart)
+        seen += [(float(c[chart["weight"] > 0.0][0])) for c in (chart["mean"], chart["highest"])]
+    means = [1.0, 4.0 / 3.0, 2.2 / 1.05, 5.2 / 2.05, 9.2 / 2.55]
+    assert seen[::2] == pytest.approx(means, abs=1e-6)
+    assert seen[1::2] == pytest.approx([1.0, 4.0 / 3.0, 4.0 / 3.0, 3.0, 3.0], abs=1e-6)
+
+
 def test_range_along_a_tilted_line_of_sight_meets_the_plane_below():
     chart = empty_chart(centre_L=(0.0, 0.0, -100.0))
     # nose down, tilted by 0.1 rad about north: x of B looks down and east
