@@ -36,7 +36,7 @@ def join(title: str, member: Member) -> None:
 
 
 def is_built(title: str) -> bool:
-    """Whether the family of this title exists, so that nobody can join it any more."""
+    """Return True if the family of this title exists, so that no member can be added to it."""
     return title in _built
 
 
@@ -200,7 +200,7 @@ class Place(NamedTuple):
     path: tuple[str, ...] = ()
 
     def function(self, carried: Collection[int]) -> Given:
-        """What the loop is given for members of these indices."""
+        """Return the function that the loop receives for the members with these indices."""
         return Given(self.role.of(frozenset(carried)), self.type)
 
     def compile(self, names: Collection[str]) -> None:

@@ -144,10 +144,10 @@ def _called(argument: Any) -> str:
 
 
 class Commands(TyperGroup):
-    """All commands; bad input ends with status 2 and a line per problem, Ctrl-C with 130."""
+    """Group of all commands; bad input ends with status 2 and a line for each problem, Ctrl-C with 130."""
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command that was asked for; the number that it returns is the exit status."""
+        """Run the given command; the number that it returns is the exit status."""
         try:
             with naming_options():
                 status = super().invoke(ctx)

@@ -33,11 +33,11 @@ def replay(
         str,
         option(
             "NAME",
-            "Page in front: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
+            "Page to show first: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
             "Navigation, Thrusters, Tour.",
         ),
     ] = "",
-    tour: Annotated[bool, flag("Page Tour in front: cameras that follow the stages.", "--tour")] = False,
+    tour: Annotated[bool, flag("Show page Tour first: cameras that follow the stages.", "--tour")] = False,
     video: Annotated[
         Path | None, option("FILE", "Write a film (MP4) of the page; needs ffmpeg or the extra 'video'.")
     ] = None,
@@ -45,10 +45,10 @@ def replay(
     end: Annotated[float | None, option("T", "Last time of the film, s.", "--to")] = None,
     length: Annotated[
         float | None,
-        option("S", "How long the film is, s; if not given, as long as the flight, or 60 s.", min=0.1),
+        option("S", "Duration of the film, s; by default that of the flight, at most 60 s.", min=0.1),
     ] = None,
-    fps: Annotated[float, option("N", "Its frames per second.", min=1.0, max=120.0)] = 24.0,
-    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+    fps: Annotated[float, option("N", "Frames per second of the film.", min=1.0, max=120.0)] = 24.0,
+    force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
 ) -> int:
     """Show the 3D replay of one flight, or of several in one scene.
 
@@ -92,7 +92,7 @@ def report(
         bool, flag("Write report.pdf instead: outcome, tables, and each figure as a vector page.", "--pdf")
     ] = False,
     png: Annotated[bool, flag("Write report/FIGURE.png instead, each figure for print.", "--png")] = False,
-    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
 ) -> int:
     """Write the report of a run or a campaign: one page with plots.
 
@@ -108,7 +108,7 @@ def plot(
     run: Annotated[Path, argument("RUN", "Run folder.")],
     channels: Annotated[
         list[str] | None,
-        argument("CHANNEL", "Channels, or patterns such as 'truth.rate_*'; without any, all are listed."),
+        argument("CHANNEL", "Channels, or patterns such as 'truth.rate_*'; by default all are listed."),
     ] = None,
     against: Annotated[str, option("CHANNEL", "Channel of the x axis.")] = "t_s",
     since: Annotated[float | None, option("T", "First time (s).", "--from")] = None,
@@ -117,9 +117,9 @@ def plot(
         Path | None,
         option("FILE", "File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given."),
     ] = None,
-    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> int:
-    """Plot channels of a run; those of one unit share a panel."""
+    """Plot channels of a run; equal units share a panel."""
     from edl6dof.cli.result_views import list_channels, write_plot
 
     with refusing_damage(run):
@@ -135,14 +135,14 @@ def compare(
     out: Annotated[
         Path | None, option("FILE", "Page of two flights; RUN2/compared-with-RUN1.html if not given.")
     ] = None,
-    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables; of two campaigns only.", "--json")] = False,
 ) -> int:
     """Compare two flights, or two campaigns.
 
-    Of two flights the figures stand side by side, what the scenarios differ in is listed, and every plot
-    shows one flight over the other. Two campaigns of the same dispersions are compared in pairs: success, and
-    every figure that differs clearly.
+    For two flights, the result is a table of figures, a list of differences of the scenarios, and plots with
+    both flights. Two campaigns of the same dispersions are compared in pairs: success, and
+    every figure with a significant difference.
     """
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
 
@@ -171,11 +171,11 @@ def export(
         str, option("FORM", "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).", "--format")
     ] = "",
     nesc: Annotated[
-        bool, flag("In the columns and English units of NASA's NESC check cases.", "--nesc")
+        bool, flag("Use the columns and English units of NASA's NESC check cases.", "--nesc")
     ] = False,
-    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> int:
-    """Write the telemetry of a run in the form of another program."""
+    """Write the telemetry of a run in the format of another program."""
     if nesc == bool(form) or form not in ("", *EXPORTS):
         raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
     from edl6dof.config.wording import counted

@@ -1,1 +1,1 @@
-"""Figures of merit of a flight, their limits, and the published values for comparison."""
+"""Figures of merit of a flight, their limits, and the published values to compare them with."""

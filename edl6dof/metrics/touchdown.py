@@ -13,7 +13,7 @@ from edl6dof.environment.landing_area.features import HEIGHT
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.population import within
 from edl6dof.environment.terrain import place_of
-from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
+from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
 from edl6dof.kernels import kernel
 from edl6dof.metrics.figures import from_si
 from edl6dof.spatial.elementary import acos, atan, atan2, cos, hypot, sin

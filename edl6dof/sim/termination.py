@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.environment.terrain import place_of
-from edl6dof.fsw.guidance.powered import relaxation
+from edl6dof.fsw.guidance import guidance_command
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.sim.flight_records import FlightRecords
@@ -301,7 +301,7 @@ def _relaxed(flight: FlightRecords) -> list[Consequence]:
     noted = np.flatnonzero(times > 0.0)
     if not len(noted):
         return []
-    t, words = float(times[noted[-1]]), relaxation.in_words(int(noted[-1]) + 1)
+    t, words = float(times[noted[-1]]), guidance_command.in_words(int(noted[-1]) + 1)
     (height,) = flight.telemetry.at(t, "truth.height_m")
     return [Consequence(t, words, f"{words} from {height:.0f} m at {t:.1f} s")]
 

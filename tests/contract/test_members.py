@@ -8,7 +8,7 @@ from typing import Literal, get_origin
 import pytest
 from source_rules import modules
 
-from edl6dof.campaign.design.distributions import DISTRIBUTIONS
+from edl6dof.campaign.design.sections import DISTRIBUTIONS
 from edl6dof.config.base import Params
 from edl6dof.config.introspect import bounds, field_slot
 from edl6dof.environment.atmosphere_models import ATMOSPHERES

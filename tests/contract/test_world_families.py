@@ -9,7 +9,7 @@ import pytest
 from given_functions import sense
 
 import edl6dof
-from edl6dof.campaign.design.distributions import DISTRIBUTIONS
+from edl6dof.campaign.design.sections import DISTRIBUTIONS
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs, fill_atmosphere
 from edl6dof.environment.atmosphere_models import ATMOSPHERES, air_of_model

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
+from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
 from edl6dof.studies import hu2022
 from edl6dof.studies.samples import pick
 from edl6dof.vehicle.plant import ATTITUDE, RATE
@@ -112,7 +112,7 @@ def test_decoupled_formulation_finds_the_thrust_direction_sooner(report):
         for name in ("decoupled", "shortest_path")
     )
     assert sooner < later
-    assert "takes 6" in next(f.note for f in report.findings if f.label == "thrust found, decoupled")
+    assert "needs 6" in next(f.note for f in report.findings if f.label == "thrust found, decoupled")
 
 
 def test_estimator_answers_a_step_with_a_tenth_of_the_error_of_an_integral(report):

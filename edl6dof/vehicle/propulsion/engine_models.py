@@ -3,9 +3,10 @@
 
 A member has three kernels.  ``goal(params, engine, t, step, command)`` gives what a ``command`` (N) makes the
 thrust strive for over the ``step`` (s) that begins at time ``t`` (s), as a line: its mean (N) and slope (N/s;
-:func:`line_in_step`).  ``rate(params, engine, goal, thrust, starting)`` gives the time derivative (N/s) of
-the thrust; ``starting`` is true while the engine starts or is cut off.  ``specific_impulse(params, engine,
-thrust)`` gives it in s.  ``params`` are the member's own, ``engine`` those of all engines.
+:mod:`edl6dof.vehicle.propulsion.engine_models`).  ``rate(params, engine, goal, thrust, starting)`` gives the
+time derivative (N/s) of the thrust; ``starting`` is true while the engine starts or is cut off.
+``specific_impulse(params, engine, thrust)`` gives it in s.  ``params`` are the member's own, ``engine`` those
+of all engines.
 
 Throttled: first-order valve with a rate limit.  Pulsed: the valve opens at the start of each period for the
 commanded share of full thrust; a pulse shorter than the valve can make is left out, a pause shorter than that
@@ -25,15 +26,7 @@ from edl6dof.config.base import Hardware, Params, param
 from edl6dof.kernels import kernel
 from edl6dof.registry import Family, Member
 from edl6dof.spatial.vector import clamp
-
-
-@kernel
-def line_in_step(first, second, step):
-    """Mean, and slope (per s) about the middle, of the line over ``step`` s whose integral over the step is
-    ``first``, and the integral of that, as it grows, ``second``.
-    """
-    mean = first / step
-    return mean, (6.0 * mean - 12.0 * second / (step * step)) / step
+from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 
 
 class ThrottledParams(Hardware):

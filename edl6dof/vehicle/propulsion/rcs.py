@@ -20,8 +20,8 @@ from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
-from edl6dof.vehicle.propulsion.engine_models import line_in_step
 from edl6dof.vehicle.propulsion.feed_system import Branch, draw, load_within_reach
+from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 
 
 class Thruster(Hardware):

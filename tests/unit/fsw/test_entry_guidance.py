@@ -7,13 +7,13 @@ import pytest
 from given_functions import entry_guidance
 from scipy.integrate import quad, solve_ivp
 
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.geometry import to_target
-from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
-from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale, scaled, tracking
+from edl6dof.fsw.guidance.entry.aim_point import to_target
+from edl6dof.fsw.guidance.entry.airframe import mach_nodes
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.range_update import range_scale, scaled, tracking
+from edl6dof.fsw.guidance.entry.reference import REFERENCE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 RADIUS, MU = 3.3962e6, 4.2828e13
