@@ -216,7 +216,7 @@ def check_until(until: str | None, plan: Plan | None = None) -> None:
         Until.parse(until)
     except ValueError as error:
         raise refusal("--until", str(error)) from None
-    if plan is not None and plan.swaps is not None:
+    if plan is not None and plan.saltelli is not None:
         raise refusal("--until", "sobol_indices flies its whole design: its flights are not independent")
 
 

@@ -224,7 +224,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("mass_balance", "balance of mass", "balance", allowed=1e-5),
 )
 # fmt: on
-#: Figures that have a limit, in the order in which they are told of.
+#: Figures that have a limit, in the order of messages.
 LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 #: Figures that have to be small in every flight.
 BALANCES = tuple(figure for figure in FIGURES if figure.source == "balance")

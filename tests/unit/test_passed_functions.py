@@ -58,7 +58,7 @@ LAW = function_type(
     kind_of(FAMILY.memory),
     types.float64,
 )
-ONE = Place(FAMILY.role("steer", "params", "memory", "x"), LAW, ("law",))
+ONE = Place(FAMILY.role("steer", "params", "memory", "x", own=("params", "memory")), LAW, ("law",))
 SEVERAL = Place(ONE.role, LAW)
 
 

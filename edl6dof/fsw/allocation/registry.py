@@ -49,6 +49,7 @@ class AllocationParams(_Methods):
 share_out = ALLOCATORS.role(
     "share_out",
     *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty", "unallocated"),
+    own=("params", "memory"),
 )
 
 

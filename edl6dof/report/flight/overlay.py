@@ -14,7 +14,7 @@ from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Te
 from edl6dof.report.figure import Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report, headline, mood
 from edl6dof.runs.run import Run
-from edl6dof.vehicle.faults.registry import FAULT_KINDS
+from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
 #: Brightness of the second flight's dashed curves, which lie over the first's full ones.
 DARKER = 0.45
