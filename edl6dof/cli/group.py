@@ -39,6 +39,7 @@ Sets = Annotated[
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "fly": (
         "edl6dof fly tianwen1",
+        "edl6dof fly tianwen1 -v",
         "edl6dof fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350",
         "edl6dof fly tianwen1 --out runs/first --save-state 300",
         "edl6dof fly --from runs/first/state.npz --out runs/second",
@@ -46,6 +47,11 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "check": ("edl6dof check my.yaml", "edl6dof check my.yaml my_mc.yaml --set seed=3"),
     "trust": ("edl6dof trust my_law.py", "edl6dof trust received/scenario.yaml"),
     "scenarios": ("edl6dof scenarios", "edl6dof scenarios tianwen1 > mine.yaml"),
+    "show": (
+        "edl6dof show tianwen1 vehicle.parachutes.main",
+        "edl6dof show tianwen1 --diff tianwen1_hazards",
+        "edl6dof show tianwen1 --set vehicle.mass.entry_kg=1350 --diff tianwen1",
+    ),
     "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),
     "schema": ("edl6dof schema > edl6dof.schema.json",),
     "replay": (
@@ -57,6 +63,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),
     "plot": (
         "edl6dof plot runs/tianwen1 truth.mach truth.height_m",
+        "edl6dof plot runs/tianwen1 runs/heavy truth.mach",
         "edl6dof plot runs/tianwen1 'truth.rate_*' --from 60 --to 280",
         "edl6dof plot runs/tianwen1 truth.height_m --against truth.mach --out x.pdf",
     ),
@@ -79,7 +86,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'",
     ),
     "covariance": ("edl6dof covariance tianwen1_mc", "edl6dof covariance tianwen1_mc --at touchdown"),
-    "refly": ("edl6dof refly runs/tianwen1_mc 17",),
+    "refly": (
+        "edl6dof refly runs/tianwen1_mc 17",
+        "edl6dof refly runs/tianwen1_mc --worst landing_distance_m",
+    ),
     "faults": (
         "edl6dof faults tianwen1",
         "edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'",
@@ -146,6 +156,17 @@ def _called(argument: Any) -> str:
 class Commands(TyperGroup):
     """All commands; bad input ends with status 2 and a line per problem, Ctrl-C with 130."""
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands under the titles that they are declared with."""
+        titled: dict[str, list[tuple[str, str]]] = {}
+        width = max(map(len, self.commands))
+        for name, command in self.commands.items():
+            line = f"{name:<{width}}", command.get_short_help_str(formatter.width - width - 6)
+            titled.setdefault(getattr(command, "rich_help_panel", None) or "Commands", []).append(line)
+        for title, lines in titled.items():
+            with formatter.section(title):
+                formatter.write_dl(lines)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for; the number that it returns is the exit status."""
         try:
@@ -170,6 +191,7 @@ app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
     add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     epilog=EXIT_STATUS,

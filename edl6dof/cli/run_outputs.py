@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated
 
@@ -106,9 +107,13 @@ def report(
 
 def plot(
     run: Annotated[Path, argument("RUN", "Run folder.")],
-    channels: Annotated[
+    words: Annotated[
         list[str] | None,
-        argument("CHANNEL", "Channels, or patterns such as 'truth.rate_*'; without any, all are listed."),
+        argument(
+            "RUN|CHANNEL",
+            "Further run folders to draw over it, then channels, or patterns such as 'truth.rate_*'; "
+            "without any channel, all are listed.",
+        ),
     ] = None,
     against: Annotated[str, option("CHANNEL", "Channel of the x axis.")] = "t_s",
     since: Annotated[float | None, option("T", "First time (s).", "--from")] = None,
@@ -119,14 +124,21 @@ def plot(
     ] = None,
     force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
 ) -> int:
-    """Plot channels of a run; those of one unit share a panel."""
+    """Plot channels of flights, those of one unit in one panel."""
     from edl6dof.cli.result_views import list_channels, write_plot
 
-    with refusing_damage(run):
+    others = [Path(word) for word in takewhile(_is_folder, words or ())]
+    channels = (words or [])[len(others) :]
+    with refusing_damage(run, *others):
         if not channels:
             return list_channels(run)
-        print(write_plot(run, channels, against, since, until, out, force))
+        print(write_plot([run, *others], channels, against, since, until, out, force))
     return 0
+
+
+def _is_folder(word: str) -> bool:
+    """True of a folder, and of a path that can be no channel."""
+    return "/" in word or Path(word).is_dir()
 
 
 def compare(
@@ -135,14 +147,18 @@ def compare(
     out: Annotated[
         Path | None, option("FILE", "Page of two flights; RUN2/compared-with-RUN1.html if not given.")
     ] = None,
+    everything: Annotated[
+        bool, flag("Print every figure, event and difference of the scenarios; of two flights only.", "--all")
+    ] = False,
     force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables; of two campaigns only.", "--json")] = False,
 ) -> int:
     """Compare two flights, or two campaigns.
 
-    Of two flights the figures stand side by side, what the scenarios differ in is listed, and every plot
-    shows one flight over the other. Two campaigns of the same dispersions are compared in pairs: success, and
-    every figure that differs clearly.
+    Of two flights the figures are printed that differ most, of those that differ by more than flights of one
+    scenario do (ten neighbours of the first are flown), and what the scenarios differ in; a page has every
+    figure, and the plots of one flight over the other. Two campaigns of the same dispersions are compared in
+    pairs: success, and every figure that differs clearly.
     """
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
 
@@ -158,7 +174,7 @@ def compare(
             raise refusal(two, f"is no campaign, and {one} is one; compare two flights, or two campaigns")
         if as_json:
             raise refusal("--json", "is of two campaigns; two flights are compared in a page")
-        compare_flights(first, second, out, force)
+        compare_flights(first, second, out, force, everything)
     return 0
 
 
