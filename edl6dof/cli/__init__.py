@@ -12,6 +12,7 @@ from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
 from edl6dof.cli.group import Command, app, examples
+from edl6dof.cli.new import new
 from edl6dof.cli.run_outputs import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, show, trust
 
@@ -35,6 +36,7 @@ COMMANDS: dict[str, tuple[Callable[..., int], ...]] = {
 for title, commands in COMMANDS.items():
     for command in commands:
         app.command(cls=Command, epilog=examples(command.__name__), rich_help_panel=title)(command)
+app.add_typer(new, name="new", rich_help_panel="Scenarios")
 app.add_typer(design, name="design", rich_help_panel="Scenarios")
 
 
