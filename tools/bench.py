@@ -267,7 +267,7 @@ def bench(console: Console, options: argparse.Namespace, tree: Path) -> dict[str
         results["precision"] = measure_precision(max(1, options.repeats // 2))
         show_precision(console, results["precision"])
         if options.picture:
-            draw_precision(results["precision"], options.picture)
+            draw_precision(results["precision"].programs, options.picture)
     results["machine"]["load_average_after"] = os.getloadavg()[0]
     console.print(
         f"load average afterwards {os.getloadavg()[0]:.2f}; above 1 or so, trust CPU seconds and ratios only"

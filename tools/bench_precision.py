@@ -94,16 +94,45 @@ PROGRAMS: dict[str, tuple[Callable[[float], End], tuple[float, ...]]] = {
 }
 
 
-def measure_precision(repeats: int) -> dict[str, list[Point]]:
+@dataclass
+class Precision:
+    """Points of each program, and simulated seconds per CPU second of the whole flight on instruments, whose
+    step is ``WHOLE_STEP_S``.
+    """
+
+    programs: dict[str, list[Point]]
+    whole_flight: float
+
+
+#: Step of the whole flight, s; its error is that of the free entry with this step.
+WHOLE_STEP_S = 0.02
+
+
+def whole_flight() -> float:
+    """Simulated seconds per CPU second of the nominal flight on instruments, from entry to rest."""
+    from edl6dof.scenario.loading import load_scenario
+    from edl6dof.sim.flight import fly
+
+    scenario = load_scenario("tianwen1", ["simulation.log_every=1000"])
+    assert scenario.scenario.simulation.step_s == WHOLE_STEP_S
+    cpu = time.process_time()
+    flight = fly(scenario)
+    return float(flight.telemetry["t_s"][-1]) / (time.process_time() - cpu)
+
+
+def measure_precision(repeats: int) -> Precision:
     """Points of each program that is installed; the steps of all programs in turn, ``repeats`` times."""
     ends: dict[str, list[list[End]]] = {}
+    whole = []
     for _ in range(repeats + 1):
+        whole.append(whole_flight())
         for name, (run, steps) in PROGRAMS.items():
             try:
                 ends.setdefault(name, []).append([run(step) for step in steps])
             except ImportError:
                 ends.pop(name, None)
-    return {name: _points(PROGRAMS[name][1], rounds[1:]) for name, rounds in ends.items()}
+    programs = {name: _points(PROGRAMS[name][1], rounds[1:]) for name, rounds in ends.items()}
+    return Precision(programs, statistics.median(whole[1:]))
 
 
 def _points(steps: Sequence[float], rounds: list[list[End]]) -> list[Point]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import statistics
 from typing import Any
 
-from bench_precision import LEVELS_M, Point, speed_at
+from bench_precision import LEVELS_M, WHOLE_STEP_S, Precision, speed_at
 from bench_processes import Lap
 from rich.console import Console
 from rich.table import Table
@@ -94,8 +94,9 @@ def _numbers(values: dict[str, float]) -> str:
     return ", ".join(f"{name} {value:.1f}" for name, value in values.items())
 
 
-def show_precision(console: Console, programs: dict[str, list[Point]]) -> None:
+def show_precision(console: Console, precision: Precision) -> None:
     """Points of the work-precision diagram, and the programs at equal errors."""
+    programs = precision.programs
     table = Table(title="Free entry of 250 s: speed and error", title_justify="left")
     for name in ("", "step ms", "simulated s per CPU s", "error of position m", "of attitude deg"):
         table.add_column(name, justify="left" if not name else "right")
@@ -121,3 +122,14 @@ def show_precision(console: Console, programs: dict[str, list[Point]]) -> None:
             ratios = [a / b if a and b else None for a, b in zip(speeds["edl6dof"], row, strict=True)]
             table.add_row(f"edl6dof / {name}", *(f"{x:.1f}" if x else "" for x in ratios))
     console.print(table)
+    (error,) = (point.position_m for point in programs["edl6dof"] if point.step_s == WHOLE_STEP_S)
+    console.print(
+        f"the whole flight on instruments, whose step of {1e3 * WHOLE_STEP_S:g} ms has an error of "
+        f"{error:.2g} m above: {precision.whole_flight:,.0f} simulated s per CPU s"
+    )
+    for name, points in programs.items():
+        if name != "edl6dof":
+            least = max(error, points[0].position_m)  # the finest step that is shown may not reach it
+            if theirs := speed_at(points, least):
+                ratio = precision.whole_flight / theirs
+                console.print(f"  {ratio:.1f} times the entry of {name} with an error of {least:.2g} m")

@@ -6,12 +6,11 @@
 
 A mutant is one small change of one kernel: a sign, an operation, a coefficient by 10 %, a comparison turned
 around, min for max, sine for cosine.  The sample is drawn from all kernels by ``--seed``, one mutant a kernel
-before any kernel has two.  Each mutant is tested in a copy of the repository: first by the test files that
-name its module, then by all tests of its room.  A test that also fails without the mutant kills nothing: the
-same test runs in an unchanged copy before its verdict counts.  ``EQUIVALENT`` lists mutants that change no
-result.
-
-Exit status 1: fewer than 95 % are killed, or a test fails without a mutant.
+before any kernel has two.  Each mutant is tested in a copy of the repository, with machine code of its own:
+first by the test files that name its module, then by all tests of its room.  A test that also fails without
+the mutant kills nothing: the same test runs in an unchanged copy before its verdict counts.  ``EQUIVALENT``
+lists mutants that change no result.  Exit status 1: fewer than 95 % are killed, or a test fails without a
+mutant.
 """
 
 from __future__ import annotations
@@ -27,7 +26,9 @@ import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from itertools import repeat
 from pathlib import Path
+from queue import Queue
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -199,22 +200,23 @@ class Verdict(NamedTuple):
     seconds: float
 
 
-def verdict(mutant: Mutant) -> Verdict:
-    """Test one mutant."""
-    begin = time.monotonic()
-    with tempfile.TemporaryDirectory() as folder:
-        copy = _copy(Path(folder))
-        path = copy / "edl6dof" / mutant.file
-        source = path.read_text(encoding="utf-8")
+def verdict(mutant: Mutant, trees: Queue[Path]) -> Verdict:
+    """Test one mutant in a copy of the repository that no other is tested in."""
+    begin, copy = time.monotonic(), trees.get()
+    path = copy / "edl6dof" / mutant.file
+    source = path.read_text(encoding="utf-8")
+    try:
         path.write_text(source[: mutant.start] + mutant.new + source[mutant.end :], encoding="utf-8")
         failed = next((test for group in tests_of(mutant.file) if (test := first_failure(copy, group))), "")
         path.write_text(source, encoding="utf-8")
         always = "::" in failed and bool(first_failure(copy, [failed]))
+    finally:
+        path.write_text(source, encoding="utf-8")
+        trees.put(copy)
     return Verdict(failed, always, time.monotonic() - begin)
 
 
-def _copy(folder: Path) -> Path:
-    copy = folder / "tree"
+def _copy(copy: Path) -> Path:
     copy.mkdir()
     for name in ("edl6dof", "tests", "vehicles", "scenarios", "tools", "docs"):
         shutil.copytree(ROOT / name, copy / name)
@@ -233,7 +235,7 @@ def first_failure(tree: Path, tests: list[str]) -> str:
         ran = subprocess.run(
             command,
             cwd=tree,
-            env={**os.environ, "PYTHONPATH": paths},
+            env={**os.environ, "PYTHONPATH": paths, "NUMBA_CACHE_DIR": f"{tree}.cache"},
             capture_output=True,
             text=True,
             timeout=LIMIT_S,
@@ -261,8 +263,12 @@ def main() -> int:
         print(*mutants, sep="\n")
         return 0
     killed = broken = 0
-    with ThreadPoolExecutor(options.jobs) as pool:
-        for mutant, (by, without_mutant, seconds) in zip(mutants, pool.map(verdict, mutants), strict=True):
+    trees: Queue[Path] = Queue()
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.jobs) as pool:
+        for number in range(options.jobs):  # machine code of the kernels that no mutant changes stays
+            trees.put(_copy(Path(folder, f"tree{number}")))
+        verdicts = pool.map(verdict, mutants, repeat(trees))
+        for mutant, (by, without_mutant, seconds) in zip(mutants, verdicts, strict=True):
             killed += bool(by) and not without_mutant
             broken += without_mutant
             word = "fails without it" if without_mutant else "killed" if by else "SURVIVED"

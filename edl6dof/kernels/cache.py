@@ -27,12 +27,16 @@ import numba
 from filelock import FileLock, Timeout
 from platformdirs import user_cache_path
 
+from edl6dof.kernels import shipped
+
 #: numba's settings: a module whose names it makes when it is imported.
 SETTINGS: Any = numba.config
 # numba also takes settings, among them the folder whose machine code it runs, from a file of the current
 # folder, which may be a received one: only the environment counts here
 SETTINGS._config_fname = ""
 SETTINGS.reload_config()
+if SHIPPED := SETTINGS.CPU_NAME is None and shipped.is_usable():  # all code is for the same processors then
+    SETTINGS.CPU_NAME, SETTINGS.CPU_FEATURES = shipped.TARGET, ""
 PACKAGE = Path(__file__).resolve().parents[1]
 
 #: Members of these families are passed to flights as functions: no other machine code follows from them.
@@ -115,7 +119,13 @@ def folder() -> Path | None:
     if (root := _root()) is None:
         return None
     flags = [str(getattr(SETTINGS, name, None)) for name in _FLAGS]
-    place = root / hash_of(repr((str(PACKAGE), numba.__version__, sys.version, flags)), *_in_loop)[:16]
+    code = shipped.ARCHIVE.stat().st_mtime_ns if SHIPPED else 0
+    place = root / hash_of(repr((str(PACKAGE), numba.__version__, sys.version, flags, code)), *_in_loop)[:16]
+    if SHIPPED and not place.exists():
+        try:
+            shipped.unpack(place)
+        except OSError as error:
+            say_once(f"machine code of {shipped.ARCHIVE} is not used: {error}")
     place.mkdir(exist_ok=True)
     with suppress(OSError):
         os.utime(place)
@@ -229,7 +239,8 @@ class Locator:
     def __init__(self, function: Any, file: str, place: Path) -> None:
         self._py_file = file  #: numba's warnings name it
         self._folder = place
-        self._of, self._stamp = hash_of(file)[:8], hash_of(*_stamps(function))[:24]
+        inside = file.removeprefix(str(PACKAGE))  # the same wherever the package is installed
+        self._of, self._stamp = hash_of(inside)[:8], hash_of(*_stamps(function))[:24]
         self._name = f"{Path(file).stem}.{function.__qualname__}-{self._of}".replace("<", "").replace(">", "")
 
     @classmethod

@@ -6,6 +6,8 @@ whether the cache was used and whether it was stale.
 """
 
 import os
+import sys
+import tarfile
 import time
 from pathlib import Path
 
@@ -193,6 +195,45 @@ def test_a_disk_that_fills_while_code_is_written_costs_a_line_and_nothing_else(p
     (line,) = ran.stderr.splitlines()
     assert line.startswith("edl6dof: machine code is not kept: No space left on device: ")
     assert call(package) == (6.0, 0)
+
+
+@pytest.fixture
+def shipped(package):
+    """The package in another place, with its machine code in an archive and an empty cache."""
+    call(package, NUMBA_CPU_NAME=kernels.shipped.TARGET)
+    (compiled,) = (one for one in package.glob("cache/edl6dof/*") if one.is_dir())
+    with tarfile.open(package / "probe" / "kernels" / "code.tar.xz", "w:xz") as archive:
+        for file in compiled.iterdir():
+            archive.add(file, file.name)
+    (package / "installed").mkdir()
+    (package / "probe").rename(package / "installed" / "probe")
+    return package / "installed"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="code is shipped for Linux")
+class TestShippedCode:
+    def test_a_package_with_machine_code_compiles_nothing(self, shipped):
+        assert call(shipped) == (6.0, 1)
+        write(shipped, "spatial/helper.py", HELPER.format("5.0"))
+        assert call(shipped) == (10.0, 0), "nor does it fly stale code"
+
+    def test_a_damaged_archive_costs_a_line_and_nothing_else(self, shipped):
+        archive = shipped / "probe" / "kernels" / "code.tar.xz"
+        archive.write_bytes(archive.read_bytes()[:-100])
+        ran = small_programs.run(
+            CALL.format(root=str(shipped)), cwd=shipped, NUMBA_CACHE_DIR=str(shipped / "cache")
+        )
+        assert ran.stdout.split()[:2] == ["6.0", "0"]
+        assert ran.stderr.startswith(f"edl6dof: machine code of {archive} is not used: ")
+        assert call(shipped) == (6.0, 1)
+
+    @pytest.mark.parametrize(("instructions", "usable"), [({"fpu"}, True), ({"fpu", "nothing"}, False)])
+    def test_code_is_for_processors_that_have_its_instructions(
+        self, tmp_path, monkeypatch, instructions, usable
+    ):
+        monkeypatch.setattr(kernels.shipped, "ARCHIVE", tmp_path)
+        monkeypatch.setattr(kernels.shipped, "_INSTRUCTIONS", instructions)
+        assert kernels.shipped.is_usable() == usable
 
 
 def test_folders_that_nobody_used_for_thirty_days_go(package):
