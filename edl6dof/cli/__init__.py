@@ -12,6 +12,7 @@ from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
 from edl6dof.cli.group import Command, app, examples
+from edl6dof.cli.machine_code import cache
 from edl6dof.cli.new import new
 from edl6dof.cli.run_outputs import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, show, trust
@@ -31,7 +32,7 @@ COMMANDS: dict[str, tuple[Callable[..., int], ...]] = {
     "Look at results": (report, replay, plot, compare, export),
     "Scenarios": (scenarios, show, check, params, schema, trust),
     "Compare with references and papers": (verify, validate, figures, calibrate, study),
-    "Other": (serve, version),
+    "Other": (serve, cache, version),
 }
 for title, commands in COMMANDS.items():
     for command in commands:

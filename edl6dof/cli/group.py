@@ -96,6 +96,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof faults tianwen1 --out runs/sensors --sensors",
     ),
     "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
+    "cache": ("edl6dof cache", "edl6dof cache --clear"),
     "version": ("edl6dof version",),
     "capsule": (
         "edl6dof new capsule lander --mass 300 --diameter 1.8 --rcs 8",

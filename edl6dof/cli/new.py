@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
 from math import cos, pi, sin, sqrt
 from pathlib import Path
@@ -17,13 +18,14 @@ from edl6dof.config.errors import refusal
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
 
-new = typer.Typer(
-    no_args_is_help=True, help="Files to start from: a capsule, a law, a controller, a campaign."
-)
+new = typer.Typer(no_args_is_help=True, help="Write files to start from, which fly as they are.")
 
 TEMPLATES = Path(__file__).parents[1] / "data" / "new"
-#: The vehicle that a capsule is made from, Mars Pathfinder: mass (kg), diameter and diameter of its canopy (m).
-LIKE_KG, LIKE_M, LIKE_CANOPY_M = 585.3, 2.65, 12.5
+#: Mass and diameter of the canopy of Mars Pathfinder, which a capsule is made from.
+LIKE_KG, LIKE_CANOPY_M = 585.3, 12.5
+#: Mass over area of the heat shield (kg/m2) up to which its parachute opens within limits: at a diameter of
+#: 2 m, 500 kg do and 520 kg do not.
+HEAVIEST_KG_M2 = 160.0
 #: Angular acceleration (rad/s2) about pitch that two thrusters of a capsule give.
 TURN_RAD_S2 = 0.15
 
@@ -34,20 +36,23 @@ Force = Annotated[bool, flag("Replace existing files.", "--force")]
 @new.command("capsule", cls=Command, epilog=examples("capsule"))
 def new_capsule(
     name: Name,
-    mass: Annotated[float, option("KG", "Mass at entry.", min=10.0, max=10_000.0)] = 300.0,
-    diameter: Annotated[float, option("M", "Diameter of the heat shield.", min=0.3, max=20.0)] = 1.8,
+    mass: Annotated[float, option("KG", "Mass at entry.", min=80.0, max=5_000.0)] = 300.0,
+    diameter: Annotated[float, option("M", "Diameter of the heat shield.", min=1.1, max=6.0)] = 1.8,
     rcs: Annotated[int, option("N", "Thrusters, an even number.", min=4, max=16)] = 8,
     force: Force = False,
 ) -> int:
     """Write a scenario with a capsule of a mass and a diameter.
 
-    Shape, inertia, centre of mass, thrust and parachute are scaled. It enters the atmosphere of Mars and opens
-    its parachute.
+    Shape, inertia, centre of mass, thrust and parachute are scaled. It enters the atmosphere of Mars and
+    opens its parachute.
     """
     if rcs % 2:
         raise refusal("--rcs", f"thrusters come in pairs: give an even number (got {rcs})")
     text = _filled("capsule.yaml", capsule(name, mass, diameter, rcs))
     _write({Path(f"{name}.yaml"): text}, force)
+    if mass > HEAVIEST_KG_M2 * 0.25 * pi * diameter**2:
+        words = f"above {HEAVIEST_KG_M2:g} kg per m2 of heat shield it is too fast for its parachute"
+        print(f"warning: heavy for its size: {words}", file=sys.stderr)
     print(f"next: edl6dof fly {name}.yaml, edl6dof show {name}.yaml, edl6dof new campaign {name}.yaml")
     return 0
 
@@ -91,6 +96,7 @@ def capsule(name: str, mass_kg: float, diameter_m: float, thrusters: int) -> dic
     d, shield_kg = diameter_m, 0.125 * mass_kg
     canopy_m = LIKE_CANOPY_M * sqrt(mass_kg / LIKE_KG)
     pitch = mass_kg * (0.225 * d) ** 2
+    thrust_n = 0.5 * TURN_RAD_S2 * pitch / (0.42 * d * sqrt(0.5))
     numbers = {
         "mass": mass_kg,
         "diameter": d,
@@ -118,9 +124,10 @@ def capsule(name: str, mass_kg: float, diameter_m: float, thrusters: int) -> dic
         "bridle_y": 0.085 * d,
         "bridle_z": 0.147 * d,
         "stiffness": 51.0 * mass_kg,
+        "torque": thrust_n * 0.42 * d,
     }
     shown = {key: f"{float(f'{value:.4g}')}" for key, value in numbers.items()}
-    jets = "\n".join(_thrusters(d, 0.5 * TURN_RAD_S2 * pitch / (0.42 * d * sqrt(0.5)), thrusters))
+    jets = "\n".join(_thrusters(d, thrust_n, thrusters))
     return {**shown, "name": name, "rcs": str(thrusters), "thrusters": jets}
 
 
@@ -202,8 +209,10 @@ def _write(files: Mapping[Path, str], force: bool) -> None:
     from edl6dof.runs.files import atomic_file, refuse_existing_file
 
     for path in files:
-        if path.name != str(path) or (why := why_no_folder(path.stem)):
-            raise refusal(path.stem, why if path.name == str(path) else "names a folder; give a name only")
+        if path.name != str(path):
+            raise refusal(path, "names a folder; give a name only")
+        if (why := why_no_folder(path.stem)) is not None:
+            raise refusal(path.stem, why)
         refuse_existing_file(path, force)
     for path, text in files.items():
         with atomic_file(path, force) as partial:

@@ -188,7 +188,7 @@ def test_a_name_that_this_process_does_not_know_stays_what_it_is():
 
 
 def test_functions_that_other_processes_know_stay_apart_in_an_index():
-    """Of two plugins' records: were their signatures equal, a third process would merge what is kept of them."""
+    """Were their signatures equal, a third process would merge the code of two plugins' records."""
     kinds = [function_type("steered", ("x",), types.float64, numbers(size)) for size in (7, 8)]
     written = pickle.dumps([kind.signature for kind in kinds])
     program = f"import pickle; from edl6dof.kernels import functions; read = pickle.loads({written!r}); "

@@ -24,7 +24,7 @@ HEAVY = (
 )
 #: What a flight has no use for; numba itself loads scipy.linalg.
 UNUSED_BY_A_FLIGHT = (
-    *("scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask"),
+    *("scipy.optimize", "scipy.interpolate", "scipy.stats", "rerun", "matplotlib", "plotly", "dask"),
     *("pandas", "pyarrow.compute"),
 )
 
