@@ -69,7 +69,8 @@ FAMILIES: dict[str, Place] = {
     ),
     "estimator": Place("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
     "hazard_detector": Place(
-        "hazard detection", {"classify": ("params", "chart", "footprint", "radius", "deviation", "out")}
+        "hazard detection",
+        {"classify": ("params", "elevation_map", "footprint", "radius", "deviation", "out")},
     ),
     "navigation_filter": Place(
         "navigation filter",

@@ -1,11 +1,11 @@
 """Kernels that are given functions, called with those of the members that the records choose."""
 
-from edl6dof.fsw.allocation.update import allocate as shared_out
+from edl6dof.fsw.allocation.registry import allocate as shared_out
 from edl6dof.fsw.functions import PLACES as SOFTWARE
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry import registry as entry
 from edl6dof.fsw.guidance.entry import steering
-from edl6dof.fsw.hazard import update as hazard
+from edl6dof.fsw.hazard import detection as hazard
 from edl6dof.fsw.hazard.registry import GIVEN
 from edl6dof.kernels import kernel
 from edl6dof.sensors import registry as sensing
@@ -44,7 +44,7 @@ def _allocate(share_out, params, vehicle, health, effectiveness, demand, out):
 
 
 def allocate(params, vehicle, health, effectiveness, demand, out):
-    """:func:`edl6dof.fsw.allocation.update.allocate` by the method of the parameters, with a ``HEALTH``
+    """:func:`edl6dof.fsw.allocation.registry.allocate` by the method of the parameters, with a ``HEALTH``
     record.
     """
     share_out = SOFTWARE["share_out"].function({int(params["method"])})
@@ -57,7 +57,7 @@ def steer_bank(onboard, *given):
 
 
 def detect_hazards(onboard, *given):
-    """:func:`edl6dof.fsw.hazard.update.detect_hazards`."""
+    """:func:`edl6dof.fsw.hazard.detection.detect_hazards`."""
     if int(onboard["hazard"]["detection"]) != GIVEN:
         hazard.detect_hazards(chosen("classify", onboard), onboard, *given)
 

@@ -15,7 +15,7 @@ import numpy as np
 from point_mass_landing import Landing, first_guess, held_controls, landing_record, plan_onboard, solve
 
 from edl6dof.fsw.guidance.powered.convex import pipg
-from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.fsw.guidance.powered.convex.landing_plan import CONTROLS
 
 #: Error of the end of a plan (m, m/s) up to which it lands.
 LANDS = 1.0

@@ -16,7 +16,7 @@ import numpy as np
 
 from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.functions import chosen
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.kernels import kernel
 from edl6dof.sim.outcome import FLYING

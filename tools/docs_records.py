@@ -20,12 +20,12 @@ import numpy as np
 RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
     "Navigation, as laws and controllers read it": (("edl6dof.fsw.navigation.derived", "NAV", "`nav`"),),
     "Guidance": (
-        ("edl6dof.fsw.guidance.command", "GUIDE", "`out` of a guidance law, `goal` of a controller"),
+        ("edl6dof.fsw.guidance.guidance_command", "GUIDE", "`out` of a guidance law, `goal` of a controller"),
         ("edl6dof.fsw.guidance.powered.target", "POWERED_TARGET", "`target` of a powered law"),
-        ("edl6dof.fsw.hazard.landing_point", "LANDING_POINT", "spots chosen by hazard avoidance"),
+        ("edl6dof.fsw.hazard.site_selection", "LANDING_POINT", "spots chosen by hazard avoidance"),
     ),
     "Attitude control and allocation": (
-        ("edl6dof.fsw.control.inputs", "CONTROL_INPUTS", "`inputs` of a controller"),
+        ("edl6dof.fsw.control.registry", "CONTROL_INPUTS", "`inputs` of a controller"),
         ("edl6dof.fsw.allocation.demand", "DEMAND", "demand on the thrusters"),
     ),
     "Disturbance estimation": (
@@ -35,7 +35,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
     "The believed vehicle and world": (
         ("edl6dof.fsw.onboard", "ONBOARD", "`onboard`; `vehicle` is its part of that name"),
         ("edl6dof.fsw.onboard", "CONFIGURATION", "mass properties of one set of attached parts"),
-        ("edl6dof.fsw.guidance.entry.prediction.airframe", "AIRFRAME", "trim, drag and lift by Mach number"),
+        ("edl6dof.fsw.guidance.entry.airframe", "AIRFRAME", "trim, drag and lift by Mach number"),
         ("edl6dof.fsw.vehicle_state", "VEHICLE_STATE", "`state` of a powered law"),
         ("edl6dof.fsw.vehicle_state", "ENGINE_ABILITY", "what engines can give"),
         ("edl6dof.interface.thrusters", "BRANCHES", "propellant branches"),

@@ -181,7 +181,10 @@ def tests_of(file: str) -> list[list[str]]:
         if module in text or f"from {package} import" in text and name in text:
             naming.append(path)
     room = file.split("/")[0]
-    rooms = {"fsw": ("unit/fsw", "unit/navigation", "unit/mission")}.get(room, (f"unit/{room}",))
+    rooms = {
+        "fsw": ("unit/fsw", "unit/navigation", "unit/mission"),
+        "vehicle": ("unit/vehicle", "unit/sensors"),  # faults of sensors
+    }.get(room, (f"unit/{room}",))
     wide = [
         path
         for path in files

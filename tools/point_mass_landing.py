@@ -24,7 +24,7 @@ from scipy.optimize import minimize_scalar
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.convex import pipg
 from edl6dof.fsw.guidance.powered.convex.flight_time import search_times
-from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
+from edl6dof.fsw.guidance.powered.convex.landing_plan import LANDING, PLAN
 
 #: Solutions of one problem, each about the mass of the one before.
 EXPANSIONS = 4

@@ -14,7 +14,7 @@ from math import cos, exp, radians, sin, sqrt
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.observers.air_data import AirDataParams
+from edl6dof.fsw.guidance.entry.air_data import AirDataParams
 
 N, SEED = 1000, 1
 WINDS = (3.0, 10.0, 20.0)

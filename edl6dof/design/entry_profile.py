@@ -21,8 +21,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from edl6dof.config.units import G0
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS
+from edl6dof.fsw.guidance.entry.reference import MAX_POINTS, reference_bank
 from edl6dof.scenario.places import Start, start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again
 from edl6dof.scenario.records import build_onboard

@@ -99,7 +99,7 @@ def response(wrench, inertia, pulse, before, after):
 
 @kernel
 def under_check_out(params, phase, memory):
-    """Whether thrusters are still to be tried: in the first phase only."""
+    """Return whether thrusters are still to be tried: in the first phase only."""
     return phase == 0 and memory.next < params.count
 
 

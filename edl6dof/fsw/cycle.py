@@ -1,8 +1,8 @@
-"""One base cycle of the flight software, box by box: navigation, mission phases, hazard detection, guidance,
-attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows
-from it.  Behind each box stands what may replace what it worked out: a command from outside.
+"""One base cycle of the flight software, step by step: navigation, mission phases, hazard detection,
+guidance, estimation, fault isolation, attitude control, allocation, modulation.  After each step a command
+from outside may replace its result.
 
-The cycle alone sees the memories of all modules.  It hands each module its own, and of the others what its
+The cycle alone sees the memories of all modules.  It hands each step its own, and the others that its
 signature names.
 """
 
@@ -10,17 +10,15 @@ from __future__ import annotations
 
 from edl6dof.fsw.allocation.demand import compose_demand, no_demand
 from edl6dof.fsw.allocation.effectiveness import update_effectiveness
-from edl6dof.fsw.allocation.update import allocate
+from edl6dof.fsw.allocation.registry import allocate
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
-from edl6dof.fsw.control.inputs import gather_inputs
+from edl6dof.fsw.control.registry import gather_inputs
 from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
 from edl6dof.fsw.diagnosis.flow import NONE
-from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
-from edl6dof.fsw.estimation.force_angle import force_angle
-from edl6dof.fsw.estimation.held_thrust import held_thrust
-from edl6dof.fsw.estimation.update import estimate_disturbance
+from edl6dof.fsw.estimation.registry import estimate_disturbance, force_angle, remember_valves
+from edl6dof.fsw.estimation.stuck_throttle_detection import stuck_throttle
 from edl6dof.fsw.external import (
     replace_bank,
     replace_duties,
@@ -30,7 +28,7 @@ from edl6dof.fsw.external import (
     replace_thrust,
     replace_torque,
 )
-from edl6dof.fsw.guidance.update import guide, switch_engine
+from edl6dof.fsw.guidance.phase_guidance import guide, switch_engine
 from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import command_valves, excess_torque, modulate, open_alone, open_for_test
@@ -42,10 +40,35 @@ from edl6dof.interface.engine import ENGINE_OFF
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
 
+#: Records of ``FSW``, each with the steps of a cycle that write it; a step reads those that it is handed.
+WRITERS = {
+    "navigation": ("estimate_state", "replace_estimate"),
+    "nav": ("derive", "filter_drag"),
+    "drag_filter": ("filter_drag",),
+    "mission": ("sequence",),
+    "vehicle": ("follow_events", "count_propellant", "believe_thrust", "run"),
+    "hazard": ("detect_hazards",),
+    "landing_point": ("detect_hazards", "replace_landing_point"),
+    "guidance": ("guide",),
+    "guide": ("switch_engine", "guide", "replace_bank", "replace_thrust"),
+    "own": ("guide", "replace_torque", "replace_duties"),
+    "effectiveness": ("update_effectiveness",),
+    "estimation": ("estimate_disturbance", "believe_thrust", "remember_valves"),
+    "disturbance": ("estimate_disturbance",),
+    "diagnosis": ("restart", "diagnose", "isolate_dead", "pair_to_test"),
+    "health": ("diagnose", "isolate_dead", "replace_health"),
+    "check_out": ("put_off", "check_out"),
+    "control": ("gather_inputs", "control"),
+    "demand": ("no_demand", "compose_demand"),
+    "allocation": ("allocate", "replace_duties"),
+    "modulation": ("open_alone", "modulate", "open_for_test"),
+    "command": ("run", "sequence", "detect_hazards", "command_angles_and_engine", "command_valves"),
+}
+
 
 @kernel
 def command_angles_and_engine(vehicle, goal, state, command):
-    """Tell the effectors the angles and the thrust that guidance wants."""
+    """Command the angles and the thrust that guidance wants."""
     command.steering, command.bank = 1, goal.bank
     command.alpha = 0.0 if state.wing_commanded != 0 else goal.alpha
     command.engine_mode = goal.engine_mode if state.ignited != 0 else ENGINE_OFF
@@ -65,10 +88,12 @@ def commanded_thrust(vehicle, t, state, command):
 
 @kernel
 def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state):
-    """What the engines lack, or hold, by the axial force that the thrusters do not explain."""
+    """Update the belief in a loss of thrust, or in a stuck throttle, from the axial force that the thrusters
+    do not explain.
+    """
     commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
     full, weight = state.engine.full_thrust, state.mass * nav.gravity
-    state.held_thrust = held_thrust(
+    state.held_thrust = stuck_throttle(
         params.held_thrust, commanded, measured, full, weight, dt=dt, memory=memory.held_thrust
     )
     lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
@@ -299,4 +324,4 @@ def run(functions, onboard, sensed, k, fsw):
         if j != NONE:
             open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation)
     command_valves(count, fsw.modulation, command)
-    remember(fsw.modulation, count, fsw.estimation.activity)
+    remember_valves(fsw.modulation, count, fsw.estimation.activity)

@@ -1,9 +1,9 @@
-"""Commands from outside: after a part of the flight software has run, what it worked out gives way to what is
-commanded, if anything is.
+"""Commands from outside: after a part of the flight software has run, a command replaces its result, if one
+is given.
 
-The part runs all the same, so that it can go on at any time, and what it wanted itself is kept beside
-(``OWN``).  What comes after it works with the command as with its own: the bank rate, the throttle band, the
-shortest pulses and all that the vehicle can do still limit it.
+The part runs all the same, so that it can take over at any time, and its own result is kept (``OWN``).  The
+parts after it treat the command as its result: the bank rate, the throttle band, the shortest pulses and the
+abilities of the vehicle still limit it.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.fsw.guidance.powered.terminal import start_or_throttle
+from edl6dof.fsw.guidance.powered.terminal_descent import start_or_throttle
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import clamp, put3, take3
 
-#: What the flight software itself wanted last, whatever was commanded.
+#: Last results of the flight software itself, whatever was commanded.
 OWN = np.dtype(
     [
         ("bank", "f8"),  # rad: of entry guidance
@@ -100,7 +100,7 @@ def replace_thrust(external, powered, state, t, goal):
 
 @kernel
 def replace_health(external, count, healthy):
-    """Use the thrusters no more that are isolated from outside, of ``count``."""
+    """Take thrusters that are isolated from outside, of ``count``, out of use."""
     if external.given.isolate == 0:
         return
     for i in range(count):
@@ -110,15 +110,17 @@ def replace_health(external, count, healthy):
 
 @kernel
 def replace_torque(external, torque, own):
-    """Torque (N m, B) that is demanded: the commanded one, or attitude control's, which ``own`` keeps."""
+    """Return the torque (N m, B) that is demanded: the commanded one, or that of attitude control, which is
+    kept in ``own``.
+    """
     put3(own.torque_B, 0, torque)
     return take3(external.torque_B, 0) if external.given.torque != 0 else torque
 
 
 @kernel
 def replace_duties(external, count, duty, own):
-    """Put the commanded duties of ``count`` thrusters in the place of those of allocation, which ``own``
-    keeps.
+    """Put the commanded duties of ``count`` thrusters in the place of those of allocation, which are kept in
+    ``own``.
     """
     for i in range(count):
         own.duty[i] = duty[i]

@@ -16,12 +16,12 @@ from edl6dof.fsw.estimation.registry import estimate
 from edl6dof.fsw.guidance.entry.registry import wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import bank_side
 from edl6dof.fsw.guidance.powered.registry import powered_guidance
+from edl6dof.fsw.hazard.detection import detect_hazards, detect_nothing
 from edl6dof.fsw.hazard.registry import GIVEN, classify
-from edl6dof.fsw.hazard.update import detect_hazards, detect_nothing
 from edl6dof.fsw.navigation.filters.registry import correct_solution, start_filter
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
-from edl6dof.kernels.functions import NOTHING, NUMBER, Given, function_type, kind_of, numbers
+from edl6dof.kernels.functions import NOTHING, NUMBER, Given, function_type, kind_of, numbers, together
 from edl6dof.registry import place
 
 
@@ -79,7 +79,7 @@ PLACES = {
     ),
     "classify": place(
         *("classify", classify, ("hazard", "detection"), NOTHING),
-        *(_onboard("hazard"), _fsw("hazard", "chart"), _fsw("hazard", "footprint")),
+        *(_onboard("hazard"), _fsw("hazard", "elevation_map"), _fsw("hazard", "footprint")),
         *(float64, float64, _fsw("hazard", "safety_map")),
     ),
 }
@@ -89,14 +89,14 @@ _DETECT = function_type(
     *(PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
     *(_fsw("hazard"), _fsw("landing_point"), _fsw("command")),
 )
-#: What a cycle is given: laws of guidance and the two parts of a navigation filter together.
+#: Functions that a cycle is given: laws of guidance and the two parts of a navigation filter together.
 _GROUPS = (
     *(("entry_law", "bank_side", "powered_law"), "control", "share_out", "estimate"),
     *(("start_filter", "correct_solution"), "classify", "detect_hazards"),
 )
 _TYPES = {name: one.type for name, one in PLACES.items()} | {"detect_hazards": _DETECT}
-SOFTWARE = types.Tuple(
-    [_TYPES[one] if isinstance(one, str) else types.Tuple([_TYPES[name] for name in one]) for one in _GROUPS]
+SOFTWARE = together(
+    *(_TYPES[one] if isinstance(one, str) else together(*(_TYPES[name] for name in one)) for one in _GROUPS)
 )
 #: A cycle of the flight software, :func:`edl6dof.fsw.cycle.run`.
 CYCLE = function_type("run", signature(run).parameters, NOTHING, SOFTWARE, _onboard(), _SENSED, int64, _fsw())

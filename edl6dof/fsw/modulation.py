@@ -2,17 +2,17 @@
 
 Each thruster collects the on-time that is demanded of it.  When a share h of its shortest pulse w is due, the
 valve opens; it closes as soon as nothing is due any more, but not before w is over.  It opens at the start of
-a control cycle, goes on over as many as it takes, and closes at any time within one.  A steady duty d so
+a control cycle, stays open over as many as needed, and closes at any time within one.  A steady duty d so
 gives pulses of
 
     w max(1, h / (1 - d))   every   w max(1, h / (1 - d)) / d,
 
 longer the larger the duty, and the mean thrust follows the duty in a line from the deadband to saturation.
-A valve never closes for so short a time that thrust would begin again before it has ended.  What is due to a
-thruster that is no longer asked for is dropped.
+A valve never closes for so short a time that thrust would begin again before it has ended.  On-time due to
+a thruster that is no longer commanded is dropped.
 
-The share h trades openings against delay: at 1 a valve opens least often, at 1/2 what is given is as often
-ahead of the demand as behind it.  Figures: docs/modulation.md.
+The share h trades openings against delay: at 1 a valve opens least often, at 1/2 the on-time given is as
+often ahead of the demand as behind it.  Figures: docs/modulation.md.
 Source: Hu et al. 2022, section 4.2 (linear modulation with deadband and saturation; 40 ms and 128 ms minimum
 pulses); pulses whose width and spacing both follow the demand: Wie, Space Vehicle Dynamics and Control, 2008
 (pulse-width pulse-frequency modulation).

@@ -14,34 +14,30 @@ from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
-from edl6dof.fsw.allocation.registry import AllocationParams
-from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.allocation.registry import ALLOCATION, AllocationParams
 from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
 from edl6dof.fsw.control.registry import CONTROL, CONTROLLERS
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
-from edl6dof.fsw.estimation.registry import DISTURBANCE, EstimationParams
-from edl6dof.fsw.estimation.update import ESTIMATION
+from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATION, EstimationParams
 from edl6dof.fsw.external import OWN
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.expected_wind import ExpectedWindParams
-from edl6dof.fsw.guidance.entry.heading_alignment import HeadingAlignmentParams
-from edl6dof.fsw.guidance.entry.observers.air_data import AirDataParams
-from edl6dof.fsw.guidance.entry.prediction.airframe import AIRFRAME
-from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, ReferenceBankParams
-from edl6dof.fsw.guidance.entry.profiles.entry_corridor import EntryLimitParams
-from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
+from edl6dof.fsw.guidance.entry.aim_point import HeadingAlignmentParams
+from edl6dof.fsw.guidance.entry.air_data import AirDataParams, ExpectedWindParams
+from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
+from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
+from edl6dof.fsw.guidance.entry.range_update import TrackingParams
+from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
-from edl6dof.fsw.guidance.powered.held_thrust import HeldThrustDescentParams
+from edl6dof.fsw.guidance.guidance_command import GUIDE
+from edl6dof.fsw.guidance.phase_guidance import GUIDANCE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.guidance.powered.stuck_throttle_descent import StuckThrottleDescentParams
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
-from edl6dof.fsw.guidance.powered.terminal import TerminalParams
-from edl6dof.fsw.guidance.update import GUIDANCE
-from edl6dof.fsw.hazard.drift import DRIFTER
-from edl6dof.fsw.hazard.landing_point import LANDING_POINT
+from edl6dof.fsw.guidance.powered.terminal_descent import TerminalParams
+from edl6dof.fsw.hazard.backshell_drift import DRIFTER
+from edl6dof.fsw.hazard.detection import HAZARD
 from edl6dof.fsw.hazard.registry import HazardParams
-from edl6dof.fsw.hazard.update import HAZARD
-from edl6dof.fsw.health import HEALTH
+from edl6dof.fsw.hazard.site_selection import LANDING_POINT
 from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
@@ -50,7 +46,7 @@ from edl6dof.fsw.navigation.drag_filter import DRAG_FILTER
 from edl6dof.fsw.navigation.filters.registry import NavigationParams
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.update import NAVIGATION
-from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
+from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.external import EXTERNAL
@@ -135,7 +131,7 @@ class PoweredGuidanceParams(_PoweredLaws):
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
-    held_thrust: HeldThrustDescentParams = group(HeldThrustDescentParams, "descent on a throttle that stands")
+    held_thrust: StuckThrottleDescentParams = group(StuckThrottleDescentParams, "descent on a stuck throttle")
 
 
 class GuidanceParams(Params):
@@ -177,7 +173,7 @@ class FlightSoftwareParams(Params):
 
 
 class BelievedThruster(Params):
-    """What the flight computer knows of a thruster."""
+    """A thruster as the flight computer knows it."""
 
     position_m: tuple[float, float, float] = param(..., "position in B")
     direction: tuple[float, float, float] = param(..., "unit force direction in B")

@@ -1,5 +1,5 @@
-"""What the flight computer believes of its own vehicle: configuration, mass, trim wing and engine, concluded
-from the commands it gives itself.
+"""State of the vehicle as the flight computer believes it: configuration, mass, trim wing and engine,
+concluded from the commands it gives itself; and the thrusters that may be used.
 """
 
 from __future__ import annotations
@@ -7,12 +7,16 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR, is_done_to
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 
-#: What engines can do: one of them, or those that burn taken together.
+#: Thrusters that may be used: 0 once one is found to have failed.
+HEALTH = np.dtype([("thruster", FLAG, (MAX_THRUSTERS,))], align=True)
+
+
+#: Ability of an engine, or of those that burn taken together.
 ENGINE_ABILITY = np.dtype(
     [
         ("full_thrust", "f8"),  # N: at the full level
@@ -36,9 +40,9 @@ VEHICLE_STATE = np.dtype(
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
         ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
-        ("held_thrust", "f8"),  # N: of a throttle that is believed to stand; 0: it moves
+        ("held_thrust", "f8"),  # N: of a throttle that is believed stuck; 0: it moves
         ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
-        ("engine", ENGINE_ABILITY),  # of them together, less what is missing
+        ("engine", ENGINE_ABILITY),  # of them together, less the thrust that is missing
         ("ignition_time", "f8"),  # s: flight time at which the thrust of the engine begins
     ],
     align=True,
@@ -55,11 +59,11 @@ def take_off(vehicle, part, state):
 
 @kernel
 def follow_events(vehicle, mission, t, request, state):
-    """What the events requested in this cycle do to the vehicle.
+    """Apply the events requested in this cycle to the believed vehicle.
 
     Args:
         vehicle: believed vehicle.
-        mission: ``MISSION`` record: what each event does.
+        mission: ``MISSION`` record: action of each event.
         t: flight time, s.
         request: one flag for each event.
         state: ``VEHICLE_STATE`` record, updated.
@@ -90,8 +94,8 @@ def follow_events(vehicle, mission, t, request, state):
 
 @kernel
 def take_together(engines, count, state):
-    """What those of ``count`` ``engines`` that burn can do together, less what is believed to be missing;
-    their specific impulse is the mean that uses the propellant that all use.
+    """Sum up thrust and throttle band of those of ``count`` ``engines`` that burn, less the thrust that is
+    believed to be missing; their specific impulse is the one of their common propellant flow.
     """
     full = low = high = flow = by_thrusters = 0.0
     left = 1.0 - state.thrust_lost

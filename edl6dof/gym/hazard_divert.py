@@ -27,9 +27,9 @@ def on_map(memories: np.ndarray, place_L: np.ndarray) -> np.ndarray:
 
 def _map(memories: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Corner and half of the width of the maps, m."""
-    chart = memories["hazard"]["chart"]
+    elevation_map = memories["hazard"]["elevation_map"]
     cells = memories["hazard"]["safety_map"]["clearance"].shape[1]
-    return chart["corner_L"], 0.5 * cells * chart["cell"][:, None]
+    return elevation_map["corner_L"], 0.5 * cells * elevation_map["cell"][:, None]
 
 
 class HazardDivert(Task):

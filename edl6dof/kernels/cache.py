@@ -27,7 +27,7 @@ import numba
 from filelock import FileLock, Timeout
 from platformdirs import user_cache_path
 
-from edl6dof.kernels import shipped
+from edl6dof.kernels.shipped import ARCHIVE, TARGET, is_usable, unpack
 
 #: numba's settings: a module whose names it makes when it is imported.
 SETTINGS: Any = numba.config
@@ -35,16 +35,14 @@ SETTINGS: Any = numba.config
 # folder, which may be a received one: only the environment counts here
 SETTINGS._config_fname = ""
 SETTINGS.reload_config()
-if SHIPPED := SETTINGS.CPU_NAME is None and shipped.is_usable():  # all code is for the same processors then
-    SETTINGS.CPU_NAME, SETTINGS.CPU_FEATURES = shipped.TARGET, ""
+if SHIPPED := SETTINGS.CPU_NAME is None and is_usable():  # all code is for the same processors then
+    SETTINGS.CPU_NAME, SETTINGS.CPU_FEATURES = TARGET, ""
 PACKAGE = Path(__file__).resolve().parents[1]
 
 #: Members of these families are passed to flights as functions: no other machine code follows from them.
 _WITH_MEMBERS = tuple(str(PACKAGE / room) for room in ("fsw", "sensors", "vehicle/faults"))
 #: numba's settings that change machine code and are not in its own key.
 _FLAGS = ("BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "OPT", "SLP_VECTORIZE")
-#: numba's warning that functions which are passed are an experimental feature.
-EXPERIMENTAL = numba.NumbaExperimentalFeatureWarning
 #: Age (s) at which a folder that was not used goes: 30 days.
 OLDEST_S = 30.0 * 86400.0
 #: Room (bytes) that must be free on the disk: all code of the package takes half.
@@ -119,13 +117,13 @@ def folder() -> Path | None:
     if (root := _root()) is None:
         return None
     flags = [str(getattr(SETTINGS, name, None)) for name in _FLAGS]
-    code = shipped.ARCHIVE.stat().st_mtime_ns if SHIPPED else 0
+    code = ARCHIVE.stat().st_mtime_ns if SHIPPED else 0
     place = root / hash_of(repr((str(PACKAGE), numba.__version__, sys.version, flags, code)), *_in_loop)[:16]
     if SHIPPED and not place.exists():
         try:
-            shipped.unpack(place)
+            unpack(place)
         except OSError as error:
-            say_once(f"machine code of {shipped.ARCHIVE} is not used: {error}")
+            say_once(f"machine code of {ARCHIVE} is not used: {error}")
     place.mkdir(exist_ok=True)
     with suppress(OSError):
         os.utime(place)
@@ -206,10 +204,17 @@ def _seal(place: Path, name: str) -> None:
                 to.write(hash_of(content).encode())
 
 
+@contextmanager
+def experimental() -> Iterator[None]:
+    """Spare callers numba's warning that functions which are passed are an experimental feature."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", numba.NumbaExperimentalFeatureWarning)
+        yield
+
+
 def compiled(call: Callable[..., Any], *given: Any, **named: Any) -> Any:
     """Result of a call that may compile; where the code cannot be written, of another: it is in memory."""
-    with warnings.catch_warnings():  # the caller may take warnings for errors
-        warnings.simplefilter("ignore", EXPERIMENTAL)
+    with experimental():
         try:
             return call(*given, **named)
         except OSError as error:  # no kernel raises it

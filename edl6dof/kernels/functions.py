@@ -8,7 +8,6 @@ flight first carries it, and one that comes after the loop was compiled flies in
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from hashlib import sha256
@@ -21,18 +20,22 @@ from numba import types
 from numba.experimental.function_type import FunctionModel, unbox_function_type
 from numba.extending import register_model, typeof_impl, unbox
 
-from edl6dof.kernels.cache import EXPERIMENTAL, compiled
+from edl6dof.kernels.cache import compiled, experimental
 from edl6dof.kernels.jit import Kernel, kernel
 
 #: What a kernel returns that is passed as a function: nothing, or a number.
 NOTHING, NUMBER = types.none, types.float64
 
-warnings.simplefilter("ignore", EXPERIMENTAL)  # of the types that modules make when they are imported
-
 
 def numbers(*shape: int) -> types.Type:
     """Type of a tuple of so many numbers, or of so many such tuples."""
     return types.UniTuple(numbers(*shape[1:]), shape[0]) if shape else NUMBER
+
+
+@experimental()
+def together(*kinds: types.Type) -> types.Type:
+    """Type of a tuple of functions that are passed."""
+    return types.Tuple(kinds)
 
 
 def kind_of(layout: np.dtype, *path: str) -> types.Type:
@@ -98,6 +101,7 @@ class Passed(types.FunctionType):
 _known: dict[str, Passed] = {}
 
 
+@experimental()
 def function_type(title: str, names: Iterable[str], returns: types.Type, *arguments: types.Type) -> Passed:
     """Type of a function that is passed, whose arguments have these names."""
     key = types.FunctionType(returns(*arguments)).key

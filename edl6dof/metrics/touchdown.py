@@ -6,7 +6,7 @@ from math import isfinite
 
 import numpy as np
 
-from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
+from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
 from edl6dof.kernels import kernel
 from edl6dof.metrics.figures import from_si
 from edl6dof.spatial.elementary import acos, atan2, cos, hypot, sin

@@ -7,7 +7,7 @@ from math import pi, radians
 import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
+from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.scenario.expected_descent import SCRATCH, expected_drift, wind_of
 from edl6dof.scenario.planned_entry import plan_entry
 from edl6dof.scenario.schema import Scenario

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.environment.winds.table import mean as mean_of_table
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.expected_wind import ExpectedWindParams
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.air_data import ExpectedWindParams
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.mission.phases import G_NONE
 from edl6dof.fsw.mission.sequencer import SEQUENCE, enter, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere

@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.gas import GAS, fill_gas
-from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
+from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.onboard import CONFIGURATION
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS

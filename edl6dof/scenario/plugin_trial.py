@@ -24,18 +24,17 @@ from edl6dof.environment.gas import GAS
 from edl6dof.environment.wind import WIND
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, ROWS
-from edl6dof.fsw.control.inputs import CONTROL_INPUTS
+from edl6dof.fsw.control.registry import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP
 from edl6dof.fsw.hazard.footprint import FOOTPRINT
-from edl6dof.fsw.hazard.point_map import ELEVATION_MAP
 from edl6dof.fsw.hazard.safety import SAFETY_MAP
-from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
-from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.fsw.vehicle_state import HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
@@ -147,7 +146,7 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "measured": MEASURED,
         "out": {"estimator": DISTURBANCE, "hazard_detector": SAFETY_MAP}.get(key, GUIDE),
         **{"shared": ONBOARD["allocation"], "effectiveness": EFFECTIVENESS, "demand": DEMAND},
-        **{"chart": ELEVATION_MAP, "footprint": FOOTPRINT, "fault": FAULT},
+        **{"elevation_map": ELEVATION_MAP, "footprint": FOOTPRINT, "fault": FAULT},
         "chute": PARACHUTE_PARAMS,
         "engine": ENGINE,
         "plant": STATE,

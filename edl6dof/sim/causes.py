@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.environment.landing_area.plane import place_of
-from edl6dof.fsw.guidance.powered.relaxation import in_words
+from edl6dof.fsw.guidance.guidance_command import in_words
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.sim.flight_records import FlightRecords

@@ -15,7 +15,7 @@ from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
 from edl6dof.fsw.onboard import FSW
 from edl6dof.kernels.cache import SETTINGS
-from edl6dof.kernels.functions import NOTHING, Given, kind_of
+from edl6dof.kernels.functions import NOTHING, Given, kind_of, together
 from edl6dof.registry import place
 from edl6dof.scenario.records import TABLES
 from edl6dof.scenario.truth import CASE
@@ -38,7 +38,7 @@ PLACES = {
 }
 #: A cycle of the flight software, as the loop is given it, and the type of all that the loop is given.
 RUN = Given(run, CYCLE)
-FUNCTIONS = types.Tuple([CYCLE, SOFTWARE, *(one.type for one in PLACES.values())])
+FUNCTIONS = together(CYCLE, SOFTWARE, *(one.type for one in PLACES.values()))
 
 
 class Functions(tuple[Any, ...]):

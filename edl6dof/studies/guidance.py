@@ -26,9 +26,9 @@ from edl6dof.campaign.statistics import percent
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import counted
 from edl6dof.fsw.functions import chosen
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.interface.roles import LIFT
 from edl6dof.kernels import kernel

@@ -23,7 +23,7 @@ from edl6dof import State
 from edl6dof.campaign.executor import Row, in_threads
 from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
 from edl6dof.config.wording import counted
-from edl6dof.fsw.control.frames import goal_attitude
+from edl6dof.fsw.control.attitude_error import goal_attitude
 from edl6dof.interface.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
 from edl6dof.metrics.published import published_figures
 from edl6dof.scenario.schema import Scenario

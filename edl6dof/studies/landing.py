@@ -19,7 +19,7 @@ from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.functions import chosen
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.navigation.derived import NAV

@@ -25,10 +25,9 @@ import numpy as np
 import edl6dof
 from edl6dof import LoadedScenario
 from edl6dof.config.base import stated
-from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, begin, goal_rates, track
-from edl6dof.fsw.guidance.entry.laws.hinf import riccati
-from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile_drag
+from edl6dof.fsw.guidance.entry.drag_dynamics import uncertain_drag
+from edl6dof.fsw.guidance.entry.drag_velocity import path_sine, profile_drag
+from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, begin, goal_rates, riccati, track
 from edl6dof.interface.roles import LIFT
 from edl6dof.scenario.records import build_onboard
 from edl6dof.sim.flight import Flight
@@ -317,7 +316,7 @@ def disturbance_of(design: Design, *columns: np.ndarray) -> np.ndarray:
     rho_model) + 2 ln(V_air / V)); that enters D'' as D delta' + (D^2/V) ((V^2 - 4 g H)/(V^2 + 2 g H)) delta,
     and an error of L/D as what it adds to the input, times g2.  Nothing here knows the drag that is to be
     followed.  Source: Lu & Bayard, section 2.3; as printed, w lacks V^2 (see
-    :mod:`~edl6dof.fsw.guidance.entry.prediction.uncertain_drag`) and lift has no error.
+    :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics`) and lift has no error.
 
     Args:
         design: for gravity, radius and scale height.

@@ -24,7 +24,7 @@ import edl6dof
 from edl6dof import Case
 from edl6dof.campaign.executor import Row
 from edl6dof.config.base import stated
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import SQUARE, Curve, Finding, Grid, Line, Panel, Report, Session, Study

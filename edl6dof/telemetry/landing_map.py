@@ -49,21 +49,21 @@ def landing_map(fsw: np.void) -> LandingMap | None:
     hazard, point = fsw["hazard"], fsw["landing_point"]
     if not np.isfinite(hazard["spot_t"]):
         return None
-    chart, footprint, safety_map = hazard["chart"], hazard["footprint"], hazard["safety_map"]
+    elevation_map, footprint, safety_map = hazard["elevation_map"], hazard["footprint"], hazard["safety_map"]
     choice, coarse = hazard["choice"], hazard["coarse"]
     drift = coarse["drift"][-1]
     known = safety_map["cell_class"] != CELL_CLASSES.index("edge")
     rejected = choice["rejected"][: choice["n_rejected"]]
     return LandingMap(
-        cell_m=np.array(chart["cell"]),
-        corner_m=chart["corner_L"].copy(),
-        elevation_m=np.where(chart["weight"] > 0.0, chart["mean"], np.float32(np.nan)),
+        cell_m=np.array(elevation_map["cell"]),
+        corner_m=elevation_map["corner_L"].copy(),
+        elevation_m=np.where(elevation_map["weight"] > 0.0, elevation_map["mean"], np.float32(np.nan)),
         slope_deg=np.where(known, np.degrees(arrays.atan(footprint["slope"])), np.float32(np.nan)),
         roughness_m=np.where(known, footprint["roughness"], np.float32(np.nan)),
         cell_class=safety_map["cell_class"].astype(np.int8),
         probability=safety_map["probability"].copy(),
         clearance_m=safety_map["clearance"].copy(),
-        hover_m=hazard["here_L"] - (0.0, 0.0, chart["level"]),
+        hover_m=hazard["here_L"] - (0.0, 0.0, elevation_map["level"]),
         spot_m=point["fine_L"].copy(),
         found=np.array(int(choice["found"])),
         rejected_m=rejected["spot_L"].copy(),

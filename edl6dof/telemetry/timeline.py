@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.fsw.guidance.powered import relaxation
+from edl6dof.fsw.guidance import guidance_command
 from edl6dof.fsw.mission.phases import Event, MissionParams
 from edl6dof.fsw.navigation.guard import CHECKS
 from edl6dof.interface.roles import NO_ROLE, begun
@@ -81,7 +81,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
     found += guard_moments(fsw["navigation"])
     found += hazard_moments(fsw["hazard"])
     found += [
-        moment(t, "relaxed", f"powered guidance: {relaxation.in_words(relaxed)}")
+        moment(t, "relaxed", f"powered guidance: {guidance_command.in_words(relaxed)}")
         for relaxed, t in enumerate(fsw["guidance"]["relaxed"]["t"], start=1)
         if t > 0.0
     ]

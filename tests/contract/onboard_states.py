@@ -6,7 +6,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV, derive
 from edl6dof.interface.sensed import SENSED
 

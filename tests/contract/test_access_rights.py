@@ -1,14 +1,22 @@
 """A signature is a right of access: the cycle alone holds the memories of all modules of the flight software,
-one module alone opens valves, and a module writes of the signals that it exchanges those that it declares.
+one module alone opens valves, each record is written by the steps that the cycle declares, and a module
+writes of the signals that it exchanges those that it declares.
 """
 
 import ast
+import importlib
+from typing import Any, NamedTuple
 
 import pytest
 from source_rules import PACKAGE
+from step_effects import arguments, calls, stored, unused, written, written_by_calls
+
+from edl6dof.fsw.cycle import WRITERS, run
+from edl6dof.fsw.functions import PLACES
 
 FSW = PACKAGE / "fsw"
 CYCLE = FSW / "cycle.py"
+CYCLE_RUN = run.py_func
 
 
 def handed_on_whole(source: str, function: str, record: str) -> list[int]:
@@ -68,37 +76,6 @@ def test_planted_second_writer_is_found():
     assert valve_writers("def f(i, t, opens, closes):\n    opens[i] = closes[i] = t\n") == [2, 2]
 
 
-def signal_of(node, known):
-    """Signal that an expression is part of, by the names ``known`` for signals; none for another one."""
-    while isinstance(node, ast.Subscript | ast.Attribute):
-        if isinstance(node.value, ast.Name) and node.value.id == "signals":
-            return getattr(node, "attr", None)
-        node = node.value
-    return known.get(node.id) if isinstance(node, ast.Name) else None
-
-
-def written_signals(source):
-    """Signals that functions of ``signals`` write, by themselves or by names that they give them."""
-    found = set()
-    for function in ast.walk(ast.parse(source)):
-        if not isinstance(function, ast.FunctionDef) or "signals" not in [a.arg for a in function.args.args]:
-            continue
-        known = {}
-        for node in ast.walk(function):
-            if isinstance(node, ast.Assign):
-                for target in node.targets:
-                    values = getattr(node.value, "elts", [node.value])
-                    for name, value in zip(getattr(target, "elts", [target]), values, strict=False):
-                        if isinstance(name, ast.Name):
-                            known[name.id] = signal_of(value, known)
-        found |= {
-            signal_of(node, known)
-            for node in ast.walk(function)
-            if isinstance(node, ast.Subscript | ast.Attribute) and isinstance(node.ctx, ast.Store)
-        }
-    return found - {None}
-
-
 def declared_signals(source):
     """Signals that a module declares, none without; and those of them that it declares to write."""
     fields, writes = set(), set()
@@ -129,7 +106,8 @@ def test_a_module_takes_the_signals_that_it_reads_and_writes_those_that_it_decla
     fields, writes = declared_signals(sources[0])
     assert fields and writes <= fields
     assert set.union(*map(read_signals, sources)) == fields
-    assert set.union(*map(written_signals, sources)) <= writes
+    exchanging = exchanging_functions("edl6dof.fsw." + module.removesuffix(".py").replace("/", "."))
+    assert {f"signals.{name}" for name in writes} == set().union(*map(signals_written, exchanging))
 
 
 def test_every_module_with_signals_is_looked_at():
@@ -137,8 +115,64 @@ def test_every_module_with_signals_is_looked_at():
     assert found == {*EXCHANGE, *(helper for helpers in EXCHANGE.values() for helper in helpers)}
 
 
-@pytest.mark.parametrize(
-    "planted", ["signals.nav.t = 0.0", "signals.nav[0] = 1", "t, n = 0, signals.nav\n    n.r_I[0] = t"]
-)
-def test_planted_write_of_a_signal_is_found(planted):
-    assert written_signals(f"def f(params, signals, memory):\n    {planted}\n") == {"nav"}
+def exchanging_functions(module):
+    """Kernels of a module that take signals."""
+    kernels = [getattr(one, "py_func", None) for one in vars(importlib.import_module(module)).values()]
+    return [one for one in kernels if one and one.__module__ == module and "signals" in arguments(one)]
+
+
+def signals_written(function):
+    """Signals that a function writes."""
+    return {record for record in written(function) if record.startswith("signals.")}
+
+
+def test_each_record_is_written_by_the_steps_that_the_cycle_declares():
+    found = {}
+    for step, record in [*written_by_calls(CYCLE_RUN), *(("run", record) for record in stored(CYCLE_RUN))]:
+        if record is not None:
+            found.setdefault(record.removeprefix("fsw."), set()).add(step)
+    assert found == {record: set(steps) for record, steps in WRITERS.items()}
+
+
+def test_a_step_is_handed_nothing_that_it_does_not_look_at():
+    assert [
+        (step, unused(called))
+        for step, called, _ in calls(CYCLE_RUN)
+        if step not in PLACES and unused(called)
+    ] == []
+
+
+class Packed(NamedTuple):
+    """Signals that carry a record."""
+
+    nav: Any
+
+
+def nudge(place):
+    """Write into an array."""
+    place[0] += 1.0
+
+
+def writes_by_a_call(nav, goal, t):
+    """Write a part of ``nav`` under another name."""
+    place, goal = nav.r_I, nav.t
+    nudge(place)
+    return goal
+
+
+def writes_signals(signals):
+    """Write a signal."""
+    nudge(signals.nav.v_I)
+
+
+def writes_by_signals(nav, goal):
+    """Write a record that is handed on as a signal."""
+    signals = Packed(nav=nav)
+    writes_signals(signals)
+    return goal.t
+
+
+def test_planted_writes_and_idle_arguments_are_found():
+    assert written(writes_by_a_call) == {"nav"} and unused(writes_by_a_call) == {"t"}
+    assert written(writes_signals) == {"signals.nav"}
+    assert written(writes_by_signals) == {"nav"} and unused(writes_by_signals) == set()

@@ -8,8 +8,7 @@ from onboard_states import ENTRY, LANDER
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
-from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, share_out
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
 
 

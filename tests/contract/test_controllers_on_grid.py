@@ -9,8 +9,7 @@ from onboard_states import ENTRY, LANDER, X, Y, Z, guided, nav_state
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
-from edl6dof.fsw.control.inputs import CONTROL_INPUTS
-from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.control.registry import CONTROL_INPUTS, CONTROLLERS, attitude_control
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 
 

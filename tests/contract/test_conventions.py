@@ -13,8 +13,8 @@ import pytest
 from onboard_states import ENTRY, X, Y, Z, nav_state
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.control.inputs import CONTROL_INPUTS
-from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.control.registry import CONTROL_INPUTS
+from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.spatial.frames import ned_attitude, wind_angles
 from edl6dof.spatial.quaternion import to_frame
 

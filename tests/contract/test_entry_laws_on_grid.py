@@ -9,10 +9,10 @@ from given_functions import entry_guidance
 from onboard_states import guided, nav_state
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 
 
 @pytest.mark.parametrize("index", range(len(ENTRY_LAWS.members)), ids=ENTRY_LAWS.names)

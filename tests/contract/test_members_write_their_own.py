@@ -8,23 +8,20 @@ from given_functions import allocate, entry_guidance
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
-from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
-from edl6dof.fsw.allocation.update import ALLOCATION
-from edl6dof.fsw.control.inputs import CONTROL_INPUTS
-from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, share_out
+from edl6dof.fsw.control.registry import CONTROL_INPUTS, CONTROLLERS, attitude_control
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
-from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP
 from edl6dof.fsw.hazard.footprint import FOOTPRINT
-from edl6dof.fsw.hazard.point_map import ELEVATION_MAP
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, classify
 from edl6dof.fsw.hazard.safety import SAFETY_MAP
-from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
-from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.fsw.vehicle_state import HEALTH, VEHICLE_STATE
 from edl6dof.records import numbers
 
 
@@ -83,8 +80,15 @@ CALLS = {
     },
     **{
         f"{HAZARD_DETECTION.title}: {name}": (
-            {"params": ONBOARD["hazard"], "chart": ELEVATION_MAP, "footprint": FOOTPRINT, "out": SAFETY_MAP},
-            lambda p, chart, footprint, out, i=i: classify(i, p, chart, footprint, 2.0, 0.03, out),
+            {
+                "params": ONBOARD["hazard"],
+                "elevation_map": ELEVATION_MAP,
+                "footprint": FOOTPRINT,
+                "out": SAFETY_MAP,
+            },
+            lambda p, elevation_map, footprint, out, i=i: classify(
+                i, p, elevation_map, footprint, 2.0, 0.03, out
+            ),
             {"footprint", "out"},  # the planes of a row are scratch
         )
         for i, name in enumerate(HAZARD_DETECTION.names)

@@ -18,9 +18,9 @@ OTHER_MEANINGS = {
     "edl6dof.campaign.covariance_flights": {"parachute"},  # an event, as in the next one
     "edl6dof.cli.campaigns": {"parachute"},
     # field of a record: a force, as in the next ones
-    "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
-    "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
-    "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
+    "edl6dof.fsw.guidance.entry.air_data": {"lift"},
+    "edl6dof.fsw.guidance.entry.airframe": {"lift"},
+    "edl6dof.fsw.guidance.entry.influence": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.onboard_vehicle": {"lift"},
     "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of

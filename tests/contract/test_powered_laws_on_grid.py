@@ -7,11 +7,11 @@ import pytest
 from onboard_states import nav_state
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
-from edl6dof.fsw.guidance.powered.terminal import command_thrust
-from edl6dof.fsw.hazard.landing_point import LANDING_POINT
+from edl6dof.fsw.guidance.powered.terminal_descent import command_thrust
+from edl6dof.fsw.hazard.site_selection import LANDING_POINT
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 
 

@@ -16,14 +16,13 @@ from edl6dof.environment.terrain import ground
 from edl6dof.environment.wind import wind
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
-from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, share_out
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, without_slow_part
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.drag_velocity import profile_range
 from edl6dof.fsw.guidance.entry.laws.etpc import at_speed
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.prediction.reference import node_of
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_range
-from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
+from edl6dof.fsw.guidance.entry.range_update import range_scale
+from edl6dof.fsw.guidance.entry.reference import node_of
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.interface.sensed import SENSED
 from edl6dof.sensors.imu import DEPTH, READINGS, ImuParams, measure

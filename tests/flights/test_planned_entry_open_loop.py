@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard

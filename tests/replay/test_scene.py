@@ -16,7 +16,7 @@ from edl6dof.environment.terrain import TERRAIN, fill_terrain, ground_arrays, gr
 from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
-from edl6dof.fsw.control.zones import ZoneParams, target_rate
+from edl6dof.fsw.control.phase_plane_zones import ZoneParams, target_rate
 from edl6dof.replay.scene import craft_shapes
 from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.landscape import Landscape

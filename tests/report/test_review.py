@@ -10,7 +10,7 @@ import pytest
 
 import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
-from edl6dof.fsw.control.zones import target_rate
+from edl6dof.fsw.control.phase_plane_zones import target_rate
 from edl6dof.manifest import seal
 from edl6dof.report import label_layout
 from edl6dof.report.figure import Axis, Panel, Trace

@@ -12,8 +12,8 @@ import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.functions import chosen
-from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records

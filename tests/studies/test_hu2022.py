@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
+from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
 from edl6dof.studies import hu2022
 from edl6dof.studies.samples import pick
 from edl6dof.vehicle.plant import ATTITUDE, RATE

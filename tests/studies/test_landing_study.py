@@ -10,7 +10,7 @@ from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
 from edl6dof.fsw.functions import chosen
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.navigation.derived import NAV

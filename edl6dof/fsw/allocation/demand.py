@@ -1,4 +1,4 @@
-"""What is asked of the thrusters in a control cycle."""
+"""The demand on the thrusters in a control cycle: force, torque, and the groups that may fire."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""What the thrusters can do: force and torque of each at full thrust, and whether the fine ones suffice.
+"""Thruster effectiveness: force and torque of each thruster at full thrust, and whether the fine ones
+suffice.
 
-Geometry only; how a demand is shared out is the allocator's business.
+Geometry only; the allocator shares a demand out.
 """
 
 from __future__ import annotations
@@ -65,14 +66,14 @@ def mark_of(matrix, count):
 
 @kernel
 def usable(i, thrusters, healthy, mask):
-    """Whether thruster ``i`` works and belongs to a group in the bit mask."""
+    """Return whether thruster ``i`` works and belongs to a group in the bit mask."""
     return healthy[i] != 0 and (mask >> thrusters[i].group) & 1 == 1
 
 
 @kernel
 def fine_enough(share, matrix, thrusters, count, healthy, demand):
-    """Whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a ``share`` of
-    it.
+    """Return whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a
+    ``share`` of it.
     """
     x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):

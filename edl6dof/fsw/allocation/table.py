@@ -4,9 +4,9 @@ demand.
 Hu et al. 2022, section 4.3: a demand below the authority of the 25 N thrusters goes to them, otherwise to the
 250 N ones, and to both where those do not suffice.  A row holds the healthy thrusters that act mainly along
 its axis, all with the same duty, so a failed one only makes the others work longer.  Lateral force comes
-first (section 6.3: two thrusters to a direction), then roll, pitch and yaw out
-of the pulse time that is left: a thruster that serves two directions shares it between them.  What a row does
-to the other axes is carried over to theirs; what the last one leaves is reported as unallocated.
+first (section 6.3: two thrusters to a direction), then roll, pitch and yaw out of the pulse time that is
+left: a thruster that serves two directions shares it between them.  The effect of a row on the other axes is
+carried over to theirs; the rest after the last one is reported as unallocated.
 
 The order of the axes is the priority between them.  Left out: any search for a better combination; a row is
 taken whole or not at all.
@@ -34,7 +34,7 @@ class TableParams(Params):
 
 @kernel
 def in_row(matrix, i, row, sign, alignment):
-    """Whether thruster ``i`` belongs to the row of the table for an axis and sign."""
+    """Return whether thruster ``i`` belongs to the row of the table for an axis and sign."""
     first = 1 if row < 3 else 3
     square = 0.0
     for k in range(first, 3 if row < 3 else 6):
@@ -80,7 +80,7 @@ def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty,
         return
     fine, coarse = groups & (1 << FINE), groups & ~(1 << FINE)
     if need > fine_share * row_authority(alignment, matrix, vehicle, healthy, mask=fine, row=row, sign=sign):
-        # axial thrusters stand in only where nobody else is left
+        # axial thrusters stand in only where no other thruster is left
         mask = coarse & ~(1 << AXIAL)
         if row_authority(alignment, matrix, vehicle, healthy, mask, row=row, sign=sign) == 0.0:
             mask = coarse

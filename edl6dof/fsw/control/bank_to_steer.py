@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.frames import (
+from edl6dof.fsw.control.attitude_error import (
     beyond,
     body_rate,
     gyroscopic_torque,
@@ -28,7 +28,7 @@ from edl6dof.fsw.control.frames import (
     path_rate,
     velocity_axes,
 )
-from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
+from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, follow
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap

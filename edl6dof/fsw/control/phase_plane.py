@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.control.frames import inertia_torque, wind_attitude_error
+from edl6dof.fsw.control.attitude_error import inertia_torque, wind_attitude_error
 from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.registry import Member

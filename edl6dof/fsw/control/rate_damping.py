@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.frames import beyond, body_rate, inertia_torque
-from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
+from edl6dof.fsw.control.attitude_error import beyond, body_rate, inertia_torque
+from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, follow
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import take3

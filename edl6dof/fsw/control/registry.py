@@ -1,9 +1,9 @@
-"""The attitude controllers a mission phase can name.
+"""The family of attitude controllers that a mission phase can name, and the record of inputs that they share.
 
 A member has one kernel, ``control(params, nav, goal, inputs, dt, memory)``: it returns the torque it demands
 (N m, B) and the attitude error it works on (rad), three numbers each.  ``params`` and ``memory`` are its own;
-``nav``, ``goal`` (what guidance wants) and ``inputs`` (:mod:`edl6dof.fsw.control.inputs`) are there to be
-read; ``dt`` is the control cycle (s).
+it reads ``nav``, ``goal`` (the ``GUIDE`` record of guidance) and ``inputs`` (``CONTROL_INPUTS``); ``dt`` is
+the control cycle (s).
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from edl6dof.fsw.control import bank_to_steer, off, phase_plane, rate_damping, thrust_vector
-from edl6dof.fsw.control.inputs import CONTROL_INPUTS
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG
 from edl6dof.registry import Family
+from edl6dof.spatial.vector import put3, take3
 
 CONTROLLERS = Family(
     "attitude controller",
@@ -27,7 +29,7 @@ CONTROLLERS = Family(
     ),
 )
 
-#: What each takes notice of among what a phase may ask for; of those of plugins it is not known.
+#: Settings of a phase that each controller uses; for those of plugins they are unknown.
 HEEDS = {
     "off": (),
     "phase_plane": (),
@@ -41,6 +43,46 @@ if TYPE_CHECKING:
 else:  # which controllers there are, plugins included, is known only when it runs
     ControllerName = Literal[CONTROLLERS.names]
 
+#: Inputs of a controller in addition to navigation and the goal of guidance.
+CONTROL_INPUTS = np.dtype(
+    [
+        ("phase_time", "f8"),  # s: since the mission phase began
+        ("bandwidth", "f8"),  # wanted in this phase, over that of the controller's gains
+        ("hold_alpha", FLAG),  # in this phase thrusters hold the angle of attack
+        ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
+        ("saturated", FLAG),  # the thrusters could not deliver the last demand
+        ("wing_commanded", FLAG),  # the trim wing was commanded open
+        # N m, B: estimated; acts on the vehicle, so a controller subtracts it
+        ("disturbance_torque", "f8", (3,)),
+        ("disturbance_pole", "f8"),  # rad/s: convergence speed of that estimate
+        # N m, B: what the valve intervals of the last cycle gave beyond the duties they stand for
+        ("modulation_torque", "f8", (3,)),
+    ],
+    align=True,
+)
 CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
 
 attitude_control = CONTROLLERS.role("control", "params", "nav", "goal", "inputs", "dt", "memory")
+
+
+@kernel
+def gather_inputs(vehicle, state, phase, phase_time, disturbance, saturated, excess, inputs):
+    """Fill the ``CONTROL_INPUTS`` record of this control cycle.
+
+    Args:
+        vehicle: believed vehicle.
+        state: ``VEHICLE_STATE`` record.
+        phase: mission phase.
+        phase_time: since it began, s.
+        disturbance: ``DISTURBANCE`` record.
+        saturated: whether the last demand was not delivered.
+        excess: torque that modulation gave beyond its duties, N m, B.
+        inputs: written.
+    """
+    inputs.phase_time, inputs.bandwidth, inputs.hold_alpha = phase_time, phase.bandwidth, phase.hold_alpha
+    put3(inputs.inertia, 0, take3(vehicle.configuration[state.configuration].inertia, 0))
+    inputs.saturated = saturated
+    inputs.wing_commanded = state.wing_commanded
+    put3(inputs.disturbance_torque, 0, take3(disturbance.torque, 0))
+    inputs.disturbance_pole = disturbance.pole
+    put3(inputs.modulation_torque, 0, excess)

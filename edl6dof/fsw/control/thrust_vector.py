@@ -30,7 +30,7 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.frames import (
+from edl6dof.fsw.control.attitude_error import (
     attitude,
     body_rate,
     decoupled_error,
@@ -38,7 +38,7 @@ from edl6dof.fsw.control.frames import (
     inertia_torque,
     shortest_path_error,
 )
-from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration, target_rate
+from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, axis_acceleration, target_rate
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp

@@ -1,7 +1,7 @@
-"""What the engines lack: the thrust that the specific force shows, against the one commanded.
+"""Loss of engine thrust: the thrust that the specific force shows, against the one commanded.
 
 While the commanded thrust rests, the ratio of both is taken with a first-order lag.  The air that slows the
-lander shows as thrust and hides a little of what is missing; no more than all of the commanded thrust is ever
+lander shows as thrust and hides a little of the loss; no more than all of the commanded thrust is ever
 believed.  A loss is believed from a bound on that dispersed masses and thrusts of healthy engines stay below,
 and followed from then on, until other engines burn.
 

@@ -1,8 +1,14 @@
-"""The disturbance estimators.
+"""Disturbance estimation: the family of estimators, and the control cycle that runs the chosen one.
 
 A member has one kernel, ``estimate(params, measured, dt, memory, out)``: it brings the estimate ``out``
 (``DISTURBANCE``) up to the control cycle of ``dt`` seconds that the latest inertial measurement covers,
 ``measured`` (``MEASURED``).  ``out`` still holds the last estimate; ``params`` and ``memory`` are its own.
+
+Measured and expected thrust are means over just that cycle.  The measurement is some base cycles old, and
+thrust follows the valve a few milliseconds late: so the valve intervals commanded in the last control cycles
+are kept (``ACTIVITY``), and the share of the measured cycle in which each thruster should have given thrust
+follows from them.  Neither rounding by the modulator nor the age of the measurement is then mistaken for a
+disturbance.
 """
 
 from __future__ import annotations
@@ -12,10 +18,70 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.base import group, param
-from edl6dof.fsw.estimation.engine_shortfall import EngineShortfallParams
-from edl6dof.fsw.estimation.estimators import first_order, unfiltered
-from edl6dof.fsw.estimation.held_thrust import HeldThrustParams
+from edl6dof.fsw.estimation import first_order, unfiltered
+from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL, EngineShortfallParams
+from edl6dof.fsw.estimation.stuck_throttle_detection import STUCK_THROTTLE, StuckThrottleParams
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG
 from edl6dof.registry import Family
+from edl6dof.spatial.elementary import exp
+from edl6dof.spatial.frames import total_angle_of_attack
+from edl6dof.spatial.vector import add, cross, inertia_times, put3, scale, sub, take3
+
+#: Control cycles whose valve intervals are kept: the measured cycle lies within the last two, thrust lags
+#: into the third.
+KEPT = 3
+
+ACTIVITY = np.dtype(
+    [
+        ("opens", "f8", (KEPT, MAX_THRUSTERS)),
+        ("closes", "f8", (KEPT, MAX_THRUSTERS)),
+        # of the measured cycle in which each thruster should have given thrust
+        ("share", "f8", (MAX_THRUSTERS,)),
+        ("wrench", "f8", (6,)),  # mean force and torque that gives
+    ],
+    align=True,
+)
+
+
+@kernel
+def remember_valves(valves, count, memory):
+    """Keep the intervals of the ``valves`` (``MODULATION`` record) in a new control cycle."""
+    for k in range(KEPT - 1, 0, -1):
+        for i in range(count):
+            memory.opens[k, i] = memory.opens[k - 1, i]
+            memory.closes[k, i] = memory.closes[k - 1, i]
+    for i in range(count):
+        memory.opens[0, i] = valves.opens[i]
+        memory.closes[0, i] = valves.closes[i]
+
+
+@kernel
+def expect(effectiveness, count, begin, end, lag, memory):
+    """Work out ``memory.share`` and ``memory.wrench`` for the time from ``begin`` to ``end`` (s).
+
+    Args:
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        count: how many thrusters there are.
+        begin: start of the measured cycle.
+        end: its end.
+        lag: time by which thrust follows the valve, s.
+        memory: ``ACTIVITY`` record.
+    """
+    for j in range(6):
+        memory.wrench[j] = 0.0
+    for i in range(count):
+        on = 0.0
+        for k in range(KEPT):
+            if memory.closes[k, i] > memory.opens[k, i]:
+                on += max(min(memory.closes[k, i] + lag, end) - max(memory.opens[k, i] + lag, begin), 0.0)
+        share = on / (end - begin)
+        memory.share[i] = share
+        if share > 0.0:
+            for j in range(6):
+                memory.wrench[j] += share * effectiveness[i, j]
+
 
 ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
 
@@ -59,7 +125,7 @@ class EstimationParams(_Estimators):
         le=0.02,
     )
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
-    held_thrust: HeldThrustParams = group(HeldThrustParams, "belief in a throttle that stands")
+    held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a stuck throttle")
     force_angle_lag_s: float = param(
         1.0,
         "lag with which the angle of the unexplained force from the body axis is smoothed; outlasts a leak "
@@ -70,3 +136,119 @@ class EstimationParams(_Estimators):
 
 
 estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "out")
+
+
+@kernel
+def force_angle(lag, force_B, dt, last):
+    """Return the angle (rad) of ``force_B`` (N) from the -x axis of B, smoothed: the flow meets the vehicle
+    head on where it is zero.
+
+    A body of revolution feels air that meets it along its axis as a force along that axis, whatever the wind;
+    a force across it shows an angle of attack, or a thruster that fires without a command.  The angle of
+    attack that navigation works out shows these only as far as the wind is known.  Source: the acceleration
+    ratios technique of entry reconstruction (Withers et al. 2003, Planetary and Space Science 51, 541-561),
+    without its aerodynamic table.
+
+    Args:
+        lag: first-order lag, s; outlasts a leak that diagnosis stops.
+        force_B: force that the commanded thrusters do not explain, N, B.
+        dt: since the last call, s.
+        last: result of the last call, rad.
+    """
+    return last + (1.0 - exp(-dt / lag)) * (total_angle_of_attack(scale(-1.0, force_B)) - last)
+
+
+ESTIMATION = np.dtype(
+    [
+        ("activity", ACTIVITY),
+        ("measured", MEASURED),
+        ("rate", "f8", (3,)),  # rad/s, B: the last measurement
+        ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
+        ("started", FLAG),
+        ("law", ESTIMATORS.memory),
+        ("engine_shortfall", ENGINE_SHORTFALL),
+        ("held_thrust", STUCK_THROTTLE),
+    ],
+    align=True,
+)
+
+
+@kernel
+def unexplained_torque(inertia, w, last, applied, dt):
+    """Mean torque (N m, B) over a cycle in which the rate went from ``last`` to ``w`` (rad/s), less the
+    ``applied`` one.
+
+    ``inertia`` is a tensor: xx, yy, zz, xy, xz, yz, kg m2.
+    """
+    growth = inertia_times(inertia, scale(1.0 / dt, sub(w, last)))
+    middle = scale(0.5, add(w, last))
+    return sub(add(growth, cross(middle, inertia_times(inertia, middle))), applied)
+
+
+@kernel
+def unexplained_force(mass, gain, last, applied, dt):
+    """Mean force (N, B) over a cycle from the velocity gained (m/s, B), less the ``applied`` one."""
+    return sub(scale(mass / dt, sub(gain, last)), applied)
+
+
+@kernel
+def measure(inertia, mass, rate, gain, dt, memory):
+    """Fill ``memory.measured`` for the cycle between the last inertial measurement and this one.
+
+    Args:
+        inertia: believed principal moments, kg m2.
+        mass: believed mass, kg.
+        rate: measured body rate, rad/s, B.
+        gain: count of the specific force, m/s, B.
+        dt: control cycle, s.
+        memory: ``ESTIMATION`` record, its ``activity`` up to date.
+    """
+    measured, last_rate, last_gain = memory.measured, take3(memory.rate, 0), take3(memory.gain, 0)
+    applied = memory.activity.wrench
+    measured.mass = mass
+    put3(measured.inertia, 0, inertia)
+    put3(measured.rate, 0, rate)
+    put3(measured.last_rate, 0, last_rate)
+    put3(measured.velocity_gain, 0, sub(gain, last_gain))
+    put3(measured.applied, 0, take3(applied, 0))
+    put3(measured.applied, 3, take3(applied, 3))
+    tensor = (inertia[0], inertia[1], inertia[2], 0.0, 0.0, 0.0)
+    put3(measured.unexplained, 0, unexplained_force(mass, gain, last_gain, take3(applied, 0), dt))
+    put3(measured.unexplained, 3, unexplained_torque(tensor, rate, last_rate, take3(applied, 3), dt))
+
+
+@kernel
+def estimate_disturbance(estimate, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
+    """Bring the estimate up to the latest inertial measurement.
+
+    Args:
+        estimate: the estimator that flies.
+        params: estimation record.
+        vehicle: believed vehicle.
+        state: ``VEHICLE_STATE`` record (configuration, mass).
+        nav: ``NAV`` record (readings of the inertial measurement unit).
+        imu_delay: age of these readings, s.
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        dt: control cycle, s.
+        memory: ``ESTIMATION`` record, updated.
+        out: ``DISTURBANCE`` record, written.
+    """
+    end = nav.t - imu_delay
+    expect(
+        effectiveness,
+        count=vehicle.n_thrusters,
+        begin=end - dt,
+        end=end,
+        lag=params.valve_lag,
+        memory=memory.activity,
+    )
+    rate, gain = take3(nav.imu_rate_B, 0), take3(nav.imu_gain_B, 0)
+    if memory.started != 0:
+        inertia = take3(vehicle.configuration[state.configuration].inertia, 0)
+        measure(inertia, state.mass, rate, gain, dt, memory=memory)
+        for i in range(6):
+            out.unexplained[i] = memory.measured.unexplained[i]
+        estimate(params.estimator, params, memory.measured, dt, memory=memory.law, out=out)
+    memory.started = 1
+    put3(memory.rate, 0, rate)
+    put3(memory.gain, 0, gain)

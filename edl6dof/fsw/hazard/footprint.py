@@ -15,13 +15,13 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.fsw.hazard.point_map import MAP_CELLS
+from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.kernels import kernel
 from edl6dof.spatial.lookups import cell
 
 #: Largest radius of a footprint in cells.
 MAX_RADIUS = 32
-#: What stands in place of slope and roughness where the footprint is not all known; no footprint is so bad.
+#: Value of slope and roughness where the footprint is not all known; no footprint is so bad.
 UNKNOWN = np.float32(1e3)
 
 _ROW = MAP_CELLS + 2 * MAX_RADIUS + 2
@@ -63,12 +63,12 @@ def chord(radius, row):
 
 
 @kernel
-def add_cells(chart, i, row, sign, shift, planes):
+def add_cells(elevation_map, i, row, sign, shift, planes):
     """Add the cells of row ``i`` of the map, which is that many a ``row`` off the middle, to the running sums
     ``shift`` columns farther on, where they enter the footprint (``sign`` 1) or leave it (-1).
     """
     first, end = shift, shift + MAP_CELLS
-    mean, weight = chart.mean[i], chart.weight[i]
+    mean, weight = elevation_map.mean[i], elevation_map.weight[i]
     known, total = planes.known[first:end], planes.sum[first:end]
     east, north = planes.east_sum[first:end], planes.north_sum[first:end]
     for c in range(MAP_CELLS):
@@ -80,7 +80,7 @@ def add_cells(chart, i, row, sign, shift, planes):
 
 
 @kernel
-def fit_row(chart, radius, i, planes):
+def fit_row(elevation_map, radius, i, planes):
     """Planes of the footprints around all cells of row ``i``, none of which reaches beyond the map."""
     reach = chord(radius, 0)
     for c in range(_ROW):
@@ -90,8 +90,8 @@ def fit_row(chart, radius, i, planes):
         half = chord(radius, row)
         cells += 2 * half + 1
         second += row * row * (2 * half + 1)
-        add_cells(chart, i=i + row, row=row, sign=-1.0, shift=reach + half + 1, planes=planes)
-        add_cells(chart, i=i + row, row=row, sign=1.0, shift=reach - half, planes=planes)
+        add_cells(elevation_map, i=i + row, row=row, sign=-1.0, shift=reach + half + 1, planes=planes)
+        add_cells(elevation_map, i=i + row, row=row, sign=1.0, shift=reach - half, planes=planes)
     known = total = east = north = 0.0
     for c in range(MAP_CELLS + reach):
         known += planes.known[c]
@@ -108,7 +108,7 @@ def fit_row(chart, radius, i, planes):
 
 
 @kernel
-def stray_row(chart, radius, i, planes):
+def stray_row(elevation_map, radius, i, planes):
     """Largest distance (m, up or down) of a cell of each footprint around row ``i`` from its plane."""
     reach = chord(radius, 0)
     first, last = reach, MAP_CELLS - reach
@@ -120,30 +120,30 @@ def stray_row(chart, radius, i, planes):
     for row in range(-reach, reach + 1):
         half, north = chord(radius, row), np.float32(row)
         for column in range(-half, half + 1):
-            east, top = np.float32(column), chart.highest[i + row, first + column : last + column]
+            east, top = np.float32(column), elevation_map.highest[i + row, first + column : last + column]
             for j in range(last - first):
                 off = abs(top[j] - level[j] - rise_east[j] * east - rise_north[j] * north)
                 farthest[j] = off if off > farthest[j] else farthest[j]
 
 
 @kernel
-def assess(chart, radius_m, out):
+def assess(elevation_map, radius_m, out):
     """Slope and roughness of the footprint around every cell.
 
     Args:
-        chart: ``ELEVATION_MAP`` record, holes filled.
+        elevation_map: ``ELEVATION_MAP`` record, holes filled.
         radius_m: of the footprint, m; at most ``MAX_RADIUS`` cells of it count.
         out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
     """
-    radius = min(radius_m / chart.cell, float(MAX_RADIUS))
+    radius = min(radius_m / elevation_map.cell, float(MAX_RADIUS))
     reach = chord(radius, 0)
-    planes, side = out.planes, np.float32(chart.cell)
+    planes, side = out.planes, np.float32(elevation_map.cell)
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
             out.slope[i, j] = out.roughness[i, j] = UNKNOWN
     for i in range(reach, MAP_CELLS - reach):
-        fit_row(chart, radius, i, planes)
-        stray_row(chart, radius, i, planes)
+        fit_row(elevation_map, radius, i, planes)
+        stray_row(elevation_map, radius, i, planes)
         for j in range(reach, MAP_CELLS - reach):
             if planes.whole[j] > 0.0:
                 east, north = planes.rise_east[j] / side, planes.rise_north[j] / side

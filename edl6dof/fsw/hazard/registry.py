@@ -1,6 +1,6 @@
 """The ways of hazard detection.
 
-A member has one kernel, ``classify(params, chart, footprint, radius, deviation, out)``: from a map of
+A member has one kernel, ``classify(params, elevation_map, footprint, radius, deviation, out)``: from a map of
 elevations (``ELEVATION_MAP``) and slope and roughness of the footprint at its cells (``FOOTPRINT``, of
 ``radius`` m) it writes into ``out`` (``SAFETY_MAP``) which cells are safe; ``deviation`` is the standard
 deviation of the elevation of one point (m).  ``params`` are its own.
@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.hazard.choose import ChoiceParams
-from edl6dof.fsw.hazard.coarse import CoarseParams
+from edl6dof.fsw.hazard.coarse_avoidance import CoarseParams
 from edl6dof.fsw.hazard.detectors import given, lidar, lidar_probabilistic
+from edl6dof.fsw.hazard.site_selection import ChoiceParams
 from edl6dof.registry import Family
 
 HAZARD_DETECTION = Family("hazard detection", (given.MEMBER, lidar.MEMBER, lidar_probabilistic.MEMBER))
@@ -38,7 +38,7 @@ class HazardParams(_Detectors):
 
     cell_m: float = param(0.2, "side of a cell of the map", status="derived", gt=0.01, le=5.0)
     footprint_radius_m: float = param(
-        2.25, "radius of the disc that is assessed: that under the lander, 2 m, and half of a rock beside it",
+        2.25, "radius of the disc that is assessed: that under the lander, 2 m, and half a rock next to it",
         status="derived", source="four footpads 1.77 m from the axis", gt=0.1, le=10.0,
     )  # fmt: skip
     filled_weight: float = param(
@@ -49,4 +49,6 @@ class HazardParams(_Detectors):
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 
-classify = HAZARD_DETECTION.role("classify", "params", "chart", "footprint", "radius", "deviation", "out")
+classify = HAZARD_DETECTION.role(
+    "classify", "params", "elevation_map", "footprint", "radius", "deviation", "out"
+)

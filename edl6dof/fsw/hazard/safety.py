@@ -1,5 +1,5 @@
-"""Which cells of a map are safe to stand on: by limits of slope and roughness, or by the probability that
-both are kept.
+"""Safety map: the cells that are safe to stand on, by limits of slope and roughness, or by the probability
+that both are met.
 
 The probability takes the elevation of each cell as normal: independent errors of range, of standard deviation
 s over the square root of the cell's weight, and the relief b that a cell hides between its points (Tomita and
@@ -10,7 +10,7 @@ Ho, arXiv 2409.09309, model both by a Gaussian map).  Then
 with h_c the height over the plane and s_c^2 = s^2 / w_c + b^2.  The rise of a plane of least squares over
 independent errors has s_rise = s / (m sqrt(sum x^2)), m the side of a cell and x the columns from the middle;
 the half-plane in its direction holds the disc of gentler planes, so the first factor is an upper bound that
-is sharp for s_rise far below the limit, here 0.1 deg beside degrees.  The error of the plane itself in h_c is
+is sharp for s_rise far below the limit, here 0.1 deg, not degrees.  The error of the plane itself in h_c is
 that of a mean over hundreds of cells and is left out.
 """
 
@@ -20,8 +20,8 @@ from math import sqrt
 
 import numpy as np
 
+from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.fsw.hazard.footprint import UNKNOWN, chord, fit_row
-from edl6dof.fsw.hazard.point_map import MAP_CELLS
 from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.elementary import erfc
@@ -87,17 +87,17 @@ def spread_of_rise(radius_m, cell, deviation):
 
 
 @kernel
-def sharpness(chart, deviation, between, out):
+def sharpness(elevation_map, deviation, between, out):
     """Write the inverse of the standard deviation of the elevation of each known cell (1/m) into ``out``."""
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
-            weight = max(chart.weight[i, j], 1e-6)
+            weight = max(elevation_map.weight[i, j], 1e-6)
             out[i, j] = 1.0 / sqrt(deviation * deviation / weight + between * between)
 
 
 @kernel
 def below_fast(x):
-    """:func:`below` of ``x`` in single precision, within 3e-7 and many at once; of what is negative that of
+    """:func:`below` of ``x`` in single precision, within 3e-7 and many at once; of a negative ``x`` that of
     zero.
     """
     x = x if x > _NONE else _NONE
@@ -108,7 +108,7 @@ def below_fast(x):
 
 
 @kernel
-def keep_row(chart, sharp, radius, i, first, last, planes):
+def keep_row(elevation_map, sharp, radius, i, first, last, planes):
     """Write the probability that no cell of the footprint lies farther off its plane than ``planes.limit``
     (m, up or down) into ``planes.kept``, for the columns from ``first`` up to ``last`` of row ``i``; where a
     cell is seen to, an upper bound of it.
@@ -123,7 +123,7 @@ def keep_row(chart, sharp, radius, i, first, last, planes):
     for row in range(-reach, reach + 1):
         half, north = chord(radius, row), np.float32(row)
         for column in range(-half, half + 1):
-            east, top = np.float32(column), chart.highest[i + row, first + column : last + column]
+            east, top = np.float32(column), elevation_map.highest[i + row, first + column : last + column]
             sure = sharp[i + row, first + column : last + column]
             for j in range(last - first):
                 off = abs(top[j] - level[j] - rise_east[j] * east - rise_north[j] * north)
@@ -131,12 +131,14 @@ def keep_row(chart, sharp, radius, i, first, last, planes):
 
 
 @kernel
-def classify_by_probability(chart, footprint, radius_m, steepest, roughest, deviation, between, least, out):
+def classify_by_probability(
+    elevation_map, footprint, radius_m, steepest, roughest, deviation, between, least, out
+):
     """Call a cell safe where the probability that slope and roughness keep their limits is large enough;
-    where it is not, what is noted is an upper bound of it.
+    where it is not, an upper bound of it is noted.
 
     Args:
-        chart: ``ELEVATION_MAP`` record.
+        elevation_map: ``ELEVATION_MAP`` record.
         footprint: ``FOOTPRINT`` record of it; its scratch is used again.
         radius_m: of the footprint, m.
         steepest, roughest: limits, as of :func:`classify_by_limits`.
@@ -146,9 +148,11 @@ def classify_by_probability(chart, footprint, radius_m, steepest, roughest, devi
         out: ``SAFETY_MAP`` record, classes and probabilities written; its clearances, which are worked out
             afterwards, are scratch.
     """
-    radius, planes, sharp = radius_m / chart.cell, footprint.planes, out.clearance
-    sharpness(chart, max(deviation, 1e-9), between, sharp)
-    spread = max(spread_of_rise(radius_m, chart.cell, sqrt(deviation * deviation + between * between)), 1e-9)
+    radius, planes, sharp = radius_m / elevation_map.cell, footprint.planes, out.clearance
+    sharpness(elevation_map, max(deviation, 1e-9), between, sharp)
+    spread = max(
+        spread_of_rise(radius_m, elevation_map.cell, sqrt(deviation * deviation + between * between)), 1e-9
+    )
     sharpest = max(between, 1e-9)
     for i in range(MAP_CELLS):
         first, last = MAP_CELLS, 0
@@ -169,8 +173,8 @@ def classify_by_probability(chart, footprint, radius_m, steepest, roughest, devi
                 planes.limit[j] = roughest * sqrt(1.0 + rise * rise)
                 first, last = min(first, j), j + 1
         if first < last:
-            fit_row(chart, radius, i, planes)
-            keep_row(chart, sharp, radius, i, first, last=last, planes=planes)
+            fit_row(elevation_map, radius, i, planes)
+            keep_row(elevation_map, sharp, radius, i, first, last=last, planes=planes)
         for j in range(first, last):
             if out.cell_class[i, j] == SAFE:
                 out.probability[i, j] *= planes.kept[j]

@@ -44,7 +44,7 @@ Quantity = Literal[
     "force_angle_deg",  # between the body axis and the force that thrusters do not explain, smoothed
     "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
     "spot_chosen",  # by hazard detection: the spot to land on
-    "held_thrust_n",  # of a throttle that is believed to stand; 0: it moves
+    "held_thrust_n",  # of a throttle that is believed stuck; 0: it moves
     "stop_height_m",  # above ground: where that thrust brings the lander to rest, if it brakes from now on
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)

@@ -92,7 +92,7 @@ def watched(quantity, nav, vehicle, guide, elapsed):
 
 @kernel
 def holds(condition, nav, vehicle, guide, elapsed):
-    """Whether a condition holds."""
+    """Return whether a condition holds."""
     value = watched(condition.quantity, nav, vehicle, guide, elapsed)
     if condition.crosses == 0:
         return value < condition.value
@@ -101,7 +101,7 @@ def holds(condition, nav, vehicle, guide, elapsed):
 
 @kernel
 def fires(trigger, nav, vehicle, guide, elapsed):
-    """Whether a trigger fires ``elapsed`` seconds into its phase."""
+    """Return whether a trigger fires ``elapsed`` seconds into its phase."""
     if elapsed < trigger.earliest - 1e-9:
         return False
     if elapsed >= trigger.latest:
@@ -111,7 +111,7 @@ def fires(trigger, nav, vehicle, guide, elapsed):
 
 @kernel
 def is_open(way, nav, vehicle, guide, elapsed):
-    """Whether a transition of a phase is taken ``elapsed`` seconds into it."""
+    """Return whether a transition of a phase is taken ``elapsed`` seconds into it."""
     if elapsed < way.earliest - 1e-9:
         return False
     if elapsed >= way.latest:
@@ -138,7 +138,7 @@ def sequence(mission, nav, vehicle, guide, memory, request):
     Args:
         mission: ``MISSION`` record.
         nav: navigation record.
-        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust that is held, force angle).
+        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust of a stuck throttle, force angle).
         guide: guidance record (time and downrange to go, spot chosen, height of the stop).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.

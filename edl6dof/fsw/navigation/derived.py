@@ -20,7 +20,7 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.prediction.airframe import trim_alpha
+from edl6dof.fsw.guidance.entry.airframe import trim_alpha
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import acos, atan2, exp, sincos

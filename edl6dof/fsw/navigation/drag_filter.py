@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp, sin

@@ -239,7 +239,7 @@ class CarefreeParams(Params):
     "Every cell is safe."
 
 @kernel
-def classify(params, chart, footprint, radius, deviation, out):
+def classify(params, elevation_map, footprint, radius, deviation, out):
     "Take every cell for safe."
     out.cell_class[:] = 0
 
@@ -322,7 +322,7 @@ import numpy as np
 from edl6dof import plugins
 plugins.activate([{scenario!r}])
 from edl6dof.fsw.functions import PLACES
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD

@@ -9,18 +9,16 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
-from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import AdaptiveHinfParams
-from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics, uncertain_drag
+from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
     integrate_range,
     path_sine,
     profile_drag,
     profile_range,
 )
-from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling, corridor
+from edl6dof.fsw.guidance.entry.entry_corridor import ceiling, corridor
+from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import AdaptiveHinfParams, adapt, feedback, riccati
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly

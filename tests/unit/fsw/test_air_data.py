@@ -5,8 +5,8 @@ from math import exp
 import numpy as np
 import pytest
 
-from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 
 #: Speed (m/s) above any at which something opens.

@@ -12,8 +12,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.least_squares import LeastSquaresParams
-from edl6dof.fsw.allocation.registry import ALLOCATORS, AllocationParams
-from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, AllocationParams
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, THRUSTER_GROUPS

@@ -8,8 +8,7 @@ from given_functions import allocate
 
 from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATORS
-from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
 from edl6dof.scenario.loading import load_scenario

@@ -10,10 +10,9 @@ from attitude_margins import Loop, flown_loops, margins
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.control import bank_to_steer, rate_damping, thrust_vector
-from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
-from edl6dof.fsw.estimation.estimators.first_order import FirstOrderParams, estimate
-from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
-from edl6dof.fsw.estimation.update import unexplained_torque
+from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, follow
+from edl6dof.fsw.estimation.first_order import FirstOrderParams, estimate
+from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED, unexplained_torque
 from edl6dof.scenario.loading import load_scenario
 
 FINE = {"cycle": 1e-4, "valve_lag": 0.0, "sensor_delay": 0.0}

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from given_functions import steer_bank
 
-from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.entry.steering import STEERING
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 FAST = 1000.0  # bank rate, rad/s, that hides the rate limit

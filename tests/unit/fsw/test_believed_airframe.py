@@ -5,7 +5,7 @@ from math import log
 import numpy as np
 import pytest
 
-from edl6dof.fsw.guidance.entry.prediction.airframe import (
+from edl6dof.fsw.guidance.entry.airframe import (
     FIRST_MACH,
     LAST_MACH,
     NODES,

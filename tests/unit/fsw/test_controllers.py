@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.control.inputs import CONTROL_INPUTS
-from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.control.registry import CONTROL_INPUTS, CONTROLLERS, attitude_control
 from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH, compensation
 from edl6dof.fsw.control.thrust_vector import MEMORY as THRUST_VECTOR
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.

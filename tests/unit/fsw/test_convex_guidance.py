@@ -13,13 +13,17 @@ import numpy as np
 import pytest
 from powered_flight import Guided, PointMass
 
-from edl6dof.fsw.guidance.powered import relaxation
+from edl6dof.fsw.guidance import guidance_command
 from edl6dof.fsw.guidance.powered.convex.flight_time import growth
 from edl6dof.fsw.guidance.powered.convex.glide_slope import outside
-from edl6dof.fsw.guidance.powered.convex.grid import control_at, lay_grid, shift_controls
-from edl6dof.fsw.guidance.powered.convex.pipg import solve
-from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS, PLAN
-from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
+from edl6dof.fsw.guidance.powered.convex.landing_plan import (
+    CONTROLS,
+    PLAN,
+    control_at,
+    lay_grid,
+    shift_controls,
+)
+from edl6dof.fsw.guidance.powered.convex.pipg import nearest_thrust, solve
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
 import point_mass_landing as conic
@@ -212,9 +216,9 @@ def test_constraints_are_relaxed_in_their_order_the_lower_the_start_the_more(onb
         memory, target = guided.memory["convex"], guided.target
         relaxed.append(int(body.out["relaxed"]))
         assert body.out["landing_error"] == memory["landing_error"]
-        assert memory["landing_error"] < 5.0 or relaxed[-1] == relaxation.TARGET
-        lowest = target["least_height"] if relaxed[-1] >= relaxation.ARRIVAL else target["height"]
+        assert memory["landing_error"] < 5.0 or relaxed[-1] == guidance_command.TARGET
+        lowest = target["least_height"] if relaxed[-1] >= guidance_command.ARRIVAL else target["height"]
         assert memory["landing"]["position"][2] == pytest.approx(height - lowest)
     assert relaxed == sorted(relaxed)
-    assert relaxed[0] == 0 and relaxed[-1] == relaxation.TARGET
+    assert relaxed[0] == 0 and relaxed[-1] == guidance_command.TARGET
     assert len(set(relaxed)) > 2  # not all at once

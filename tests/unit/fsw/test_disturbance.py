@@ -9,9 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.estimation.estimators.first_order import FirstOrderParams, estimate
-from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
-from edl6dof.fsw.estimation.update import unexplained_force, unexplained_torque
+from edl6dof.fsw.estimation.first_order import FirstOrderParams, estimate
+from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED, unexplained_force, unexplained_torque
 
 J = np.array([[720.0, 12.0, -20.0], [12.0, 430.0, 8.0], [-20.0, 8.0, 490.0]])
 SIX = (720.0, 430.0, 490.0, 12.0, -20.0, 8.0)

@@ -9,13 +9,13 @@ import pytest
 
 import edl6dof
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.guidance.entry.disturbance_observers import PATH_OBSERVER, PathObserverParams, observe_path
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.laws.dob_sliding import MEMORY as SLIDING_MEMORY
 from edl6dof.fsw.guidance.entry.laws.dob_sliding import DobSlidingParams, observe
 from edl6dof.fsw.guidance.entry.laws.ftc_dob import power
 from edl6dof.fsw.guidance.entry.laws.pd_dob import MEMBER as PD_DOB
 from edl6dof.fsw.guidance.entry.laws.pd_dob import PdDobParams
-from edl6dof.fsw.guidance.entry.observers.path_observer import PATH_OBSERVER, PathObserverParams, observe_path
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.navigation.derived import NAV
 
 

@@ -5,7 +5,7 @@ from math import exp, sin
 import numpy as np
 import pytest
 
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.navigation.drag_filter import DRAG_FILTER, filter_drag
 

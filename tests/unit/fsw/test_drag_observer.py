@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from edl6dof.fsw.guidance.entry.observers.drag_observer import MEMORY_S, OBSERVER, observe, observer_gains
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.disturbance_observers import MEMORY_S, OBSERVER, observe, observer_gains
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 
 RADIUS, MU, SCALE_HEIGHT = 3397.2e3, 4.2828376212e13, 10e3
 BALLISTIC, LIFT_TO_DRAG = 120.0, 0.24

@@ -7,13 +7,13 @@ import pytest
 from given_functions import entry_guidance
 from scipy.integrate import quad, solve_ivp
 
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.geometry import to_target
-from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
-from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale, scaled
+from edl6dof.fsw.guidance.entry.aim_point import to_target
+from edl6dof.fsw.guidance.entry.airframe import mach_nodes
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.range_update import range_scale, scaled, tracking
+from edl6dof.fsw.guidance.entry.reference import REFERENCE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 RADIUS, MU = 3.3962e6, 4.2828e13
@@ -227,6 +227,19 @@ def airframe(vehicle, mach):
     return vehicle["drag_area"] * np.interp(x, log, table["drag"]), vehicle["lift_to_drag"] * np.interp(
         x, log, table["lift"]
     )
+
+
+@pytest.mark.parametrize(
+    ("drag", "speed", "tracks"),
+    [(0.9, 4000.0, False), (1.0, 4000.0, True), (0.9, 800.0, True), (0.0, 800.0, False), (0.9, 900.0, True)],
+)
+def test_reference_drag_is_followed_from_a_drag_on_and_to_the_end(onboard, drag, speed, tracks):
+    """Once it has slowed down the vehicle stays on it, however thin the air of a skip is."""
+    p = onboard[0]["guidance"]["entry"]["tracking"]
+    assert (p["start_drag"], p["update_stop"]) == (1.0, 900.0)
+    nav = np.zeros(1, NAV)
+    nav["drag"], nav["speed"] = drag, speed
+    assert tracking(onboard[0], nav[0]) == tracks
 
 
 def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):

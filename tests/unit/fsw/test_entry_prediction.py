@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.npc import MEMORY as NPC_MEMORY
 from edl6dof.fsw.guidance.entry.laws.npc import PLAN, miss_of, next_turns, solve
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted, shifted
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.guidance.entry.predictor import in_plane_shifted, predict, shifted
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 

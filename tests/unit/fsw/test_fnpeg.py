@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.fnpeg import (
     MEMORY,
     bank_plan,
@@ -19,8 +18,8 @@ from edl6dof.fsw.guidance.entry.laws.fnpeg import (
     start,
     within_limits,
 )
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank, shifted
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.guidance.entry.predictor import linear, planned_bank, predict, shifted
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 ENTRY = "flight_software.guidance.entry"

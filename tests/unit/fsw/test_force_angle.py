@@ -4,7 +4,7 @@ from math import atan2, exp, hypot, radians
 
 import pytest
 
-from edl6dof.fsw.estimation.force_angle import force_angle
+from edl6dof.fsw.estimation.registry import force_angle
 
 DT, LAG = 0.04, 1.0
 

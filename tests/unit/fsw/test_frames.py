@@ -8,7 +8,7 @@ from pyquaternion import Quaternion
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from edl6dof.fsw.control.frames import (
+from edl6dof.fsw.control.attitude_error import (
     decoupled_error,
     goal_attitude,
     path_rate,
@@ -16,7 +16,7 @@ from edl6dof.fsw.control.frames import (
     velocity_axes,
     wind_attitude_error,
 )
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 X, Y, Z = np.eye(3)

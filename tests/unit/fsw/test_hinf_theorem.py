@@ -15,9 +15,8 @@ import pytest
 from scipy.integrate import simpson, solve_ivp
 from scipy.interpolate import CubicSpline
 
-from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, begin
-from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile_drag
+from edl6dof.fsw.guidance.entry.drag_velocity import path_sine, profile_drag
+from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, adapt, begin, feedback, riccati
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
 from edl6dof.studies.lu_bayard import FLOWN, SCENARIO, START_ERROR, Design, Response

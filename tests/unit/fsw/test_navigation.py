@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
+from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.navigation.derived import NAV, derive, model_atmosphere
 from edl6dof.interface.sensed import SENSED
 

@@ -7,11 +7,10 @@ import pytest
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.guidance.entry.predictor import predict, shifted
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.scenario.records import build_onboard
 

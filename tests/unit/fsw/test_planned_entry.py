@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.airframe import mach_nodes
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import planned_again

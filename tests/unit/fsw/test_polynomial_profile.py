@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
-from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, evaluate, polynomial_goal, refit
+from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, evaluate, polynomial_goal, refit
+from edl6dof.fsw.guidance.entry.reference import REFERENCE
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly

@@ -7,23 +7,24 @@ import pytest
 from powered_flight import G, Guided, PointMass
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.control.frames import shortest_arc
+from edl6dof.fsw.control.attitude_error import shortest_arc
 from edl6dof.fsw.estimation.registry import DISTURBANCE
 from edl6dof.fsw.functions import chosen
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE, standing_force
+from edl6dof.fsw.guidance.guidance_command import GUIDE
+from edl6dof.fsw.guidance.phase_guidance import GUIDANCE, descend_by_engine
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
-from edl6dof.fsw.guidance.powered.terminal import (
+from edl6dof.fsw.guidance.powered.terminal_descent import (
+    LATERAL_BIAS,
     TERMINAL,
     avoid,
     command_thrust,
     descend,
     hover,
+    lateral_bias,
     start_or_throttle,
     throttle,
 )
-from edl6dof.fsw.guidance.update import GUIDANCE, descend_by_engine
-from edl6dof.fsw.hazard.landing_point import LANDING_POINT
+from edl6dof.fsw.hazard.site_selection import LANDING_POINT
 from edl6dof.fsw.mission.phases import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
@@ -339,13 +340,13 @@ def test_horizontal_thrusters_rest_shortly_before_touchdown(onboard):
 def test_standing_force_is_the_lateral_disturbance_in_north_and_east_smoothed(time_constant):
     rng = np.random.default_rng(6)
     nav, disturbance = np.zeros(1, NAV)[0], np.zeros(1, DISTURBANCE)[0]
-    memory, dt = np.zeros(1, STANDING_FORCE)[0], 0.1
+    memory, dt = np.zeros(1, LATERAL_BIAS)[0], 0.1
     attitude = Quaternion(rng.normal(size=4)).normalised
     nav["q_I2B"], nav["north_I"], nav["east_I"] = attitude.elements, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
     smoothed = None
     for _ in range(60):
         disturbance["force"] = rng.normal(size=3) * (4000.0, 60.0, 60.0)
         seen = np.array(attitude.rotate([0.0, *disturbance["force"][1:]])[:2])
-        found = standing_force(time_constant, nav, disturbance, dt, memory)
+        found = lateral_bias(time_constant, nav, disturbance, dt, memory)
         smoothed = seen if smoothed is None else smoothed + (1 - exp(-dt / time_constant)) * (seen - smoothed)
         assert found == pytest.approx(smoothed, abs=1e-9)

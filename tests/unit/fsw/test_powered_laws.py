@@ -12,8 +12,8 @@ from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.apollo import quadratic
 from edl6dof.fsw.guidance.powered.constant_thrust import against_velocity, too_fast
 from edl6dof.fsw.guidance.powered.e_guidance import optimal_time, zem_zev
-from edl6dof.fsw.guidance.powered.planning import planned_upward, root
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.guidance.powered.target import planned_upward, root
 
 WITH_A_POINT = [name for name in POWERED_LAWS.names if name != "gravity_turn"]  # which has none
 PLANNING = ("e_guidance", "apollo")

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import held, linear, planned_bank
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.fsw.guidance.entry.prediction.range_stretch import straight_bank, stretched
+from edl6dof.fsw.guidance.entry.predictor import held, linear, planned_bank, predict
+from edl6dof.fsw.guidance.entry.reach import straight_bank, stretched
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 ENTRY = "flight_software.guidance.entry"

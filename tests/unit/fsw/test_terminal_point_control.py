@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.influence import INFLUENCE, fill_influence
 from edl6dof.fsw.guidance.entry.laws.etpc import guide, lay_plan
-from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, fill_influence
-from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED
+from edl6dof.fsw.guidance.entry.reference import PLANNED
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 
 START = (125e3, 4800.0, radians(-11.58))

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.control.zones import AXIS, CONSTANT, LIMITER, PARABOLA, PID, ZoneParams, follow, target_rate
+from edl6dof.fsw.control.phase_plane_zones import (
+    AXIS,
+    CONSTANT,
+    LIMITER,
+    PARABOLA,
+    PID,
+    ZoneParams,
+    follow,
+    target_rate,
+)
 
 DT = 0.04
 

@@ -4,7 +4,7 @@ from as_flown import as_flown
 
 from edl6dof.fsw.diagnosis import exercise
 from edl6dof.fsw.diagnosis.exercise import ExerciseSignals
-from edl6dof.fsw.estimation import activity
+from edl6dof.fsw.estimation import registry as estimation
 from edl6dof.fsw.modulation import modulate as modulate_kernel
 from edl6dof.fsw.modulation import open_for_test as open_kernel
 from edl6dof.kernels import kernel
@@ -18,9 +18,9 @@ modulate = as_flown(
     f"params[0], vehicle, fsw[0].allocation.duty, t, dt, {VALVES}",
 )
 open_for_test = as_flown(open_kernel, "i, vehicle, t, dt, fsw", f"i, vehicle, t, dt, {VALVES}")
-remember = as_flown(activity.remember, "count, fsw", f"{VALVES}, count, fsw[0].estimation.activity")
+remember = as_flown(estimation.remember_valves, "count, fsw", f"{VALVES}, count, fsw[0].estimation.activity")
 expect = as_flown(
-    activity.expect,
+    estimation.expect,
     "count, begin, end, lag, fsw",
     f"{MATRIX}, count, begin, end, lag, fsw[0].estimation.activity",
 )

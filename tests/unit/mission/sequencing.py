@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.mission.phases import MISSION, MissionParams, Phase, Trigger
 from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV

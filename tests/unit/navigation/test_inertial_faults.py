@@ -18,7 +18,7 @@ CENTRE = (-0.6, 0.02, 0.0)
 class Bench:
     """Six gyros and six accelerometers on an evenly turning, evenly pulled body."""
 
-    def __init__(self, seed=0):
+    def __init__(self, seed=0, begin=0.0):
         self.params = np.zeros(1, dtype_of(NavigationParams))
         fill(self.params[0], NavigationParams())
         self.known, self.rng = believed_unit(), np.random.default_rng(seed)
@@ -30,8 +30,8 @@ class Bench:
         self.health, self.motion = np.zeros(1, INSTRUMENT_HEALTH), np.zeros(1, MOTION)
         self.solution = np.zeros(1, SOLUTION)
         self.health["gyro"] = self.health["accelerometer"] = 1
-        self.t = 0.0
-        take_reading(self.known[0], 0.0, self.reading[0], self.memory[0])
+        self.t = begin
+        take_reading(self.known[0], begin, self.reading[0], self.memory[0])
 
     def cycles(self, number, gyro=(), accelerometer=(), rate=RATE, noise=1.0):
         """Go on; ``gyro``, ``accelerometer``: what fails as (index, error of its rate)."""
@@ -115,6 +115,21 @@ def test_two_lost_in_turn_are_both_named(kind, first, second):
     bench.cycles(1, noise=0.0, **{kind: [(first, 0.5), (second, -0.5)]})
     assert np.allclose(bench.motion["angle"][0], RATE * DT, atol=1e-12)
     assert np.allclose(bench.motion["gain"][0], FORCE * DT, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["gyro", "accelerometer"])
+def test_believed_biases_walk_from_the_first_reading_on(kind):
+    """Whenever that was: their spread grows with the root of the time since."""
+    spreads = []
+    for begin in (0.0, 1000.0):
+        bench = Bench(begin=begin)
+        for name, value in (("bias", 0.0), ("scale", 0.0), ("bias_walk", 1e-4)):
+            bench.known[f"{kind}_{name}"] = value
+        bench.cycles(2000)
+        spreads.append(bench.memory[f"{kind}_parity"]["mean_lasting"][0])
+    # a mean over the last part of the 40 s
+    assert 1e-4 * np.sqrt(20.0) < spreads[0] < 1e-4 * np.sqrt(40.0)
+    assert spreads[1] == pytest.approx(spreads[0], rel=1e-6)
 
 
 def test_saturated_gyros_are_left_out_while_they_are():

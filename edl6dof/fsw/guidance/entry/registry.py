@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.guidance.entry.aim_point import to_target
+from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.laws import (
     adaptive_hinf,
     bank_profile,
@@ -27,7 +28,6 @@ from edl6dof.fsw.guidance.entry.laws import (
     npc,
     pd_dob,
 )
-from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Family

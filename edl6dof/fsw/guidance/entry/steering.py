@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.geometry import first_side
-from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
+from edl6dof.fsw.guidance.entry.aim_point import first_side, heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT

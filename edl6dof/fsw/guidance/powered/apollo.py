@@ -8,7 +8,7 @@ Descent Guidance", Automatica 10 (1974) 133-146.
 
 from __future__ import annotations
 
-from edl6dof.fsw.guidance.powered.planning import PLAN, PlanningParams, plan_arrival
+from edl6dof.fsw.guidance.powered.target import PLAN, PlanningParams, plan_arrival
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp

@@ -15,14 +15,14 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import param
-from edl6dof.fsw.guidance.powered.planning import (
+from edl6dof.fsw.guidance.powered.target import (
     LEAST_HEIGHT,
     PLAN,
     PlanningParams,
+    meet,
     plan_arrival,
     planned_upward,
 )
-from edl6dof.fsw.guidance.powered.target import meet
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
@@ -48,7 +48,9 @@ MEMORY = np.dtype(
 
 @kernel
 def too_fast(p, state, nav, target):
-    """Whether a constant deceleration within the throttle band, less the reserve, is too little from here."""
+    """Return whether a constant deceleration within the throttle band, less the reserve, is too little from
+    here.
+    """
     height = max(nav.height - target.height, LEAST_HEIGHT)
     weak = planned_upward(p.thrust_reserve, state, nav, target)
     return nav.v_N[2] > 0.0 and nav.v_N[2] * nav.v_N[2] > 2.0 * weak * height

@@ -11,7 +11,7 @@ quartic), or longer where engine and tilt ask for it (:mod:`.planning`).  Source
 from __future__ import annotations
 
 from edl6dof.config.base import param
-from edl6dof.fsw.guidance.powered.planning import PLAN, PlanningParams, plan_arrival
+from edl6dof.fsw.guidance.powered.target import PLAN, PlanningParams, plan_arrival
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp, dot

@@ -15,7 +15,7 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.config.units import G0
-from edl6dof.fsw.guidance.powered.relaxation import EVERYTHING
+from edl6dof.fsw.guidance.guidance_command import EVERYTHING
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 

@@ -1,9 +1,17 @@
-"""Where powered deceleration ends: at rest, at a height above a point that keeps clear of the backshell.
+"""Target of powered deceleration: the point and height of rest, and the time to go until they are reached.
 
 The point is chosen once, where the engine lights: ahead of the lander by a share of its drift over the time
-that a constant deceleration takes, less a divert against the drift; or where
-coarse hazard avoidance has chosen it.  Source of backshell avoidance: Hu et al.
-2022, section 6.2; the rule is an estimate.
+that a constant deceleration takes, less a divert against the drift, away from the backshell; or where coarse
+hazard avoidance has chosen it.  Source of backshell avoidance: Hu et al. 2022, section 6.2; the rule is an
+estimate.
+
+A law that plans its time to go takes it from the limits of engine and tilt.  One whose upward acceleration is
+linear in time, or quadratic and flat at its end, needs at arrival a = (d h - s V) / T^2 with h the height to
+lose, V the descent rate and T the time to go.  The plan takes the shortest T that keeps this within the
+throttle band, less a reserve for feedback, in which the divert can be flown within the tilt limit, and that
+is no shorter than the law itself wants.  From then on T follows from a, which the law brings about if nothing
+disturbs it.  Source: Klumpp, Automatica 10 (1974) 133-146, who solves for T by a condition at arrival in
+every cycle; the limits are this project's own.
 """
 
 from __future__ import annotations
@@ -13,12 +21,14 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.config.units import G0
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp, sin
 from edl6dof.spatial.vector import clamp
 
 #: Least height above the target (m) and descent rate (m/s) from which the time of arrival is worked out.
-LEAST_HEIGHT, LEAST_DESCENT = 50.0, 5.0
+ARRIVAL_HEIGHT, ARRIVAL_DESCENT = 50.0, 5.0
 #: Share of the target's height at which the lander may come to rest where it cannot at the target.
 LEAST_SHARE = 0.3
 
@@ -75,8 +85,8 @@ def choose_target(p, nav, point, target):
         return
     target.set = 1
     target.height, target.least_height = p.height, LEAST_SHARE * p.height
-    descent = max(nav.v_N[2], LEAST_DESCENT)
-    duration = p.time_factor * 2.0 * max(nav.height - p.height, LEAST_HEIGHT) / descent
+    descent = max(nav.v_N[2], ARRIVAL_DESCENT)
+    duration = p.time_factor * 2.0 * max(nav.height - p.height, ARRIVAL_HEIGHT) / descent
     target.arrival = nav.t + duration
     east, north = nav.v_N[1], nav.v_N[0]
     drift = sqrt(east * east + north * north)
@@ -101,3 +111,101 @@ def meet(floor, lateral_floor, t_go, nav, target):
     north = k_r * (target.point_L[1] - nav.site_L[1]) - k_v * nav.v_N[0]
     east = k_r * (target.point_L[0] - nav.site_L[0]) - k_v * nav.v_N[1]
     return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0)
+
+
+#: Least upward acceleration at arrival (m/s2) that is planned for, however weak the engine, as the propellant
+#: has to last, and least height to lose (m).
+LEAST_UPWARD, LEAST_HEIGHT = 0.5, 1.0
+
+
+class PlanningParams(Params):
+    """Parameters of laws that plan their time to go."""
+
+    tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
+    thrust_reserve: float = param(
+        0.1,
+        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
+        status="estimate",
+        ge=0.0,
+        le=0.5,
+    )
+    time_floor_s: float = param(2.5, "smallest time to go used in the gains of height", gt=0.0)
+    lateral_time_floor_s: float = param(
+        10.0, "smallest time to go used in the lateral gains, which the attitude has to follow", gt=0.0
+    )
+
+
+PLAN = np.dtype(
+    [
+        ("made", FLAG),
+        ("upward", "f8"),  # m/s2, gravity taken off, at arrival
+        ("arrival", "f8"),  # s, flight time
+    ],
+    align=True,
+)
+
+
+@kernel
+def planned_upward(reserve, state, nav, target):
+    """Upward acceleration (m/s2, gravity taken off) that the throttle band less the reserve gives at arrival,
+    when the propellant for the speed and the expected duration is gone.
+    """
+    engine = state.engine
+    spent = nav.speed + nav.gravity * max(target.arrival - nav.t, 0.0)
+    mass = state.mass * exp(-spent / (G0 * engine.specific_impulse))
+    return max((1.0 - reserve) * engine.throttle_max / mass - nav.gravity, LEAST_UPWARD)
+
+
+@kernel
+def root(a, s, d):
+    """The positive T of a T^2 + s T - d = 0, for positive ``a`` and ``d``."""
+    half = sqrt(s * s + 4.0 * a * d)
+    return 2.0 * d / (half + s) if s > 0.0 else (half - s) / (2.0 * a)
+
+
+@kernel
+def planned_sideways(reserve, tilt_limit, state):
+    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at the full level of the
+    start.
+    """
+    return (1.0 - reserve) * sin(tilt_limit) * state.engine.full_thrust / state.mass
+
+
+@kernel
+def time_to_divert(sideways, nav, target):
+    """Shortest time to go (s) in which the lateral law of least effort, a = 6 r / T^2 - 4 v / T with r what
+    is left of the way, begins with no more than ``sideways`` (m/s2).
+    """
+    north, east = target.point_L[1] - nav.site_L[1], target.point_L[0] - nav.site_L[0]
+    away = max(sqrt(north * north + east * east), 1e-6)
+    closing = (nav.v_N[0] * north + nav.v_N[1] * east) / away
+    return root(sideways, 4.0 * closing, 6.0 * away)
+
+
+@kernel
+def plan_arrival(p, gains, least, state, nav, target, plan):
+    """Time to go (s) until the target; it is planned at the first call, follows the state from then on, and
+    runs down at the end.
+
+    Args:
+        p: tilt limit (rad), thrust reserve, and time to go (s) below which it runs down.
+        gains: s and d of the upward law (see above).
+        least: time to go that the law wants at least, s.
+        state: ``VEHICLE_STATE`` record.
+        nav: ``NAV`` record.
+        target: ``POWERED_TARGET`` record.
+        plan: ``PLAN`` record.
+    """
+    tilt_limit, reserve, runs_down = p
+    s, d = gains
+    height, descent = max(nav.height - target.height, LEAST_HEIGHT), nav.v_N[2]
+    if plan.made == 0:
+        plan.made = 1
+        upward = planned_upward(reserve, state, nav, target)
+        sideways = planned_sideways(reserve, tilt_limit, state)
+        t = max(root(upward, s * descent, d * height), least, time_to_divert(sideways, nav, target))
+        plan.upward = max((d * height - s * descent * t) / (t * t), LEAST_UPWARD)
+        plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
+    elif plan.arrival - nav.t > runs_down:
+        plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
+    return plan.arrival - nav.t

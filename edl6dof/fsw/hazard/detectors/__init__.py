@@ -1,1 +1,1 @@
-"""The ways to tell safe ground: one file each."""
+"""The hazard detectors: one file each."""

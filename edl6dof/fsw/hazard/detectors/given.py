@@ -1,5 +1,5 @@
 """No hazard detection: the safe spot is given, as an offset from the point where avoidance begins
-(:mod:`edl6dof.fsw.guidance.powered.terminal`).  No source: it is the null member.
+(:mod:`edl6dof.fsw.guidance.powered.terminal_descent`).  No source: it is the null member.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ class GivenParams(Params):
 
 
 @kernel
-def classify(params, chart, footprint, radius, deviation, out):
+def classify(params, elevation_map, footprint, radius, deviation, out):
     """Nothing is classified."""
 
 

@@ -28,7 +28,7 @@ class LidarDetectionParams(Params):
 
 
 @kernel
-def classify(params, chart, footprint, radius, deviation, out):
+def classify(params, elevation_map, footprint, radius, deviation, out):
     """Classify every cell of ``footprint`` (see the registry)."""
     classify_by_limits(footprint, tan(params.slope_limit), params.roughness_limit, out)
 

@@ -34,11 +34,12 @@ class ProbabilisticParams(Params):
 
 
 @kernel
-def classify(params, chart, footprint, radius, deviation, out):
+def classify(params, elevation_map, footprint, radius, deviation, out):
     """Classify every cell of ``footprint`` (see the registry)."""
     classify_by_probability(
-        chart, footprint, radius_m=radius, steepest=tan(params.slope_limit), roughest=params.roughness_limit,
-        deviation=deviation, between=params.relief_between, least=params.least_probability, out=out,
+        elevation_map, footprint, radius_m=radius, steepest=tan(params.slope_limit),
+        roughest=params.roughness_limit, deviation=deviation, between=params.relief_between,
+        least=params.least_probability, out=out,
     )  # fmt: skip
 
 

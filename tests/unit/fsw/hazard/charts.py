@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, MAP_CELLS, begin_map
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, MAP_CELLS, begin_map
 
 CELL_M = 0.2
 #: Middles of the cells, m north and east of the middle of the map.

@@ -124,7 +124,7 @@ def test_pair_of_images_weighs_by_variance_against_a_lidar_of_at_least_a_millime
         lander.step()
         stereo["fresh"], stereo["range"][60, 70] = 1, 100.0
         lander.step(shoot=False)
-        assert lander.fsw["hazard"]["chart"]["weight"].sum() == pytest.approx(weight, rel=1e-6)
+        assert lander.fsw["hazard"]["elevation_map"]["weight"].sum() == pytest.approx(weight, rel=1e-6)
 
 
 def test_scan_from_a_moving_tilted_lander_is_a_map_of_the_ground():
@@ -132,7 +132,7 @@ def test_scan_from_a_moving_tilted_lander_is_a_map_of_the_ground():
     lander = Lander(stones=stones, slope=np.tan(np.radians(4.0)))
     lander.scan()
     hazard = lander.fsw["hazard"]
-    chart, known = hazard["chart"], hazard["chart"]["weight"] >= 1.0
+    chart, known = hazard["elevation_map"], hazard["elevation_map"]["weight"] >= 1.0
     assert known.mean() > 0.6
     rows, columns = np.nonzero(known)
     east, north = chart["corner_L"][0] + (columns + 0.5) * 0.2, chart["corner_L"][1] + (rows + 0.5) * 0.2

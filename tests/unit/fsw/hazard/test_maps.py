@@ -9,11 +9,10 @@ from charts import CELL_M, EAST, NORTH, chart_of, empty_chart, new, rocks, rocky
 from scipy import ndimage, special
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.hazard.choose import CHOICE, ChoiceParams, choose_spot
-from edl6dof.fsw.hazard.distance import ENVELOPE
-from edl6dof.fsw.hazard.distance import clearances as clearances_of
+from edl6dof.fsw.hazard.distance_transform import ENVELOPE
+from edl6dof.fsw.hazard.distance_transform import clearances as clearances_of
+from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, add_point, add_range, fill_holes
 from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
-from edl6dof.fsw.hazard.point_map import MAP_CELLS, add_point, add_range, fill_holes
 from edl6dof.fsw.hazard.registry import HazardParams
 from edl6dof.fsw.hazard.safety import (
     SAFE,
@@ -24,6 +23,7 @@ from edl6dof.fsw.hazard.safety import (
     classify_by_limits,
     classify_by_probability,
 )
+from edl6dof.fsw.hazard.site_selection import CHOICE, ChoiceParams, choose_spot
 
 #: Fills the clearance of a safety map from its classes.
 clearances = as_flown(clearances_of, "out, cell_m, work", "out.cell_class, cell_m, work, out.clearance")
@@ -55,6 +55,18 @@ def test_points_make_mean_highest_and_weight_of_their_cell():
     assert chart["mean"][1, 1] == pytest.approx((0.1 + 0.5 + 0.3 + 0.5 * 2.0) / 3.5, abs=1e-6)
     assert chart["highest"][1, 1] == pytest.approx(0.5, abs=1e-6)
     assert np.count_nonzero(chart["weight"]) == 1
+
+
+def test_points_of_less_than_a_whole_weight_make_the_mean_alone():
+    """Until they are one together, the highest is the mean; from then on it is that of whole points."""
+    chart = empty_chart(centre_L=(0.0, 0.0, 0.0))
+    seen = []
+    for up, weight in ((1.0, 0.5), (2.0, 0.25), (4.0, 0.3), (3.0, 1.0), (8.0, 0.5)):
+        add_point((0.05, 0.05, up), weight, chart)
+        seen += [(float(c[chart["weight"] > 0.0][0])) for c in (chart["mean"], chart["highest"])]
+    means = [1.0, 4.0 / 3.0, 2.2 / 1.05, 5.2 / 2.05, 9.2 / 2.55]
+    assert seen[::2] == pytest.approx(means, abs=1e-6)
+    assert seen[1::2] == pytest.approx([1.0, 4.0 / 3.0, 4.0 / 3.0, 3.0, 3.0], abs=1e-6)
 
 
 def test_range_along_a_tilted_line_of_sight_meets_the_plane_below():

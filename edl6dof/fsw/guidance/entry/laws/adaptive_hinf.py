@@ -1,15 +1,23 @@
 """Drag-velocity tracking by adaptive H-infinity control.
 
-The profile of :mod:`~edl6dof.fsw.guidance.entry.profiles.drag_velocity`, scaled to the range to go, is
-followed with the drag dynamics of :mod:`~edl6dof.fsw.guidance.entry.prediction.uncertain_drag` inverted at
-the estimate p of theta, the state feedback of :mod:`~edl6dof.fsw.guidance.entry.laws.hinf`, and p adapted
-inside its box.
-Source: Lu & Bayard, sections 2 and 3, eqs. 12-20.
+The profile of :mod:`~edl6dof.fsw.guidance.entry.drag_velocity`, scaled to the range to go, is followed with
+the uncertain drag dynamics of :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics` inverted at the estimate p of
+theta, a state feedback that bounds the effect of a disturbance on the tracking error, and p adapted inside
+its box.  Source: Lu & Bayard, sections 2 and 3, eqs. 12-20; Lu & Packard 1997.
 
-Differences from the print, besides those listed in the three modules: eq. 16 divides by 1 + theta_5 where the
-fourth parameter belongs, and with a minus; there and in section 3.3 the reference acceleration enters with
-the wrong sign; D_r'' holds u, because V'' does, and that part is moved to the left-hand side; the drag rate,
-which the paper takes as measured, is the analytic one at the measured drag.
+State feedback.  Error dynamics z' = A z + B (v + d), z = (e, e'), two integrators.  P > 0 solves P A + A' P +
+P B (1/lambda^2 - 1/rho) B' P + C' C = 0 with C = (1, 0) and the weight rho on the control; v = F z, F = -B' P
+/ (2 rho), then gives d/dt (z' P z) <= lambda^2 d^2 - e^2, so int e^2 <= lambda^2 int d^2 + z(0)' P z(0).  For
+two integrators P is known in closed form (checked in the tests against scipy.linalg.solve_continuous_are); it
+exists when lambda^2 > rho.
+
+Differences from the print, in addition to those of the two modules: F = +B' P / 2 lacks the minus sign that
+its own equation P (A + B F) + (A + B F)' P + ... = 0 needs; the L2 inequality holds from z(0) = 0, otherwise
+z(0)' P z(0) is added; rho is 1 in the print (``settings: as_printed``), which in seconds means a drag loop of
+0.7 rad/s, faster than a capsule can bank: the weight sets the bandwidth; eq. 16 divides by 1 + theta_5 where
+the fourth parameter belongs, and with a minus; there and in section 3.3 the reference acceleration enters
+with the wrong sign; D_r'' holds u, because V'' does, and that part is moved to the left-hand side; the drag
+rate, which the paper takes as measured, is the analytic one at the measured drag.
 """
 
 from __future__ import annotations
@@ -22,23 +30,53 @@ from pydantic import model_validator
 
 from edl6dof.config.base import param
 from edl6dof.config.paper_values import PrintedParams
-from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
+from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics, uncertain_drag
+from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
     fill_drag_velocity,
     profile_drag,
     profile_range,
 )
-from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
+from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, sin, sincos
 from edl6dof.spatial.vector import clamp
+
+
+@kernel
+def riccati(disturbance_gain, control_weight):
+    """(P11, P12, P22) for lambda in s^2 and rho in s^4; needs lambda^2 > rho."""
+    strength = 1.0 / control_weight - 1.0 / (disturbance_gain * disturbance_gain)
+    p12 = 1.0 / sqrt(strength)
+    p22 = sqrt(2.0 * p12 / strength)
+    return strength * p12 * p22, p12, p22
+
+
+@kernel
+def feedback(disturbance_gain, control_weight):
+    """Gains F = (F1, F2) on the drag error and its rate."""
+    _, p12, p22 = riccati(disturbance_gain, control_weight)
+    return -0.5 * p12 / control_weight, -0.5 * p22 / control_weight
+
+
+@kernel
+def adapt(estimate, low, high, regressor, adjoint, energy, dt):
+    """One step of p' = projection of -Q^-1 g1' (P z)_2 (eq. 20), in place.
+
+    Q is diagonal, such that (p - theta)' Q (p - theta) <= ``energy`` (epsilon of the inequality) for any two
+    points of the box ``low`` .. ``high``; for a box the projection is the limit of each component.
+    """
+    n = estimate.shape[0]
+    for i in range(n):
+        width = high[i] - low[i]
+        estimate[i] = clamp(
+            estimate[i] - dt * n * width * width / energy * regressor[i] * adjoint, low[i], high[i]
+        )
+
 
 PARAMETERS = 5
 #: Longest step (s) of the adaptation; after a longer pause it takes one of this length.
@@ -145,7 +183,7 @@ def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per
     """Let theta follow what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
     now, u = (L/D) cos(bank) without a limit.
 
-    ``dynamics`` is what :func:`~edl6dof.fsw.guidance.entry.prediction.uncertain_drag.uncertain_drag` returns;
+    ``dynamics`` is what :func:`~edl6dof.fsw.guidance.entry.drag_dynamics.uncertain_drag` returns;
     ``goal_free`` and ``goal_per_u`` are the two parts of D_r''.
     """
     free, unknown, per_u = dynamics

@@ -12,7 +12,7 @@ from typing import Annotated, Literal, Self
 from pydantic import model_validator
 
 from edl6dof.config.base import Capacity, Params, param
-from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS, BankPoint, bank_at, must_ascend
+from edl6dof.fsw.guidance.entry.reference import MAX_POINTS, BankPoint, bank_at, must_ascend
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 

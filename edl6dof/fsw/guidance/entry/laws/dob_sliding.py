@@ -11,7 +11,7 @@ exactly over the interval: stable at any guidance rate.  The input that counts i
 bank angle, which holds the limits of all laws (30 to 90 deg in the paper), rate and attitude control; the
 saturation of eq. 16 is the special case of ideal banking.
 
-Differences from the print: eqs. 13-14 as in :mod:`~edl6dof.fsw.guidance.entry.prediction.drag_dynamics`; the
+Differences from the print: eqs. 13-14 as in :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics`; the
 scale height printed as 9354 km is in metres; eq. 29 has xi where eq. 25 has zeta, which is meant; c0 = 2 +
 b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
 """
@@ -22,9 +22,9 @@ import numpy as np
 
 from edl6dof.config.base import param
 from edl6dof.config.paper_values import PrintedParams
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking
+from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member

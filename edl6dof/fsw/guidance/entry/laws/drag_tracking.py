@@ -5,8 +5,8 @@ is linear in cos(bank), so the bank angle is found by inverting it.  Source: Wu,
 (the law called FL there).
 
 Differences from the print: drag dynamics and range as in
-:mod:`~edl6dof.fsw.guidance.entry.prediction.drag_dynamics` and
-:mod:`~edl6dof.fsw.guidance.entry.profiles.range_update`; the gains are given as natural frequency and
+:mod:`~edl6dof.fsw.guidance.entry.drag_dynamics` and
+:mod:`~edl6dof.fsw.guidance.entry.range_update`; the gains are given as natural frequency and
 damping, since K = [0.4 0.04] as printed gives a nearly undamped pair.
 """
 
@@ -15,10 +15,10 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 

@@ -1,12 +1,12 @@
 """Extended high-gain observer with feedback linearisation.
 
-The observer of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` gives drag, drag rate and the
+The observer of :mod:`~edl6dof.fsw.guidance.entry.disturbance_observers` gives drag, drag rate and the
 perturbation phi = b - b^ + (a - a^) u; the law cancels b^ and phi^ and places the poles of the drag error.
-The control is saturated (|cos(bank)| <= 1, and by the bank limits that all laws share), and the observer is
-told the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
+The control is saturated (|cos(bank)| <= 1, and by the bank limits that all laws share), and the observer
+gets the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
 Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
 
-Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` and
+Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.disturbance_observers` and
 :mod:`~edl6dof.fsw.guidance.entry.laws.fl`; b^ is taken at the measured drag with the drag rate that the model
 gives there; the difference is part of phi.  The printed time scale and gains (``settings: as_printed``) suit
 a point mass in an exponential atmosphere.  In air with density waves phi is many times what the bank angle
@@ -21,12 +21,12 @@ import numpy as np
 
 from edl6dof.config.base import group, param
 from edl6dof.config.paper_values import PrintedParams
+from edl6dof.fsw.guidance.entry.disturbance_observers import OBSERVER, observe
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.laws.fl import PAPER
-from edl6dof.fsw.guidance.entry.observers.drag_observer import OBSERVER, observe
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
-from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
+from edl6dof.fsw.guidance.entry.range_update import tracking
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos

@@ -10,7 +10,7 @@ predicted miss over its own coefficient, times an overcontrol gain:
 
 Source: Carman, Ives & Geller 1998, AIAA 98-4570; Mendeck & Carman 2002, AIAA 2002-4502; flown: Mendeck &
 Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars Science Laboratory
-mission".  The coefficients: see :mod:`~edl6dof.fsw.guidance.entry.prediction.influence`.
+mission".  The coefficients: see :mod:`~edl6dof.fsw.guidance.entry.influence`.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, NODES, fill_influence
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.influence import INFLUENCE, NODES, fill_influence
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, sin

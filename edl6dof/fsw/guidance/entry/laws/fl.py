@@ -14,10 +14,10 @@ import numpy as np
 
 from edl6dof.config.base import group, param
 from edl6dof.config.paper_values import PrintedParams
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
-from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
+from edl6dof.fsw.guidance.entry.range_update import tracking
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 

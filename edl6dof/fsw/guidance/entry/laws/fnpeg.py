@@ -8,7 +8,7 @@ predicted range is better.  The speed of the next reversal is corrected alike un
 is none; the one after it is foreseen at a set share of that speed.  Where the largest bank angle ends beyond
 the aim point all the same, the reversal is moved to where both misses together are least: rolling through
 lift up adds range, the more the slower the vehicle rolls.  Where the smallest bank angle ends short, it is
-let go (:mod:`~edl6dof.fsw.guidance.entry.prediction.range_stretch`).  Where load or heat rate would pass
+let go (:mod:`~edl6dof.fsw.guidance.entry.reach`).  Where load or heat rate would pass
 their limits, vertical lift is added until the altitude rate is one that keeps them.
 Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
 and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
@@ -27,10 +27,9 @@ from math import copysign, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.geometry import first_side
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.fsw.guidance.entry.prediction.range_stretch import stretched
+from edl6dof.fsw.guidance.entry.aim_point import first_side
+from edl6dof.fsw.guidance.entry.predictor import linear, planned_bank, predict
+from edl6dof.fsw.guidance.entry.reach import stretched
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
@@ -260,7 +259,7 @@ def least_climb(params, onboard, nav):
 
 @kernel
 def within_limits(params, onboard, nav, bank):
-    """Bank angle (rad) whose vertical lift is that of ``bank`` and what the limits ask for besides."""
+    """Bank angle (rad) whose vertical lift is that of ``bank`` plus the lift that the limits require."""
     short = least_climb(params, onboard, nav) - nav.speed * sin(nav.flight_path_angle)
     if short <= 0.0 or nav.lift <= 0.0:
         return bank

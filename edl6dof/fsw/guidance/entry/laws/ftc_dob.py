@@ -13,10 +13,10 @@ from __future__ import annotations
 from math import copysign
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.guidance.entry.observers.path_observer import MEMORY, PathObserverParams, disturbed_drag
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
+from edl6dof.fsw.guidance.entry.disturbance_observers import MEMORY, PathObserverParams, disturbed_drag
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for
+from edl6dof.fsw.guidance.entry.range_update import tracking
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import pow

@@ -17,9 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.predictor import in_plane_shifted, predict
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member

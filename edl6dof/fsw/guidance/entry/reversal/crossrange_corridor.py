@@ -8,7 +8,7 @@ postflight performance for 2011 Mars Science Laboratory mission", section on ban
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
+from edl6dof.fsw.guidance.entry.reach import reversed_in_reach
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 

@@ -7,7 +7,7 @@ Source: Wu, Cui & Cui 2013, section 4 and Fig. 2, whose numbers are not printed;
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
+from edl6dof.fsw.guidance.entry.reach import reversed_in_reach
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import asin, sin

@@ -11,10 +11,9 @@ the reversal is predicted at the vehicle's bank rate.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
-from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
+from edl6dof.fsw.guidance.entry.predictor import predict, shifted
+from edl6dof.fsw.guidance.entry.reach import reversed_in_reach
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos
@@ -39,7 +38,7 @@ class PredictiveParams(Params):
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
     """Side to bank to (+1 right): the other one once a reversal now would overshoot by no more than ``ratio``
-    of going on.
+    of keeping the side.
     """
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:

@@ -1,18 +1,22 @@
 """Time of flight, and how much of it at full thrust.
 
 Full thrust is for the start alone; the rest, ``throttled`` seconds, keeps to the throttle band.  For a given
-``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which the
-multipliers tell (the Hamiltonian at the end, Pontryagin); where the landing cannot be had at all, the cost
-of its errors tells the same.  Then ``throttled`` is lengthened from its least value while that costs less.
+``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which
+follows from the multipliers (the Hamiltonian at the end, Pontryagin); where the landing is out of reach, from
+the cost of its errors.  Then ``throttled`` is lengthened from its least value while that costs less.
 """
 
 from __future__ import annotations
 
 from math import inf, sqrt
 
-from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
+from edl6dof.fsw.guidance.powered.convex.landing_plan import (
+    CONTROLS,
+    copy_plan,
+    full_controls,
+    shift_controls,
+)
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
-from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import dot, norm, take3
 

@@ -6,7 +6,7 @@ clamped at both ends, time^2 / 4.730^2.
 
 Near its ends a beam gives way to nothing: at the share x of the time a row has a length that goes with (x (1
 - x))^1.5, a hundredth of that in the middle where the last controls end.  Each row is made as long as that in
-the middle, so that multipliers beside the landing point move as fast as the others: the largest gain of all
+the middle, so that multipliers near the landing point move as fast as the others: the largest gain of all
 of them together grows by no more than 1.4, as rows far from each other have little to do with each other.
 Source: diagonal preconditioning, Pock and Chambolle 2011, "Diagonal preconditioning for first order
 primal-dual algorithms in convex optimization", ICCV.
@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.fsw.guidance.powered.convex.landing_plan import CONTROLS
 from edl6dof.kernels import kernel
 
 #: Square of the first root of cos x cosh x = 1.
@@ -43,7 +43,7 @@ def lay_rows(plan):
 
 @kernel
 def add_push(landing, flat, plan):
-    """What the multipliers of the glide slope add to the primer at each control."""
+    """Add the pull of the multipliers of the glide slope to the primer at each control."""
     if landing.slope < 0.0:
         return
     push, glide, row = plan.push, plan.glide, plan.row

@@ -21,17 +21,22 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
+from edl6dof.fsw.guidance.guidance_command import ARRIVAL, DWELL, GLIDE_SLOPE, TARGET, TILT
 from edl6dof.fsw.guidance.powered.convex.flight_time import (
     refine_throttled,
     search_time,
     search_times,
     try_earlier,
 )
-from edl6dof.fsw.guidance.powered.convex.grid import control_at, full_controls, shift_controls
-from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
+from edl6dof.fsw.guidance.powered.convex.landing_plan import (
+    LANDING,
+    PLAN,
+    control_at,
+    fly_plan,
+    full_controls,
+    shift_controls,
+)
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
-from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
-from edl6dof.fsw.guidance.powered.relaxation import ARRIVAL, DWELL, GLIDE_SLOPE, TARGET, TILT
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
@@ -232,7 +237,9 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """How far from the target a plan ends, if there is one, and how far it would go on in a second, m."""
+    """Return how far from the target a plan ends, if it has one, and how far it would move on in a second,
+    m.
+    """
     miss = plan.miss if landing.miss_price > 0.0 else 0.0
     return miss + plan.height_error + norm(take3(plan.end_velocity, 0))
 

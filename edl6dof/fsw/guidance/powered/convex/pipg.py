@@ -2,10 +2,11 @@
 
 Each iteration asks the engine for the nearest thrust (a projection in closed form for each control), sums up
 where that ends, and moves the multipliers: of the end, and of the glide slope (a projection onto a cone where
-each control ends).  Velocity and position are eliminated, as they are sums over the controls; what is left is
-preconditioned by :mod:`~edl6dof.fsw.guidance.powered.convex.grid`.  The mass along the plan follows the
-iterates.  Multipliers are bounded: beyond its price a miss costs less than what would avoid it, which is the
-landing of least error (Blackmore, Acikmese, Scharf 2010) where the point cannot be reached.
+each control ends).  Velocity and position are eliminated, as they are sums over the controls; the six
+conditions that remain are preconditioned (:mod:`~edl6dof.fsw.guidance.powered.convex.landing_plan`).  The
+mass along the plan follows the iterates.  Multipliers are bounded: beyond its price a miss costs less than
+avoiding it, which is the landing of least error (Blackmore, Acikmese, Scharf 2010) where the point cannot be
+reached.
 
 Sources: Yu, Elango, Acikmese 2021, "Proportional-integral projected gradient method for model predictive
 control", IEEE Control Systems Letters 5(6); Yu, Elango, Topcu, Acikmese 2022, "Proportional-integral
@@ -17,13 +18,49 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
-from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
-from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
-from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
-from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
+from edl6dof.fsw.guidance.powered.convex.landing_plan import CONTROLS, fly_plan, full_controls, lay_grid
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.vector import clamp, put3, take3
+from edl6dof.spatial.vector import clamp, norm, put3, take3
+
+
+@kernel
+def nearest_thrust(start, price, low, high, cos_tilt):
+    """Return the thrust acceleration (m/s2) that is least in its price plus half the squared distance from
+    ``start``: the proximal operator of
+
+        price max(|u|, low)  over  |u| <= high,  u_up >= cos(tilt) max(|u|, low),
+
+    which is the fuel under the bound s >= |u|, low <= s <= high once the least s is taken.
+
+    Args:
+        start: east, north, up, m/s2.
+        price: of a unit of thrust acceleration, not negative.
+        low, high: bounds of the thrust acceleration; equal where it is given.
+        cos_tilt: of the largest angle of thrust from the vertical.
+    """
+    x, y, z = start
+    size = norm(start)
+    if size > low:
+        wanted = min(max(size - price, low), high)
+    else:
+        wanted = size
+    scale = wanted / size if size > 0.0 else 0.0
+    if z * scale >= cos_tilt * max(wanted, low):
+        return x * scale, y * scale, z * scale
+    # at the tilt limit: on the cone, or on its flat lower end
+    sin_tilt = sqrt(1.0 - cos_tilt * cos_tilt)
+    side = sqrt(x * x + y * y)
+    along = side * sin_tilt + z * cos_tilt - price
+    if along > low:
+        wanted = min(along, high)
+        shift = wanted * sin_tilt
+    else:
+        wanted = low
+        shift = min(side, low * sin_tilt)
+    scale = shift / side if side > 0.0 else 0.0
+    return x * scale, y * scale, wanted * cos_tilt
+
 
 #: Primal step over the largest thrust acceleration, and extrapolation of each iteration.
 STEP, EXTRAPOLATION = 0.1, 1.7
@@ -150,7 +187,7 @@ def solve(landing, most, plan):
 
 @kernel
 def evaluate(landing, plan):
-    """What the thrust ``w`` of a plan comes to: fuel, cost, and where it misses."""
+    """Evaluate the thrust ``w`` of a plan: fuel, cost, and the errors at its end."""
     spent = weigh(landing, plan)
     (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, plan.time)
     plan.miss = sqrt(x * x + y * y)

@@ -1,1 +1,0 @@
-"""The disturbance estimators, one in each file."""

@@ -1,0 +1,117 @@
+"""Stuck-throttle detection: the measured thrust stays constant while its command falls.
+
+The thrust that the specific force shows is smoothed.  Where it rests, it is noted together with the command
+at which it came to rest, and later changes of the command are compared with it.  Thrust that follows the
+command from there, even by a share of it, is noted again: a weak engine gives less, and the drag of the air
+or a thruster that is stuck on adds to the measured thrust.  Where the command has fallen and the thrust
+rests, the throttle is stuck.  A throttle that stops on its way down to the end of its band has followed a
+share, and its command falls no more: it is stuck where the thrust rests above its command by more than drag
+and thrusters can hold of the weight.  Either is believed for good, and the thrust is followed from then on
+whenever it rests.  A command that rises and is not followed says less: a weak engine does the same
+(:mod:`.engine_shortfall`).
+
+Source: this project.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.estimation.engine_shortfall import RESTS
+from edl6dof.kernels import kernel
+from edl6dof.spatial.elementary import exp
+
+#: Share of a change of the command that thrust has to follow to count as one that moves.
+FOLLOWS = 0.35
+
+
+class StuckThrottleParams(Params):
+    """Belief in a throttle that is stuck."""
+
+    lag_s: float = param(0.2, "lag with which the measured thrust is smoothed", status="estimate", gt=0.0)
+    settled_s: float = param(1.0, "time for which the thrust has to stay behind", status="estimate", ge=0.0)
+    believed_from: float = param(
+        0.2,
+        "fall of the command, over it, that the thrust has not followed, from which it is believed",
+        status="estimate",
+        gt=0.0,
+    )
+    over_from: float = param(
+        0.4,
+        "thrust above its command, over the weight, from which it is believed: more than all axial thrusters "
+        "and the drag without a canopy, less than an engine at the lower end of its band has over it if it "
+        "stops the lander in the air",
+        status="estimate",
+        gt=0.0,
+    )
+
+
+STUCK_THROTTLE = np.dtype(
+    [
+        ("smoothed", "f8"),  # N: measured thrust
+        ("resting", "f8"),  # N: where it began to rest
+        ("meanwhile", "f8"),  # N: and its command then
+        ("rested", "f8"),  # s: for how long it has
+        ("stayed", "f8"),  # s: and for how long away from its command
+        ("reference", "f8"),  # N: thrust that was noted
+        ("asked", "f8"),  # N: and its command
+        ("held", "f8"),  # N: thrust of the stuck throttle; 0: it moves
+    ],
+    align=True,
+)
+
+
+@kernel
+def is_away(params, commanded, memory):
+    """Return whether the command has fallen from where both were noted, and the thrust has not followed."""
+    fallen = memory.asked - commanded
+    followed = memory.reference - memory.smoothed
+    return fallen > params.believed_from * commanded and followed < FOLLOWS * fallen
+
+
+@kernel
+def is_over(params, commanded, full, weight, memory):
+    """Return whether the thrust, as far as engines can give it, lies farther above its command than anything
+    but a stuck throttle explains.
+    """
+    return min(memory.smoothed, full) - commanded > params.over_from * weight
+
+
+@kernel
+def stuck_throttle(params, commanded, measured, full, weight, dt, memory):
+    """Return the thrust (N) of a throttle that is believed to be stuck; 0 while there is none.
+
+    Args:
+        params: ``StuckThrottleParams`` record.
+        commanded: thrust of all engines that burn, N; 0: none burns.
+        measured: thrust that the specific force shows, N.
+        full: thrust of all engines that burn at full level, N.
+        weight: of the lander, N.
+        dt: since the last call, s.
+        memory: ``STUCK_THROTTLE`` record, updated.
+    """
+    if commanded <= 0.0:
+        memory.smoothed = memory.resting = memory.reference = memory.rested = memory.stayed = 0.0
+        return memory.held
+    if memory.reference == 0.0:
+        memory.reference = memory.asked = commanded
+    memory.smoothed += (1.0 - exp(-dt / params.lag)) * (measured - memory.smoothed)
+    memory.rested += dt
+    memory.stayed += dt
+    if abs(memory.smoothed - memory.resting) > RESTS * memory.resting:
+        memory.resting, memory.meanwhile = memory.smoothed, commanded
+        memory.rested = memory.stayed = 0.0
+    away = (
+        memory.held > 0.0
+        or is_away(params, commanded, memory)
+        or is_over(params, commanded, full, weight, memory)
+    )
+    if not away:
+        memory.stayed = 0.0
+    if memory.stayed >= params.settled:
+        memory.held = memory.smoothed
+    moved = abs(memory.smoothed - memory.reference) > RESTS * memory.reference
+    if moved and not away and memory.rested >= params.settled:
+        memory.reference, memory.asked = memory.smoothed, memory.meanwhile
+    return memory.held

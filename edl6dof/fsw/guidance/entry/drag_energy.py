@@ -1,0 +1,159 @@
+"""Drag-energy profile as a polynomial of order six, refitted whenever the range to go is updated.
+
+Range along a drag profile is the integral of cos(gamma) dE / D.  Now and then the profile is multiplied by 1
++ eta f(E), eta such that it
+predicts the range to go, and the product is fitted again: the polynomial always covers the energy that is
+left.
+Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs. 9-15.
+
+Differences from the print: the range integral carries the ground distance per path length of the reference
+trajectory, which eqs. 11 and 14 leave out (1 % of the range of an entry at 14 deg); the argument of the
+polynomial is the share of energy left, 0 at the terminal and 1 at the last update, because E^6 in J/kg is not
+fit for a least-squares solution; the fit is kept within a factor of the reference, so that an aim point out
+of reach cannot drive it away update by update.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.range_update import shape
+from edl6dof.fsw.guidance.entry.reference import node_of
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import sin
+from edl6dof.spatial.vector import clamp
+
+ORDER = 6
+#: Samples between the ends of the remaining energy; odd, for Simpson's rule.
+SAMPLES = 33
+_ANGLE = np.linspace(0.0, np.pi, SAMPLES)
+#: Their shares of the energy left, dense at both ends, where drag is low and range is gained; and Simpson's
+#: weights of an integral over it.
+SHARE = 0.5 * (1.0 - arrays.cos(_ANGLE))
+WEIGHT = (
+    np.array([1.0, *[4.0, 2.0] * (SAMPLES // 2 - 1), 4.0, 1.0])
+    * np.pi
+    / (3.0 * (SAMPLES - 1))
+    * 0.5
+    * arrays.sin(_ANGLE)
+)
+#: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
+FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
+
+#: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples
+#: are scratch.
+PROFILE = np.dtype(
+    [
+        ("coefficient", "f8", (ORDER + 1,)),
+        ("energy", "f8"),
+        ("updated", "f8"),
+        ("started", FLAG),
+        ("drag", "f8", (SAMPLES,)),
+        ("ground", "f8", (SAMPLES,)),
+    ],
+    align=True,
+)
+
+
+class PolynomialParams(Params):
+    """Polynomial drag-energy profile."""
+
+    update_every_s: float = param(
+        5.0, "time between two updates of the profile to the range to go", gt=0.0, le=1000.0
+    )
+
+
+@kernel
+def evaluate(coefficient, x):
+    """Polynomial and its first and second derivative at ``x`` (Horner)."""
+    value, first, second = 0.0, 0.0, 0.0
+    for i in range(coefficient.shape[0] - 1, -1, -1):
+        second = second * x + 2.0 * first
+        first = first * x + value
+        value = value * x + coefficient[i]
+    return value, first, second
+
+
+@kernel
+def predicted_range(memory, span, eta):
+    """Range (m) along the sampled drag scaled by 1 + eta f, over ``span`` of energy, and its derivative by
+    eta (Simpson's rule).
+    """
+    total, slope = 0.0, 0.0
+    for i in range(SAMPLES):
+        f = shape(1.0 - SHARE[i])
+        piece = span * WEIGHT[i] * memory.ground[i] / (memory.drag[i] * (1.0 + eta * f))
+        total += piece
+        slope -= piece * f / (1.0 + eta * f)
+    return total, slope
+
+
+@kernel
+def refit(reference, energy, wanted, limit, memory):
+    """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
+    ``wanted`` m (eqs. 13-15).
+
+    ``limit`` bounds eta; 0 fits without changing the range.
+    """
+    terminal = 0.5 * reference.first * reference.first
+    span = energy - terminal
+    widest = 1.0 + 2.0 * limit
+    for i in range(SAMPLES):
+        e = terminal + span * SHARE[i]
+        j, f = node_of(reference, sqrt(2.0 * e))
+        nominal = reference.drag[j] + f * (reference.drag[j + 1] - reference.drag[j])
+        memory.ground[i] = reference.ground[j] + f * (reference.ground[j + 1] - reference.ground[j])
+        memory.drag[i] = nominal
+        if memory.started != 0:
+            now, _, _ = evaluate(memory.coefficient, (e - terminal) / (memory.energy - terminal))
+            memory.drag[i] = clamp(now, nominal / widest, nominal * widest)
+    eta = 0.0
+    for _ in range(4):
+        predicted, slope = predicted_range(memory, span, eta)
+        eta = clamp(eta - (predicted - wanted) / slope, -limit, limit)
+    for i in range(SAMPLES):
+        memory.drag[i] *= 1.0 + eta * shape(1.0 - SHARE[i])
+    for j in range(ORDER + 1):
+        memory.coefficient[j] = 0.0
+        for i in range(SAMPLES):
+            memory.coefficient[j] += FIT[j, i] * memory.drag[i]
+    memory.energy, memory.started = energy, 1
+
+
+@kernel
+def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
+    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
+    the updates included.
+
+    ``p`` are the ``PolynomialParams`` of the law, ``memory`` its ``PROFILE``.  With dE/dt = -V D the
+    derivatives are those along the flight as it is flown.
+    """
+    shared, reference = onboard.guidance.entry.tracking, onboard.reference
+    terminal = 0.5 * reference.first * reference.first
+    updating = shared.update and nav.speed > shared.update_stop
+    if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
+        # nothing is left to fit at the terminal energy
+        refit(
+            reference,
+            max(nav.energy, 1.01 * terminal),
+            out.range_to_go,
+            shared.scale_limit if updating else 0.0,
+            memory,
+        )
+        memory.updated = nav.t
+    span = memory.energy - terminal
+    goal, slope, curvature = evaluate(memory.coefficient, clamp((nav.energy - terminal) / span, 0.0, 1.0))
+    speed_rate = -drag - nav.gravity * sin(nav.flight_path_angle)
+    energy_rate = -nav.speed * drag
+    energy_acceleration = -speed_rate * drag - nav.speed * drag_rate
+    goal_rate = slope / span * energy_rate
+    goal_acceleration = (
+        curvature / (span * span) * energy_rate * energy_rate + slope / span * energy_acceleration
+    )
+    out.reference_drag = goal
+    return goal, goal_rate, goal_acceleration

@@ -1,0 +1,178 @@
+"""The drag-velocity profile in three segments: quadratic, equilibrium glide (linear), constant drag; and the
+range along it.
+
+Each segment is c0 + c1 V + c2 V^2.  The profile bends over into the glide without a break of slope, and
+levels out.  It is laid by least squares along the reference flight, under the ceiling of the entry corridor,
+and scaled to the range of that flight.  In guidance one
+factor on the whole profile meets the range to go: along a drag profile, range goes with the inverse of drag.
+Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
+
+Differences from the print: R = -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which
+the paper drops as small at first and avoids later by an energy variable; here it follows from the profile
+itself: with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
+from edl6dof.fsw.navigation.derived import model_atmosphere
+from edl6dof.kernels import kernel
+from edl6dof.spatial.arrays import product, pseudo_inverse
+from edl6dof.spatial.lookups import between, held_cell
+from edl6dof.spatial.vector import clamp
+
+RANGE_NODES = 129
+#: Speeds tried for the two joints, as shares of the speed at the start and of the speed at the end.
+_JOIN, _LEVEL = np.linspace(0.35, 0.85, 26), np.linspace(1.2, 2.4, 13)
+_ROWS = 300
+#: Weight of the share by which a profile exceeds the ceiling, against the misfit to the flight.
+_STIFF = 100.0
+
+DRAG_VELOCITY = np.dtype(
+    [
+        ("start", "f8"),  # speed where the profile begins, m/s
+        ("join", "f8"),  # quadratic to glide
+        ("level", "f8"),  # glide to constant
+        ("final", "f8"),  # speed where it ends
+        ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
+        # ground range from each of evenly spaced speeds, final .. start, to the end
+        ("range", "f8", (RANGE_NODES,)),
+    ],
+    align=True,
+)
+
+
+@kernel
+def profile_drag(profile, speed):
+    """Drag of the profile and its first and second derivative by speed; held outside the speeds it was made
+    for.
+    """
+    v = clamp(speed, profile.final, profile.start)
+    segment = 0 if v > profile.join else (1 if v > profile.level else 2)
+    c0, c1, c2 = (
+        profile.coefficient[segment, 0],
+        profile.coefficient[segment, 1],
+        profile.coefficient[segment, 2],
+    )
+    return c0 + v * (c1 + v * c2), c1 + 2.0 * c2 * v, 2.0 * c2
+
+
+@kernel
+def profile_range(profile, speed):
+    """Ground range (m) from ``speed`` to the end of the profile, linear between its nodes."""
+    cells = RANGE_NODES - 1
+    i, f = held_cell((speed - profile.final) / (profile.start - profile.final) * cells, cells)
+    return between(profile.range, i, f)
+
+
+@kernel
+def path_sine(speed, drag, slope, gravity, scale_height):
+    """Sine of the flight-path angle at which drag follows a profile of value ``drag`` and derivative
+    ``slope`` by speed.
+
+    From f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
+    """
+    stiff = slope - 2.0 * drag / speed
+    return clamp(stiff / (speed * drag / (gravity * scale_height) - stiff) * drag / gravity, -0.99, 0.99)
+
+
+@kernel
+def altitude_of(onboard, speed, drag):
+    """Altitude (m) at which the believed density gives ``drag`` at ``speed``, by bisection."""
+    vehicle = onboard.vehicle
+    wanted = 2.0 * drag * vehicle.entry_mass / (vehicle.drag_area * speed * speed)
+    low, high = onboard.atmosphere.bottom, onboard.atmosphere.top
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        density, _, _ = model_atmosphere(onboard.atmosphere, middle)
+        if density > wanted:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@kernel
+def integrate_range(onboard, profile):
+    """Fill ``profile.range`` from its coefficients: trapezoidal rule over four steps a node, upwards from the
+    final speed.
+    """
+    planet = onboard.planet
+    step = (profile.start - profile.final) / (4.0 * (RANGE_NODES - 1))
+    total, before = 0.0, 0.0
+    for i in range(4 * (RANGE_NODES - 1) + 1):
+        speed = profile.final + i * step
+        drag, slope, _ = profile_drag(profile, speed)
+        altitude = altitude_of(onboard, speed, drag)
+        _, _, scale_height = model_atmosphere(onboard.atmosphere, altitude)
+        radius = planet.equatorial_radius + altitude
+        gravity = planet.mu / (radius * radius)
+        sine = path_sine(speed, drag, slope, gravity, scale_height)
+        rate = speed * sqrt(1.0 - sine * sine) / (drag + gravity * sine) * planet.equatorial_radius / radius
+        if i > 0:
+            total += 0.5 * step * (before + rate)
+        before = rate
+        if i % 4 == 0:
+            profile.range[i // 4] = total
+
+
+def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: float, profile: np.void) -> None:
+    """Lay the profile along the planned reference.
+
+    Args:
+        onboard: onboard record array of length one, its reference planned.
+        planned: rows of the planned entry, ``PLANNED``.
+        start_drag: drag of the planned entry where the profile begins, m/s2.
+        profile: ``DRAG_VELOCITY`` record to fill.
+    """
+    follow = planned[np.argmax(planned["drag"] >= start_drag) :]
+    speed, drag = follow["speed"], follow["drag"]
+    wanted = float(follow["beyond"][-1] - follow["beyond"][0])
+    rows = np.unique(np.linspace(0, len(speed) - 1, _ROWS).astype(int))
+    v, d = speed[rows], drag[rows]
+    highest = np.array([ceiling(onboard[0], x) for x in v])
+    profile["start"], profile["final"], scale = v[0], v[-1], 1.0
+    for _ in range(4):
+        profile["join"], profile["level"], profile["coefficient"] = _segments(v, d, highest / scale)
+        profile["coefficient"] *= scale
+        integrate_range(onboard[0], profile)
+        scale *= profile["range"][-1] / wanted
+    for _ in range(3):
+        profile["coefficient"] *= profile["range"][-1] / wanted
+        integrate_range(onboard[0], profile)
+
+
+def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float, float, np.ndarray]:
+    """Joints and coefficients, shape (3, 3), closest to the drag ``d`` and not above ``highest`` at the
+    speeds ``v``.
+
+    For given joints the profile is linear in drag, slope and curvature at the first joint.  A relative misfit
+    counts as the range it costs.
+    """
+    weight, target = np.sqrt(np.abs(np.gradient(v)) * v) / d, np.minimum(d, highest)
+    best, found = np.inf, (0.0, 0.0, np.zeros(3))
+    for join in _JOIN * v[0]:
+        bend = np.square(np.maximum(v - join, 0.0))
+        for level in _LEVEL * v[-1]:
+            columns = np.column_stack([np.ones_like(v), np.maximum(v, level) - join, bend])
+            fit = product(pseudo_inverse(columns * weight[:, None]), target * weight)
+            fitted = product(columns, fit)
+            excess = max(np.max(fitted / highest) - 1.0, 0.0)
+            error = np.sum(np.square(weight * (fitted - d))) + _STIFF * excess * excess * np.sum(
+                np.square(weight * d)
+            )
+            if level < join and error < best and fitted.min() > 0.3 * d.min():
+                best, found = error, (join, level, fit)
+    join, level, (at_join, slope, curvature) = found
+    quadratic = [at_join - slope * join + curvature * join * join, slope - 2.0 * curvature * join, curvature]
+    return (
+        join,
+        level,
+        np.array(
+            [quadratic, [at_join - slope * join, slope, 0.0], [at_join + slope * (level - join), 0.0, 0.0]]
+        ),
+    )

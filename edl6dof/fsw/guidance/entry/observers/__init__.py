@@ -1,1 +1,0 @@
-"""What the laws estimate in flight: air, drag, disturbance of the flight path."""

@@ -1,3 +1,0 @@
-"""What the flight computer expects of the entry: its models of vehicle and drag, and trajectories predicted
-with them.
-"""

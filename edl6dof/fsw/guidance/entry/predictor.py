@@ -1,0 +1,218 @@
+"""Onboard prediction of the entry, from the navigated state to the parachute, with a bank plan.
+
+Bank plan: one number sets its magnitude, two speeds its reversals.  Magnitude: the open-loop profile of the
+reference with its cosine shifted, or linear in kinetic energy from one angle now to another at the end.
+Side: the present one, changed at each of the speeds.  Sources: Lu 2014, "Entry guidance: a unified method",
+section IV.A (linear in energy); Smith 2016, AAS 16-216 (reversals as part of the plan).
+
+Prediction: the plan is rolled at no more than the vehicle's rate from its present bank angle, reversals
+included; against the heading error where the shared steering aligns the heading; at last with level wings.
+Steps are taken for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source: Lu 2014,
+section II (there with energy as independent variable); the equations:
+:mod:`~edl6dof.fsw.guidance.entry.motion`.
+"""
+
+from __future__ import annotations
+
+from edl6dof.fsw.guidance.entry.aim_point import heading_bank
+from edl6dof.fsw.guidance.entry.air_data import drag_ratio_at
+from edl6dof.fsw.guidance.entry.motion import acceleration, fixed_state, height_above_ellipsoid, roll, step
+from edl6dof.fsw.guidance.entry.reference import reference_bank
+from edl6dof.kernels import kernel
+from edl6dof.spatial.elementary import asin, atan2
+from edl6dof.spatial.frames import from_geodetic
+from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, unit
+
+#: Kinds of plan.
+SHIFTED, LINEAR, IN_PLANE, HELD = range(4)
+
+
+@kernel
+def shifted(shift, side, first_turn, second_turn):
+    """Reference profile, its cosine shifted by ``shift``; ``side`` is +1 right, -1 left; reversals at two
+    speeds (m/s), 0 for none.
+    """
+    return SHIFTED, shift, 0.0, 0.0, side, first_turn, second_turn
+
+
+@kernel
+def in_plane_shifted(shift, first_turn, second_turn):
+    """The same with the sideways lift left out, which the reversals cancel: they pass through lift up and no
+    more.
+    """
+    return IN_PLANE, shift, 0.0, 0.0, 1.0, first_turn, second_turn
+
+
+@kernel
+def linear(bank, last_bank, speed, side, first_turn, second_turn):
+    """Linear in kinetic energy from ``bank`` at ``speed`` to ``last_bank`` (rad) at the final speed; the rest
+    as in ``shifted``.
+    """
+    return LINEAR, bank, last_bank, speed, side, first_turn, second_turn
+
+
+@kernel
+def held(bank):
+    """One bank angle (rad), its sign included, all the way; the smallest bank magnitude is no limit to it."""
+    return HELD, abs(bank), 0.0, 0.0, -1.0 if bank < 0.0 else 1.0, 0.0, 0.0
+
+
+@kernel
+def planned_bank(onboard, plan, speed):
+    """Bank angle (rad) that the plan holds at ``speed``, its magnitude within the limits; of a flight in the
+    plane positive on the present side.
+    """
+    entry = onboard.guidance.entry
+    kind, first, last, start, side, first_turn, second_turn = plan
+    if kind == HELD:
+        return side * min(first, entry.bank_max)
+    if kind == LINEAR:
+        end2 = entry.final_speed * entry.final_speed
+        share = clamp((speed * speed - end2) / max(start * start - end2, 1.0), 0.0, 1.0)
+        magnitude = last + share * (first - last)
+    else:
+        magnitude = reference_bank(onboard, first, speed)
+    if speed <= first_turn:
+        side = -side
+    if speed <= second_turn:
+        side = -side
+    return (-1.0 if side < 0.0 else 1.0) * clamp(magnitude, entry.bank_min, entry.bank_max)
+
+
+@kernel
+def in_plane(plan):
+    """Return whether the sideways lift is left out."""
+    return plan[0] == IN_PLANE
+
+
+@kernel
+def next_corner(onboard, plan, speed):
+    """Highest speed (m/s) below ``speed`` at which the bank jumps: a step of the prediction ends there."""
+    entry = onboard.guidance.entry
+    corner = 0.0
+    for other in (plan[5], plan[6], max(entry.align_speed, entry.heading.speed)):
+        if corner < other < speed - 1e-3:
+            corner = other
+    return corner
+
+
+SPEED_STEP = 40.0  # m/s lost in one step
+LONGEST_STEP, SHORTEST_STEP = 4.0, 0.05  # s
+MAX_STEPS = 400
+OFF_COURSE = 0.87  # cosine of the largest angle between course and aim point that is still ahead
+LOWEST = -5000.0  # m: below it a prediction has failed to slow down
+
+
+@kernel
+def predict(onboard, nav, out, plan):
+    """Predict the flight from ``nav`` to the parachute with a bank plan.
+
+    Drag and lift-to-drag ratio are the onboard model times the ratios measured so far, from ``out``.  The
+    ratio of drag follows its trend with height.
+
+    Returns:
+        downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), altitude
+        (m) and time (s) at the end.  The misses are relative to the great circle from here to the aim point,
+        or to the course if the aim point lies far off it.  With heading alignment, a plan that is not in
+        plane returns the crossrange at the start of the alignment.
+    """
+    planet, entry = onboard.planet, onboard.guidance.entry
+    r, v = fixed_state(planet, nav)
+    here, target = unit(r), aim_direction(onboard)
+    ahead, offset = direction_ahead(here, target, v)
+    steered_above = max(entry.align_speed, entry.heading.speed)
+    bank = present_bank(nav, out) if in_plane(plan) else nav.bank
+    height_here = height_above_ellipsoid(planet, r)
+    t, dt = 0.0, 0.0
+    r_old, speed, excess, excess_old = r, norm(v), 0.0, 0.0
+    lift_up, lift_right = 1.0, 0.0
+    aligning, at_handover = False, 0.0
+    for _ in range(MAX_STEPS):
+        height = height_above_ellipsoid(planet, r)
+        of_drag = drag_ratio_at(entry.air_data, out.drag_ratio, out.drag_trend, height - height_here)
+        ratios = of_drag, out.lift_ratio
+        a, drag, mach = acceleration(onboard, ratios, r, v, (lift_up, lift_right))
+        end_speed = (
+            entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
+        )
+        excess = speed - end_speed
+        if excess <= 0.0 or height < LOWEST:
+            break
+        dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
+        slowing = -dot(a, v) / speed
+        corner = next_corner(onboard, plan, speed)
+        if slowing * dt > speed - corner:
+            dt = max((speed - corner) / slowing, SHORTEST_STEP)
+        goal = 0.0
+        if speed > steered_above + 1e-3:
+            goal = planned_bank(onboard, plan, speed - 1e-3)
+        elif speed > entry.align_speed + 1e-3 and not in_plane(plan):
+            range_to_go, crossrange = to_aim(planet, target, r, v)
+            goal = heading_bank(entry.heading, range_to_go, crossrange)
+            if not aligning:
+                aligning, at_handover = True, crossrange
+        bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
+        if in_plane(plan):
+            lift_right = 0.0
+        a, _, _ = acceleration(onboard, ratios, r, v, (lift_up, lift_right))
+        r_old, excess_old = r, excess
+        r, v = step(onboard, ratios, r, v, a, lift_shares=(lift_up, lift_right), dt=dt)
+        speed = norm(v)
+        t += dt
+    if excess < 0.0 < excess_old:
+        back = excess / (excess - excess_old)
+        r = add(scale(1.0 - back, r), scale(back, r_old))
+        t -= back * dt
+    there = unit(r)
+    beyond = atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here))
+    aside = planet.equatorial_radius * (asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0)) - offset)
+    return (
+        beyond * planet.equatorial_radius,
+        at_handover if aligning else aside,
+        height_above_ellipsoid(planet, r),
+        t,
+    )
+
+
+@kernel
+def direction_ahead(here, target, v):
+    """Return the horizontal direction at ``here`` along which downrange is counted, and how far (rad) the aim
+    point in direction ``target`` lies to the right of it.
+
+    It is towards the aim point; where that is far off the course, abeam or behind, it is along the course.
+    """
+    ahead = unit(sub(target, scale(dot(target, here), here)))
+    along = unit(sub(v, scale(dot(v, here), here)))
+    if dot(ahead, along) > OFF_COURSE:
+        return ahead, 0.0
+    return along, asin(clamp(dot(target, cross(along, here)), -1.0, 1.0))
+
+
+@kernel
+def present_bank(nav, out):
+    """Bank angle (rad), positive on the side that is banked to: negative while a reversal is still short of
+    lift up.
+    """
+    return abs(nav.bank) if out.side == 0.0 else out.side * nav.bank
+
+
+@kernel
+def to_aim(planet, target, r, v):
+    """Great-circle range to the aim point in direction ``target`` and signed crossrange, as ``to_target`` has
+    them, m.
+    """
+    up = unit(r)
+    left = unit(cross(up, v))
+    radius = planet.equatorial_radius
+    return radius * atan2(norm(cross(up, target)), dot(up, target)), radius * asin(
+        clamp(dot(target, left), -1.0, 1.0)
+    )
+
+
+@kernel
+def aim_direction(onboard):
+    """Unit vector (F) to the aim point, by its geodetic latitude as ``to_target`` measures range."""
+    planet, site = onboard.planet, onboard.site
+    return unit(
+        from_geodetic(planet.equatorial_radius, planet.flattening, site.aim_latitude, site.aim_longitude, 0.0)
+    )

@@ -1,1 +1,0 @@
-"""Drag profiles that laws follow, and the corridor they lie in."""

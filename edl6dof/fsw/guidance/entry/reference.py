@@ -1,0 +1,209 @@
+"""Reference trajectory: the entry as it is planned before the flight, at an open-loop bank profile.
+
+It is flown on the ground (:mod:`edl6dof.scenario.planned_entry`) with a bank profile that is linear in speed
+between points and constant beyond the ends.  By default the profile is shifted, by one number added to
+cos(bank), so that it ends at the aim point.  The quantities that guidance needs are tabulated over the square
+root of twice the specific energy, which is near the speed.
+Sources: bank profile in segments over speed, Zheng & Cui 2015, section 3.2; with linear ones, Yan, Sun & Guo
+2016, section 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from edl6dof.config.base import REQUIRED, Capacity, Params, param
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.navigation.derived import model_atmosphere
+from edl6dof.kernels import kernel
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import acos, cos, sin
+from edl6dof.spatial.lookups import held_cell
+from edl6dof.spatial.vector import clamp
+
+MAX_POINTS = 32
+
+
+class BankPoint(Params):
+    """One point of a bank profile."""
+
+    at: float = param(REQUIRED, "speed in m/s, or time from t = 0 in s", ge=0.0, le=20e3)
+    bank_deg: float = param(
+        REQUIRED, "bank angle there; linear between points, constant beyond the ends", ge=-180.0, le=180.0
+    )
+
+
+def must_ascend(points: Sequence[BankPoint]) -> None:
+    """Refuse points that do not ascend.
+
+    Raises:
+        ValueError: they do not.
+    """
+    if any(after.at <= before.at for before, after in zip(points, points[1:], strict=False)):
+        raise ValueError("the points must ascend in 'at'")
+
+
+@kernel
+def bank_at(points, count, x):
+    """Bank angle (rad) of the first ``count`` ``points`` at speed or time ``x``."""
+    if x <= points[0].at:
+        return points[0].bank
+    for i in range(count - 1):
+        low, high = points[i], points[i + 1]
+        if x < high.at:
+            return low.bank + (x - low.at) / (high.at - low.at) * (high.bank - low.bank)
+    return points[count - 1].bank
+
+
+NODES = 256
+#: Standard deviation of the window that the planned drag is smoothed over, s.
+SMOOTHED = 1.0
+
+
+class ReferenceBankParams(Params):
+    """Open-loop bank profile of the reference trajectory: magnitudes over speed; zero in alignment."""
+
+    points: Annotated[list[BankPoint], Capacity(MAX_POINTS)] = param(
+        None,
+        "points of the profile, ascending in speed (m/s); magnitudes",
+        factory=lambda: [BankPoint(at=1500.0, bank_deg=90.0)],
+        min_length=1,
+        max_length=MAX_POINTS,
+    )
+    fit_range: bool = param(
+        True, "whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point"
+    )
+
+    @model_validator(mode="after")
+    def _ascend(self) -> Self:
+        must_ascend(self.points)
+        if any(point.bank_deg < 0.0 for point in self.points):
+            raise ValueError("the points must have no negative bank_deg: the side is the reversal logic's")
+        return self
+
+
+REFERENCE = np.dtype(
+    [
+        ("first", "f8"),
+        ("spacing", "f8"),
+        ("shift", "f8"),
+        ("drag", "f8", (NODES,)),
+        ("drag_rate", "f8", (NODES,)),
+        ("drag_acceleration", "f8", (NODES,)),
+        ("ground", "f8", (NODES,)),  # drag times ground range per energy: near cos(gamma) R/r
+    ],
+    align=True,
+)
+
+#: The planned entry in rows from the start to where the parachute opens.
+PLANNED = np.dtype(
+    [
+        ("t", "f8"),  # s
+        ("altitude", "f8"),  # m
+        ("speed", "f8"),  # m/s, relative to the planet
+        ("path_angle", "f8"),  # rad
+        ("azimuth", "f8"),  # rad
+        ("energy", "f8"),  # J/kg
+        ("beyond", "f8"),  # m, beyond the aim point along the great circle from the start
+        ("aside", "f8"),  # m, right of it
+        ("bank", "f8"),  # rad, commanded
+        ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
+        ("mach", "f8"),
+        ("drag", "f8"),  # m/s2, in the expected wind, as the next two
+        ("load", "f8"),  # m/s2
+        ("dynamic_pressure", "f8"),  # Pa
+        ("density", "f8"),  # kg/m3
+    ]
+)
+
+
+@kernel
+def point_mass(onboard, h, v, gamma, bank):
+    """Rates of (altitude, speed, flight-path angle, ground range) and the drag acceleration."""
+    planet, vehicle = onboard.planet, onboard.vehicle
+    r = planet.equatorial_radius + h
+    g = planet.mu / (r * r)
+    density, sound, _ = model_atmosphere(onboard.atmosphere, h)
+    area, lift_to_drag = believed_aero(vehicle, v / sound, v)
+    drag = 0.5 * density * v * v * area / vehicle.entry_mass
+    lift = drag * lift_to_drag
+    return (
+        v * sin(gamma),
+        -drag - g * sin(gamma),
+        lift * cos(bank) / v + (v / r - g / v) * cos(gamma),
+        v * cos(gamma) * planet.equatorial_radius / r,
+        drag,
+    )
+
+
+@kernel
+def reference_bank(onboard, shift, speed):
+    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift``, inside the
+    limits that all laws share.
+
+    Heading alignment banks to either side of zero: from there on the reference flies with wings level.
+    """
+    entry = onboard.guidance.entry
+    if speed <= max(entry.align_speed, entry.heading.speed):
+        return 0.0
+    p = entry.reference_bank
+    wanted = cos(bank_at(p.points, p.n_points, speed)) + shift
+    return acos(clamp(wanted, cos(entry.bank_max), cos(entry.bank_min)))
+
+
+@kernel
+def node_of(reference, energy_speed):
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held
+    at both ends.
+    """
+    return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
+
+
+def fill_reference(planned: np.ndarray, table: np.void) -> None:
+    """Tabulate the planned entry into a ``REFERENCE`` record, its shift left as it is.
+
+    The drag is smoothed first, over a few seconds, so that the short lift-up of a reversal, which comes at
+    another time in flight, leaves no step in the derivatives.  They are those of the tabulated drag along the
+    planned loss of energy, and the range is the planned one along the tabulated drag.
+    """
+    t, energy = planned["t"], planned["energy"]
+    u = np.sqrt(2.0 * np.maximum(energy, 0.0))
+    drag = _smoothed(t, planned["drag"])
+    rate = np.gradient(drag, t)
+    # the energy falls from the moment drag beats nothing; keep the part where it is strictly decreasing
+    keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
+    nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
+    table["first"], table["spacing"] = nodes[0], nodes[1] - nodes[0]
+    columns = {
+        "drag": drag,
+        "drag_rate": rate,
+        "drag_acceleration": np.gradient(rate, t),
+        "ground": -drag * np.gradient(planned["beyond"], t) / np.gradient(energy, t),
+    }
+    for name, values in columns.items():
+        table[name] = arrays.interpolate(nodes, u[keep][::-1], values[keep][::-1])
+
+
+def _smoothed(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Logarithm-weighted means of positive ``values`` over a window of ``SMOOTHED`` seconds that leaves a
+    parabola, and so the peak of drag, as it is: a normal one times 1.5 - 0.5 x^2.
+    """
+    even = t[0] + (t[1] - t[0]) * np.arange(ceil((t[-1] - t[0]) / (t[1] - t[0])))
+    reach = int(4.0 * SMOOTHED / (t[1] - t[0]))
+    x2 = np.square(np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED)
+    window = arrays.exp(-0.5 * x2) * (1.5 - 0.5 * x2)
+    logs = np.pad(
+        arrays.interpolate(even, t, arrays.log(np.maximum(values, 1e-12))),
+        reach,
+        mode="reflect",
+        reflect_type="odd",
+    )
+    means = np.zeros_like(even)
+    for k, weight in enumerate(window / window.sum()):
+        means += weight * logs[k : k + len(even)]
+    return arrays.exp(arrays.interpolate(t, even, means))

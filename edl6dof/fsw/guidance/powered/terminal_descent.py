@@ -1,0 +1,246 @@
+"""The last hundred metres: hover and imaging, lateral hazard avoidance, slow vertical descent.
+
+Height is controlled by thrust, lateral motion in hover by a small tilt, then by the horizontal thrusters with
+the vehicle upright.  The lateral bias force (an engine out of line, wind) is fed forward: tilt or thrusters
+cancel it before it has moved the vehicle.  Source of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the
+laws are proportional-derivative, an estimate.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Literal
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG
+from edl6dof.spatial.elementary import exp, tan
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import clamp, dot, put3, take3
+
+LATERAL_BIAS = np.dtype([("known", FLAG), ("force_N", "f8", (2,))], align=True)
+
+
+@kernel
+def lateral_bias(time_constant, nav, disturbance, dt, memory):
+    """Return the lateral bias force, north and east (N): the steady force across the thrust axis that neither
+    engine nor thrusters explain.
+
+    It is the estimated disturbance force (Hu et al. 2022, eqs. 10-12) without its axial part, turned into
+    north and east and smoothed, since each single estimate contains the vibration of the engine.
+
+    Args:
+        time_constant: over which it is smoothed, s.
+        nav: ``NAV`` record.
+        disturbance: ``DISTURBANCE`` record.
+        dt: time since the last call, s.
+        memory: ``LATERAL_BIAS`` record; at the first call it takes the estimate as it is.
+    """
+    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    force = from_frame(q, (0.0, disturbance.force[1], disturbance.force[2]))
+    step = 1.0 - exp(-dt / time_constant) if memory.known != 0 else 1.0
+    memory.known = 1
+    memory.force_N[0] += step * (dot(force, take3(nav.north_I, 0)) - memory.force_N[0])
+    memory.force_N[1] += step * (dot(force, take3(nav.east_I, 0)) - memory.force_N[1])
+    return memory.force_N[0], memory.force_N[1]
+
+
+class TerminalParams(Params):
+    """Hover, hazard avoidance and slow descent."""
+
+    hover_height_m: float = param(
+        100.0, "height of hover and imaging", status="published", source="S1", gt=0.0
+    )
+    avoidance_rate_m_s: float = param(3.3, "descent rate during hazard avoidance", status="estimate", gt=0.0)
+    avoidance_height_m: float = param(
+        20.0, "height at which hazard avoidance ends", status="published", source="S1", gt=0.0
+    )
+    touchdown_rate_m_s: float = param(
+        1.7, "descent rate of the slow descent", status="estimate", gt=0.0, le=5.0
+    )
+    safe_spot_north_m: float = param(
+        15.0, "safe spot found by imaging, north of the hover point", status="estimate", ge=-100.0, le=100.0
+    )
+    safe_spot_east_m: float = param(
+        -10.0, "safe spot found by imaging, east of the hover point", status="estimate", ge=-100.0, le=100.0
+    )
+    height_gain: float = param(0.25, "descent rate per height error, 1/s", gt=0.0)
+    rate_gain: float = param(1.0, "acceleration per descent-rate error, 1/s", gt=0.0)
+    position_gain: float = param(0.18, "lateral velocity per position error, 1/s", ge=0.0)
+    velocity_gain: float = param(0.8, "lateral acceleration per velocity error, 1/s", ge=0.0)
+    lateral_speed_m_s: float = param(2.0, "largest lateral speed", gt=0.0)
+    lateral_force_n: float = param(
+        450.0, "largest lateral force demanded of a pair of horizontal thrusters", status="estimate", gt=0.0
+    )
+    hover_tilt_limit_deg: float = param(
+        4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0
+    )
+    settle_gain: float = param(0.4, "lateral acceleration per velocity in hover, by tilt, 1/s", ge=0.0)
+    touchdown_velocity_gain: float = param(
+        0.2, "lateral acceleration per velocity in slow descent, 1/s", ge=0.0
+    )
+    rest_height_m: float = param(
+        3.0,
+        "height below which the horizontal thrusters rest, so that no pulse turns the vehicle as it touches",
+        ge=0.0,
+    )
+    descent_sideways: Literal["thrusters", "tilt"] = param(
+        "thrusters",
+        "what stops lateral motion in slow descent: horizontal thrusters with the vehicle upright, or the "
+        "small tilt of hover, for a vehicle without any",
+    )
+    standing_force_s: float = param(
+        1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
+    )
+
+
+#: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error
+#: asks for.
+LEAST_UPWARD = 0.5
+
+#: Index of ``tilt`` among the choices of ``descent_sideways``.
+BY_TILT = 1
+
+TERMINAL = np.dtype([("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
+
+
+@kernel
+def command_thrust(mass, acceleration, tilt_limit, out):
+    """Turn a wanted acceleration (north, east, up, gravity included, m/s2) into thrust direction and size for
+    ``mass`` (kg).
+    """
+    north, east, up = acceleration
+    up = max(up, LEAST_UPWARD)
+    side = sqrt(north * north + east * east)
+    limit = up * tan(tilt_limit)
+    shrink = limit / side if side > limit and side > 0.0 else 1.0
+    north, east = north * shrink, east * shrink
+    size = sqrt(north * north + east * east + up * up)
+    put3(out.thrust_direction_N, 0, (north / size, east / size, -up / size))
+    out.thrust = mass * size
+
+
+@kernel
+def throttle(engine, out):
+    """Limit the thrust to the throttle band."""
+    out.engine_mode = ENGINE_THROTTLE
+    out.thrust = clamp(out.thrust, engine.throttle_min, engine.throttle_max)
+
+
+@kernel
+def start_or_throttle(engine, weak, full_time, full_again, elapsed, out):
+    """Command full level with the axial thrusters at the start, until the demand falls inside the throttle
+    band; back to it where the demand is far beyond the band, as after a fast release or of a weak engine, and
+    whenever the law asks for it.
+
+    Args:
+        engine: ``ENGINE_ABILITY`` record of those that burn.
+        weak: whether they are believed to give less than commanded.
+        full_time: shortest time at full level, s.
+        full_again: demand, over the upper end of the band, beyond which full level comes back; a weak engine
+            gives it where it is nearer to the demand.
+        elapsed: time since ignition, s.
+        out: ``GUIDE`` record: thrust and engine mode are written.
+    """
+    beyond = 1.0
+    if out.engine_mode == ENGINE_THROTTLE:
+        beyond = 0.5 * (1.0 + engine.full_thrust / engine.throttle_max) if weak else full_again
+    if out.full_wanted != 0 or out.thrust > beyond * engine.throttle_max or elapsed < full_time:
+        out.engine_mode = ENGINE_FULL
+        out.thrust = engine.full_thrust
+    else:
+        throttle(engine, out)
+
+
+@kernel
+def vertical(p, nav, rate):
+    """Upward acceleration (gravity included) that brings the descent rate to ``rate`` m/s."""
+    return nav.gravity + p.rate_gain * (nav.v_N[2] - rate)
+
+
+@kernel
+def hover(p, engine, nav, mass, bias, out):
+    """Hold the hover height, and take out lateral velocity and the lateral ``bias`` (north, east, N) by a
+    small tilt.
+    """
+    rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
+    settle_by_tilt(p, engine, nav, mass, rate, bias=bias, out=out)
+
+
+@kernel
+def settle_by_tilt(p, engine, nav, mass, rate, bias, out):
+    """Come down at ``rate`` m/s, and take out lateral velocity and the lateral ``bias`` by a small tilt."""
+    out.translating = 0
+    north = -p.settle_gain * nav.v_N[0] - bias[0] / mass
+    east = -p.settle_gain * nav.v_N[1] - bias[1] / mass
+    command_thrust(mass, (north, east, vertical(p, nav, rate)), p.hover_tilt_limit, out)
+    throttle(engine, out)
+
+
+@kernel
+def stay_upright(p, engine, nav, mass, rate, out):
+    """Come down vertically at ``rate`` m/s."""
+    command_thrust(mass, (0.0, 0.0, vertical(p, nav, rate)), 0.0, out)
+    throttle(engine, out)
+
+
+@kernel
+def push_sideways(p, mass, acceleration, bias, out):
+    """Ask for the lateral force that makes an ``acceleration`` (north, east, m/s2) against the lateral
+    ``bias`` (N).
+    """
+    limit = p.lateral_force
+    out.translating = 1
+    out.force_N[0] = clamp(mass * acceleration[0] - bias[0], -limit, limit)
+    out.force_N[1] = clamp(mass * acceleration[1] - bias[1], -limit, limit)
+
+
+@kernel
+def acceleration_towards(p, nav, north, east):
+    """Lateral acceleration (north, east, m/s2) that flies to a place so far away (m) with limited speed."""
+    v_n, v_e = p.position_gain * north, p.position_gain * east
+    slower = min(p.lateral_speed / max(sqrt(v_n * v_n + v_e * v_e), 1e-9), 1.0)
+    return p.velocity_gain * (slower * v_n - nav.v_N[0]), p.velocity_gain * (slower * v_e - nav.v_N[1])
+
+
+@kernel
+def avoid(p, engine, nav, mass, bias, point, memory, out):
+    """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending: to the
+    one that was chosen, else to the one that is given.
+    """
+    if point.fine_known != 0:
+        memory.target_set = 1
+        memory.target_L[0], memory.target_L[1] = point.fine_L[0], point.fine_L[1]
+    elif memory.target_set == 0:
+        memory.target_set = 1
+        memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
+        memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
+    north, east = memory.target_L[1] - nav.site_L[1], memory.target_L[0] - nav.site_L[0]
+    push_sideways(p, mass, acceleration_towards(p, nav, north, east), bias, out)
+    # slow down towards the final descent rate at the end of the phase
+    above = max(nav.height - p.avoidance_height, 0.0)
+    rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
+    stay_upright(p, engine, nav, mass, rate, out=out)
+
+
+@kernel
+def descend(p, engine, nav, mass, bias, point, out):
+    """Come down vertically at the touchdown rate; until shortly before contact the horizontal thrusters hold
+    the place of the spot that was chosen, or take out lateral velocity where none was; a vehicle without them
+    tilts as in hover.
+    """
+    if p.descent_sideways == BY_TILT:
+        settle_by_tilt(p, engine, nav, mass, rate=p.touchdown_rate, bias=bias, out=out)
+        return
+    gain = p.touchdown_velocity_gain
+    wanted = -gain * nav.v_N[0], -gain * nav.v_N[1]
+    if point.fine_known != 0:
+        north, east = point.fine_L[1] - nav.site_L[1], point.fine_L[0] - nav.site_L[0]
+        wanted = acceleration_towards(p, nav, north, east)
+    push_sideways(p, mass, wanted, bias, out)
+    if nav.height < p.rest_height:
+        out.translating = 0
+    stay_upright(p, engine, nav, mass, rate=p.touchdown_rate, out=out)

@@ -1,0 +1,271 @@
+"""Hazard detection in flight: an image at the start of powered descent, a scan in hover, and what follows
+from them; which runs, and when.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.units import G0
+from edl6dof.fsw.hazard.backshell_drift import follow_wind, predict_drifts
+from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part
+from edl6dof.fsw.hazard.distance_transform import ENVELOPE, clearances
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, add_range, begin_map, fill_holes
+from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
+from edl6dof.fsw.hazard.safety import SAFETY_MAP
+from edl6dof.fsw.hazard.site_selection import CHOICE, choose_spot, least_bad
+from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
+from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
+from edl6dof.interface.eyes import look
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG, TIME_IF_EVER
+from edl6dof.spatial.elementary import cos, sin
+from edl6dof.spatial.frames import fixed_to_ned, rotate_z
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
+
+HAZARD = np.dtype(
+    [
+        ("exposed", FLAG),  # the camera was triggered
+        ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
+        ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
+        ("scan_t", TIME_IF_EVER),  # s: first block of the scan
+        ("spot_t", TIME_IF_EVER),  # s: spot chosen
+        ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
+        ("way_L", "f8", (3,)),  # m: from there, by the velocity since
+        ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
+        ("coarse", COARSE),
+        ("elevation_map", ELEVATION_MAP),
+        ("footprint", FOOTPRINT),
+        ("safety_map", SAFETY_MAP),
+        ("envelope", ENVELOPE),
+        ("choice", CHOICE),
+    ],
+    align=True,
+)
+
+
+@kernel
+def to_site(frame, turn, v_I):
+    """A vector as east, north, up of the landing site; ``turn``: cosine and sine of the planet's rotation."""
+    v_F = rotate_z(turn[0], turn[1], v_I)
+    north, east, down = fixed_to_ned(frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, v_F)
+    return east, north, -down
+
+
+@kernel
+def body_axes(planet, frame, nav):
+    """Axes x, y, z of B, each as east, north, up of the landing site."""
+    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    angle = planet.rotation_rate * nav.t
+    turn = (cos(angle), sin(angle))
+    return (
+        to_site(frame, turn, from_frame(q, (1.0, 0.0, 0.0))),
+        to_site(frame, turn, from_frame(q, (0.0, 1.0, 0.0))),
+        to_site(frame, turn, from_frame(q, (0.0, 0.0, 1.0))),
+    )
+
+
+@kernel
+def place_of_eye(eye, centre, memory, axes_L):
+    """East, north, up of the landing site (m) of an eye; ``centre``: of mass, B.
+
+    It has moved since the scan began by the integral of the velocity: the altitude as navigated jumps by
+    metres with the ground that the radar meets, and would lay a step into the map wherever it does.
+    """
+    arm = sub(take3(eye.place, 0), centre)
+    off = add(scale(arm[0], axes_L[0]), add(scale(arm[1], axes_L[1]), scale(arm[2], axes_L[2])))
+    return add(add(take3(memory.here_L, 0), take3(memory.way_L, 0)), off)
+
+
+@kernel
+def move(nav, dt, memory):
+    """Keep count of the way since the scan began, ``dt`` (s) after the last time."""
+    north, east, down = take3(nav.v_N, 0)
+    put3(memory.way_L, 0, add(take3(memory.way_L, 0), scale(dt, (east, north, -down))))
+
+
+@kernel
+def deviation_at(eye, distance):
+    """Standard deviation (m) of a range."""
+    return eye.sigma + eye.sigma_square * distance * distance
+
+
+@kernel
+def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
+    """Take the points of a block of the scan into the map."""
+    for i in range(SCAN_BLOCK):
+        for j in range(SCAN_COLUMNS):
+            direction = look(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
+            add_range(
+                lidar.range[i, j],
+                direction_B=direction,
+                eye_L=eye_L,
+                axes_L=axes_L,
+                weight=1.0,
+                elevation_map=elevation_map,
+            )
+
+
+@kernel
+def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
+    """Take the points of a pair of images into the map; ``sharp``: standard deviation of a point of the
+    lidar, m.
+    """
+    for i in range(STEREO_CELLS):
+        for j in range(STEREO_CELLS):
+            distance = stereo.range[i, j]
+            blunt = max(deviation_at(eye, distance) / sharp, 1.001)
+            direction = look(eye.tangent, STEREO_CELLS, i, j)
+            add_range(
+                distance,
+                direction_B=direction,
+                eye_L=eye_L,
+                axes_L=axes_L,
+                weight=1.0 / (blunt * blunt),
+                elevation_map=elevation_map,
+            )
+
+
+@kernel
+def begins_to_scan(params, nav, elapsed):
+    """Return whether the hover has settled, or has lasted too long."""
+    settled = norm(take3(nav.v_N, 0)) < params.speed and norm(take3(nav.w_B, 0)) < params.rate
+    return settled or elapsed > params.latest
+
+
+@kernel
+def work_out(classify, params, terminal, deviation, nav, state, memory):
+    """Classify the cells of the map, and choose the spot.
+
+    Args:
+        classify: the way of detection that flies.
+        params: hazard parameters.
+        terminal: parameters of the terminal phases: how the spot is flown to.
+        deviation: of the elevation of a point, m.
+        nav: ``NAV`` record.
+        state: ``VEHICLE_STATE`` record.
+        memory: ``HAZARD`` record, map included, updated.
+    """
+    elevation_map, footprint, safety_map = memory.elevation_map, memory.footprint, memory.safety_map
+    fill_holes(params.filled_weight, elevation_map)
+    assess(elevation_map, params.footprint_radius, footprint)
+    classify(
+        params.detection,
+        params,
+        elevation_map,
+        footprint,
+        radius=params.footprint_radius,
+        deviation=deviation,
+        out=safety_map,
+    )
+    clearances(safety_map.cell_class, elevation_map.cell, memory.envelope, safety_map.clearance)
+    here_L = (nav.site_L[0], nav.site_L[1])
+    choose_spot(
+        params.choice,
+        elevation_map,
+        safety_map,
+        here_L,
+        apart=2.0 * params.footprint_radius,
+        speed=terminal.lateral_speed,
+        time=max(nav.height - terminal.avoidance_height, 0.0) / terminal.avoidance_rate,
+        flow=state.mass * nav.gravity / (max(state.engine.specific_impulse, 1.0) * G0),
+        out=memory.choice,
+    )
+    if memory.choice.found == 0:
+        least_bad(elevation_map, footprint, safety_map, here_L, memory.choice)
+
+
+@kernel
+def look_ahead(onboard, sensed, nav, memory, point, command):
+    """Ask for the image, and make the coarse choice when it is there."""
+    if memory.exposed == 0:
+        command.expose = memory.exposed = 1
+        drift = memory.coarse.drift
+        predict_drifts(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, drift)
+    elif sensed.camera.fresh != 0:
+        target = choose_part(onboard.hazard.coarse, sensed.camera, nav, memory.coarse)
+        point.coarse_L[0], point.coarse_L[1] = target
+        point.coarse_known, memory.image_t = 1, nav.t
+
+
+@kernel
+def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, command):
+    """Ask for the scan, take what it brings, and choose the spot when it is whole."""
+    params, eyes = onboard.hazard, onboard.instruments.eyes
+    if memory.scanning == 0:
+        if begins_to_scan(params.scan, nav, elapsed):
+            command.scan = memory.scanning = 1
+            memory.scan_t = nav.t
+            put3(memory.here_L, 0, take3(nav.site_L, 0))
+            put3(memory.way_L, 0, (0.0, 0.0, 0.0))
+            ground = (nav.site_L[0], nav.site_L[1], nav.site_L[2] - nav.height)
+            begin_map(params.cell, ground, memory.elevation_map)
+        return
+    move(nav, 1.0 / onboard.rates.base, memory)
+    centre = take3(onboard.vehicle.configuration[state.configuration].centre, 0)
+    axes_L = body_axes(onboard.planet, onboard.site.frame, nav)
+    sharp = max(deviation_at(eyes.lidar, nav.height), 1e-3)
+    if sensed.stereo.fresh != 0:
+        eye_L = place_of_eye(eyes.stereo, centre, memory, axes_L)
+        take_pair(eyes.stereo, sensed.stereo, sharp, eye_L, axes_L, elevation_map=memory.elevation_map)
+    if sensed.lidar.fresh != 0:
+        eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
+        take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.elevation_map)
+        if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
+            work_out(
+                classify,
+                params,
+                onboard.guidance.powered.terminal,
+                deviation=sharp,
+                nav=nav,
+                state=state,
+                memory=memory,
+            )
+            point.fine_L[0], point.fine_L[1] = memory.choice.spot_L[0], memory.choice.spot_L[1]
+            point.fine_known, memory.spot_t = 1, nav.t
+
+
+@kernel
+def detect_nothing(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
+    """Do nothing: the step of a vehicle without hazard detection, see :func:`detect_hazards`."""
+
+
+@kernel
+def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
+    """One base cycle of hazard detection.
+
+    Args:
+        classify: the way of detection that flies.
+        onboard: what the flight computer believes.
+        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
+        elapsed: time since its beginning, s.
+        sensed: ``SENSED`` record: the eyes.
+        nav: ``NAV`` record.
+        state: ``VEHICLE_STATE`` record.
+        memory: ``HAZARD`` record, updated.
+        point: ``LANDING_POINT`` record, written when a choice is made.
+        command: ``COMMAND`` record: requests to camera and lidar, written.
+    """
+    command.expose = command.scan = 0
+    eyes = onboard.instruments.eyes
+    if memory.exposed == 0:
+        follow_wind(onboard.hazard.coarse.wind_time, nav, 1.0 / onboard.rates.base, memory.carried_N)
+    if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
+        look_ahead(onboard, sensed, nav, memory, point, command=command)
+    elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
+        look_down(
+            classify,
+            onboard,
+            elapsed,
+            sensed,
+            nav,
+            state=state,
+            memory=memory,
+            point=point,
+            command=command,
+        )
+    elif kind == G_AVOID and point.fine_known == 0:
+        # nothing was seen: the point below is as good as any
+        point.fine_L[0], point.fine_L[1] = nav.site_L[0], nav.site_L[1]
+        point.fine_known = 1
