@@ -37,7 +37,7 @@ def main() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     sizes = {name: size_mb(one) for name, one in required(list(project["dependencies"])).items()}
     sources = [file for top in ("edl6dof", "vehicles", "scenarios") for file in (ROOT / top).rglob("*")]
-    sizes["edl6dof"] = sum(f.stat().st_size for f in sources if f.is_file() and f.suffix != ".pyc") / 1e6
+    sizes["this package"] = sum(f.stat().st_size for f in sources if f.is_file() and f.suffix != ".pyc") / 1e6
     rest = {name for name, size in sizes.items() if size < SMALLEST_MB}
     for name in sorted(sizes.keys() - rest, key=lambda name: -sizes[name]):
         print(f"{name:<16} {sizes[name]:>6.0f} MB")

@@ -98,18 +98,18 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
     "cache": ("edl6dof cache", "edl6dof cache --clear"),
     "version": ("edl6dof version",),
-    "capsule": (
+    "new capsule": (
         "edl6dof new capsule lander --mass 300 --diameter 1.8 --rcs 8",
         "edl6dof fly lander.yaml",
     ),
-    "law": ("edl6dof new law my_law", "edl6dof fly my_law.yaml"),
-    "controller": ("edl6dof new controller my_controller", "edl6dof fly my_controller.yaml"),
-    "new_campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign tianwen1_mc.yaml -n 100"),
-    "entry": (
+    "new law": ("edl6dof new law my_law", "edl6dof fly my_law.yaml"),
+    "new controller": ("edl6dof new controller my_controller", "edl6dof fly my_controller.yaml"),
+    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign tianwen1_mc.yaml -n 100"),
+    "design entry": (
         "edl6dof design entry msl --out plan.yaml",
         "edl6dof design entry msl --minimise dispersion",
     ),
-    "landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
+    "design landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
 }
 
 

@@ -8,7 +8,6 @@ from shutil import rmtree
 from typing import Annotated
 
 from edl6dof.cli.group import flag
-from edl6dof.config.wording import counted
 
 
 def cache(
@@ -23,6 +22,7 @@ def cache(
     stale. Code that was not used for 30 days goes by itself.
     """
     from edl6dof.cli.exit_status import refuse
+    from edl6dof.config.wording import counted
     from edl6dof.kernels.cache import folder
 
     if everything and not clear:
@@ -43,4 +43,4 @@ def cache(
 def _size(places: Sequence[Path]) -> str:
     """Say how large folders are."""
     sizes = [file.stat().st_size for place in places for file in place.iterdir() if file.is_file()]
-    return f"{sum(sizes) / 1e6:.1f} MB in {counted(len(sizes), 'file')}"
+    return f"{sum(sizes) / 1e6:.1f} MB in {len(sizes):,} files"

@@ -33,7 +33,7 @@ Name = Annotated[str, argument("NAME", "Name of the files, and of what is in the
 Force = Annotated[bool, flag("Replace existing files.", "--force")]
 
 
-@new.command("capsule", cls=Command, epilog=examples("capsule"))
+@new.command("capsule", cls=Command, epilog=examples("new capsule"))
 def new_capsule(
     name: Name,
     mass: Annotated[float, option("KG", "Mass at entry.", min=80.0, max=5_000.0)] = 300.0,
@@ -57,19 +57,19 @@ def new_capsule(
     return 0
 
 
-@new.command("law", cls=Command, epilog=examples("law"))
+@new.command("law", cls=Command, epilog=examples("new law"))
 def new_law(name: Name, force: Force = False) -> int:
     """Write an entry guidance law, and a scenario that flies it."""
     return _write_plugin("energy_law", name, force)
 
 
-@new.command("controller", cls=Command, epilog=examples("controller"))
+@new.command("controller", cls=Command, epilog=examples("new controller"))
 def new_controller(name: Name, force: Force = False) -> int:
     """Write an attitude controller, and a scenario that flies it."""
     return _write_plugin("stop_rates", name, force)
 
 
-@new.command("campaign", cls=Command, epilog=examples("new_campaign"))
+@new.command("campaign", cls=Command, epilog=examples("new campaign"))
 def new_campaign(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     force: Force = False,
@@ -133,13 +133,13 @@ def capsule(name: str, mass_kg: float, diameter_m: float, thrusters: int) -> dic
 
 def _thrusters(diameter_m: float, thrust_n: float, count: int) -> Iterator[str]:
     """A line for each thruster: pairs around the backshell, at its greatest width first below and above."""
-    x_m, radius_m, cant = -0.3 * diameter_m, 0.42 * diameter_m, sqrt(0.5)
+    x_m, radius_m, slant = -0.3 * diameter_m, 0.42 * diameter_m, sqrt(0.5)
     for pair in range(count // 2):
         angle = 0.5 * pi + 4.0 * pi * pair / count
         y, z = cos(angle), sin(angle)
         for letter, side in (("a", 1.0), ("b", -1.0)):
             place = f"[{x_m:.3f}, {radius_m * y:.3f}, {radius_m * z:.3f}]"
-            along = f"[{cant:.6f}, {-side * cant * z:.6f}, {side * cant * y:.6f}]"
+            along = f"[{slant:.6f}, {-side * slant * z:.6f}, {side * slant * y:.6f}]"
             keys = f"name: T{pair + 1}{letter}, group: attitude, position_m: {place}, direction: {along}"
             more = f"thrust_n: {thrust_n:.3g}, specific_impulse_s: 220.0, minimum_pulse_s: 0.02"
             yield f"      - {{{keys}, {more}}}  # [E]"

@@ -20,7 +20,7 @@ def kept(tmp_path, monkeypatch):
 
 
 def test_sizes_are_shown(kept, capsys, monkeypatch):
-    sizes = "  this installation: 1.5 MB in 1 file\n  others: 1.5 MB in 1 file\n"
+    sizes = "  this installation: 1.5 MB in 1 files\n  others: 1.5 MB in 1 files\n"
     assert run(capsys, monkeypatch, "cache") == (0, f"{kept[0].parent}\n{sizes}", "")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -56,10 +57,14 @@ def test_a_plugin_may_run_and_lands(kind, here):
     assert (made.returncode, err) == (0, "") and out.splitlines()[:2] == ["my_own.py", "my_own.yaml"]
     text = (here / "my_own.py").read_text()
     assert "class MyOwnParams(Params)" in text and 'Member("my_own"' in text
-    flown = spawn(["fly", "my_own.yaml", "--no-replay", "--json"], here, XDG_CONFIG_HOME=str(here))
-    out, err = flown.communicate()
-    assert flown.returncode == 0, err
-    assert json.loads(out)["outcome"] == "landed within limits"
+    shutil.copytree(
+        here, here / "moved", ignore=lambda folder, names: set(names) - {"my_own.py", "my_own.yaml"}
+    )
+    for folder in (here, here / "moved"):  # the machine code of the second is that of the first
+        flown = spawn(["fly", "my_own.yaml", "--no-replay", "--json"], folder, XDG_CONFIG_HOME=str(here))
+        out, err = flown.communicate()
+        assert flown.returncode == 0, err
+        assert json.loads(out)["outcome"] == "landed within limits"
     assert not is_accepted((here / "my_own.py").read_bytes()), "in the settings of the test alone"
 
 
