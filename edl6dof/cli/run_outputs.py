@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from itertools import takewhile
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +13,7 @@ import typer
 from edl6dof.api import functions
 from edl6dof.cli.exit_status import UNAVAILABLE, refusing_damage
 from edl6dof.cli.group import argument, flag, option
-from edl6dof.config.errors import refusal
+from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
 
@@ -160,6 +161,8 @@ def compare(
     figure, and the plots of one flight over the other. Two campaigns of the same dispersions are compared in
     pairs: success, and every figure that differs clearly.
     """
+    with suppress(ConfigError):  # of the first flight, whose neighbours are flown; they must be accepted
+        functions.activate(first / "scenario.yaml")
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
 
     with refusing_damage(first, second):

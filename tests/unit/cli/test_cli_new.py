@@ -60,11 +60,18 @@ def test_a_plugin_may_run_and_lands(kind, here):
     shutil.copytree(
         here, here / "moved", ignore=lambda folder, names: set(names) - {"my_own.py", "my_own.yaml"}
     )
-    for folder in (here, here / "moved"):  # the machine code of the second is that of the first
-        flown = spawn(["fly", "my_own.yaml", "--no-replay", "--json"], folder, XDG_CONFIG_HOME=str(here))
+    for folder, mass in (
+        (here, 1284),
+        (here / "moved", 1350),
+    ):  # the machine code of the second is that of the first
+        words = ["fly", "my_own.yaml", "--no-replay", "--json", "--set", f"vehicle.mass.entry_kg={mass}"]
+        flown = spawn(words, folder, XDG_CONFIG_HOME=str(here))
         out, err = flown.communicate()
         assert flown.returncode == 0, err
         assert json.loads(out)["outcome"] == "landed within limits"
+    compared = spawn(["compare", "runs/my_own", "moved/runs/my_own"], here, XDG_CONFIG_HOME=str(here))
+    out, err = compared.communicate()
+    assert (compared.returncode, err) == (0, "") and "Largest differences" in out
     assert not is_accepted((here / "my_own.py").read_bytes()), "in the settings of the test alone"
 
 
