@@ -302,7 +302,7 @@ def _line(error: BaseException, path: Path) -> str:
 
 
 def _complaint(member: Member, roles: dict[str, tuple[str, ...]]) -> str:
-    """What is wrong with a member; empty when nothing is."""
+    """Return the problem of a member, or an empty text."""
     if not member.name.isidentifier() or member.name != member.name.lower():
         return f"has a member whose name is no lower-case identifier (got {member.name!r})"
     if not (member.params.__doc__ or "").strip():

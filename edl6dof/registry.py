@@ -38,7 +38,7 @@ def join(title: str, member: Member) -> None:
 
 
 def is_built(title: str) -> bool:
-    """Whether the family of this title exists, so that nobody can join it any more."""
+    """Return True if the family of this title exists, so that no member can be added to it."""
     return title in _built
 
 
@@ -190,7 +190,7 @@ class Place(NamedTuple):
     path: tuple[str, ...] = ()
 
     def function(self, carried: Collection[int]) -> Given:
-        """What the loop is given for members of these indices."""
+        """Return the function that the loop receives for the members with these indices."""
         return Given(self.role.of(frozenset(carried)), self.type)
 
     def compile(self, names: Collection[str]) -> None:
@@ -210,5 +210,5 @@ def place(
 
 
 def _own(section: str, arguments: Sequence[str]) -> list[str]:
-    """What a member is passed for the arguments of its family."""
+    """Return the arguments of a member for those of its family."""
     return [f"{name}['{section}']" if name in OWN else name for name in arguments]

@@ -28,7 +28,7 @@ HEAD = (
     "median, s",
     "stuck on: named right, %",
     "median, s",
-    "sound flights with a false alarm, %",
+    "healthy flights with a false alarm, %",
     "of all, landed within limits, %",
 )
 

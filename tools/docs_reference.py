@@ -49,16 +49,16 @@ PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("scenario", "Scenario", ("",)),
 )
 
-#: What the file takes besides: keys that stand at the top of a scenario and are described elsewhere.
+#: Explanation of keys at the top of a scenario that the tables do not contain.
 _EXTENDS = (
-    "`extends: NAME` begins with another scenario; what this file says replaces what that one says, items of "
-    "lists by their `name`. `edl6dof params PATH` prints these tables, `edl6dof schema` the JSON schema for "
-    "an editor."
+    "`extends: NAME` starts from another scenario; values in this file replace those of the other, and items "
+    "of lists replace those with the same `name`. `edl6dof params PATH` prints these tables, and "
+    "`edl6dof schema` the JSON schema for an editor."
 )
 
 _STATUS = (
-    "In brackets, where a value comes from: *published*, *derived* from something published, *recalled* from "
-    "memory, *estimate*, *calibrated*; without any, a choice of this software."
+    "The brackets give the origin of a value: *published*, *derived* from published values, *recalled* from "
+    "memory, *estimate* or *calibrated*. A value without brackets is a choice of this software."
 )
 
 
@@ -136,10 +136,11 @@ def telemetry_page() -> str:
 
     brief = {channel.name for channel in BRIEF_CHANNELS}
     text = [
-        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The "
-        "suffix of a name is its unit. A flight of a campaign records those marked *brief* and keeps only "
-        "what follows from them. `truth` is what nobody on board knows; `nav`, `guide`, `control`, "
-        "`estimate` and `diagnosis` are the flight computer's; `nav.error_*` compares the two."
+        "# Telemetry\n\nThese are the columns of `telemetry.parquet` and the keys of `flight.telemetry`, in "
+        "addition to `t_s`. The suffix of a name is its unit. A flight of a campaign records the columns "
+        "marked *brief* and stores only figures derived from them. The flight computer does not know "
+        "`truth`; `nav`, `guide`, `control`, `estimate` and `diagnosis` are its own values; `nav.error_*` is "
+        "the difference of the two."
     ]
     for group, members in groupby(CHANNELS, key=lambda channel: channel.group):
         body = [(f"`{c.name}`", c.unit, c.meaning, "yes" if c.name in brief else "") for c in members]
@@ -172,9 +173,9 @@ def figures_page() -> str:
     ]
     body += [(f"`{f.name}`", f.unit.label, f.meaning, f.source, f"{f.allowed:g}, always") for f in BALANCES]
     return (
-        "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's "
-        "`cases.parquet`, and the names that `published` takes. A figure of an event that a mission does "
-        "not have is not formed.\n\n"
+        "# Figures of merit\n\nThese are the keys of `flight.metrics` and `summary.json`, the columns of a "
+        "campaign's `cases.parquet`, and the names that `published` accepts. A figure of an event that a "
+        "mission does not have is not computed.\n\n"
         + table(("figure", "unit", "meaning", "formed from", "limit"), body)
         + "\n"
     )

@@ -82,14 +82,14 @@ def main() -> int:
     rows = [(f"plane, {slope} deg", [plane(slope, case) for case in cases]) for slope in PLANES_DEG]
     rows += [(f"hills, {slope} deg RMS", [hills(slope, case) for case in cases]) for slope in HILLS_DEG]
     print("                                             beams excluded   largest error, last")
-    print("ground            b2      landed  within     failed      sound   40 s, m/s       10 s, m")
+    print("ground            b2      landed  within     failed    healthy   40 s, m/s       10 s, m")
     met = True
     for name, settings in rows:
         for faulty in (False, True):
             row = measure(settings, faulty)
             met &= row.wrong == 0 and row.velocity_m_s < LIMIT_M_S and row.found == faulty * len(settings)
             print(
-                f"{name:17} {'locked' if faulty else 'sound':6} {row.landed:7} {row.within:7}"
+                f"{name:17} {'locked' if faulty else 'intact':6} {row.landed:7} {row.within:7}"
                 f" {row.found if faulty else '-':>11} {row.wrong:11}"
                 f" {row.velocity_m_s:11.3f} {row.height_m:13.2f}",
                 flush=True,

@@ -2,8 +2,8 @@
 
 python tools/stuck_throttle.py LAW FLIGHTS [SECONDS ...] [--hazards]
 
-Without a time the engine is sound: counted are the flights in which the throttle is believed to stand all the
-same.  With ``--hazards`` the landings look for a safe spot among rocks.
+Without a time the engine is healthy, and the flights are counted in which the throttle is nevertheless judged
+stuck.  With ``--hazards`` the landings look for a safe spot among rocks.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def main() -> None:
     if given.hazards:
         loaded = load_scenario(AMONG_ROCKS, ["simulation.log_every=5", f"{POWERED}.law={given.law}"])
     if not given.seconds:
-        tell(f"{given.law}, sound", fly(loaded, truths, []))
+        tell(f"{given.law}, healthy", fly(loaded, truths, []))
     braking = next(one.name for one in loaded.scenario.mission.phases if one.role == POWERED_DECELERATION)
     for after in given.seconds:
         at = {"phase": braking, "plus_s": after}

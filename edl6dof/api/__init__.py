@@ -1,1 +1,1 @@
-"""The Python API: flights, campaigns and all that is made of them, as objects."""
+"""Python API: flights, campaigns and their results as objects."""

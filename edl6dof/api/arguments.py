@@ -1,4 +1,4 @@
-"""Arguments of a caller: scenarios by name, changes of them, and errors in the caller's own words."""
+"""Arguments of a caller: scenarios by name, changes of them, and errors that name the caller's arguments."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from edl6dof.config.errors import ConfigError, Problem
 
 
 def library(name: str, caller: str, extra: str = "") -> Any:
-    """The module of a library, of the extra that is called as it is, or as ``extra`` says.
+    """Import a library of an extra; the extra has the name of the library, or the name ``extra``.
 
     Raises:
-        ImportError: it is not installed; says what ``caller`` needs and how to get it.
+        ImportError: the library is not installed; the message names ``caller`` and the installation command.
     """
     try:
         return import_module(name)
@@ -33,7 +33,7 @@ _OPTIONS = ContextVar("options", default=False)
 
 @contextmanager
 def naming_options() -> Iterator[None]:
-    """Inside the block errors name options: the caller is a command line."""
+    """Let errors inside the block name options, because the caller is the command line."""
     before = _OPTIONS.set(True)
     try:
         yield
@@ -43,11 +43,11 @@ def naming_options() -> Iterator[None]:
 
 @contextmanager
 def naming_arguments(**names: str) -> Iterator[None]:
-    """Name arguments, and not options, as the place of a mistake: ``overrides`` and ``cases`` for ``--set
-    PATH=VALUE`` and ``--cases``.  Decorates a function, too.
+    """Let errors name arguments instead of options: ``overrides`` and ``cases`` for ``--set PATH=VALUE`` and
+    ``--cases``.  Also a decorator.
 
     Args:
-        names: arguments that are not called as their option is: that of ``--at`` by ``at="at_s"``.
+        names: arguments whose names differ from those of their options: ``at="at_s"`` for ``--at``.
     """
     try:
         yield
@@ -59,7 +59,7 @@ def naming_arguments(**names: str) -> Iterator[None]:
 
 
 def argument(place: str, names: dict[str, str]) -> str:
-    """Return the argument that an option is; another place as it is.
+    """Return the argument that corresponds to an option; return any other place unchanged.
 
     >>> argument("--set seed=x", {}), argument("--at", {"at": "at_s"}), argument("my.yaml", {})
     ('overrides', 'at_s', 'my.yaml')
@@ -74,10 +74,10 @@ def argument(place: str, names: dict[str, str]) -> str:
 
 
 def scenario_name(given: Any) -> str:
-    """Return a scenario as it was named.
+    """Return the name of a scenario.
 
     Raises:
-        TypeError: it is neither a name nor a path.
+        TypeError: the argument is neither a name nor a path.
     """
     if isinstance(given, str | PathLike):
         return str(fspath(given))
@@ -89,7 +89,7 @@ Overrides = Iterable[str] | Mapping[str, Any]
 
 
 def texts(overrides: Overrides) -> tuple[str, ...]:
-    """Changes as texts ``dotted.path=value``.
+    """Return changes as texts ``dotted.path=value``.
 
     >>> texts({"wind": {"gust.enabled": True}, "seed": 3})
     ('wind={"gust.enabled": true}', 'seed=3')
@@ -97,8 +97,8 @@ def texts(overrides: Overrides) -> tuple[str, ...]:
     ('wind.gust.enabled=true',)
 
     Raises:
-        TypeError: they are neither; or a value is neither a number, a text, a path, true or false, nothing,
-            nor lists or mappings of them.
+        TypeError: the changes are neither texts nor a mapping; or a value is not a number, a text, a path, a
+            truth value, ``None``, or a list or mapping of these.
         ConfigError: a number is not finite.
     """
     if isinstance(overrides, str):
@@ -115,7 +115,7 @@ def texts(overrides: Overrides) -> tuple[str, ...]:
 
 
 def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Values by dotted path; a mapping that is empty or has dotted keys, as ``truth``, is one value."""
+    """Yield values by dotted path; a mapping that is empty or has dotted keys, as ``truth``, is one value."""
     for key, value in data.items():
         path = f"{above}{key}"
         if isinstance(value, Mapping) and value and not any("." in str(inner) for inner in value):
@@ -125,7 +125,7 @@ def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 
 
 def _text(path: str, value: Any) -> str:
-    """A value as JSON, which is YAML."""
+    """Return a value as JSON, which is valid YAML."""
     try:
         return json.dumps(value, default=_plain, allow_nan=False)
     except TypeError as error:

@@ -1,4 +1,4 @@
-"""Uncertain parameters of a scenario fitted to its published figures, and the files of what was found."""
+"""Fit uncertain parameters of a scenario to its published figures, and write the results."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from edl6dof.report.numbers import significant
 def found_by(
     calibration: Calibration, scenario: str, progress: Callable[[int, int], None] | None = None
 ) -> Findings:
-    """Fit a calibration; ``progress`` is called with the flights flown, and with how many there are.
+    """Fit a calibration; ``progress`` is called with the number of flights flown and the total number.
 
     Raises:
-        ConfigError: too few of its flights came to every figure.
+        ConfigError: too few flights reached all figures.
     """
     flown, total = count(1), DESIGNS * calibration.params.flights + 2 * FLIGHTS
     try:
@@ -33,7 +33,7 @@ def found_by(
 def write_findings(
     found: Findings, folder: Path, scenario: str, sets: Sequence[str], flights: int | None
 ) -> str:
-    """Write ``summary.json`` and the scenario with the values found into a folder; returns the summary."""
+    """Write ``summary.json`` and the scenario with the values found into a folder; return the summary."""
     summary = json_text(plain(found))
     (folder / "summary.json").write_text(summary, encoding="utf-8")
     name, marks = found.calibration.loaded.scenario.name, claims(found, scenario, sets, flights)
@@ -45,7 +45,7 @@ def write_findings(
 
 
 def claims(found: Findings, scenario: str, sets: Sequence[str], flights: int | None) -> dict[str, str]:
-    """Mark of each value: the command that made it, its standard deviation and its prior."""
+    """Return the mark of each value: the command that found it, its standard deviation and its prior."""
     options = [*(f"--set {text}" for text in sets), *([] if flights is None else [f"-n {flights}"])]
     command = " ".join(["edl6dof calibrate", scenario, *options])
     return {

@@ -1,4 +1,4 @@
-"""A campaign: many flights of one scenario, flown into a folder or into memory, and what they came to."""
+"""A campaign: many flights of one scenario, flown into a folder or into memory, and their results."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class CampaignResult:
     """Result of a campaign, a sweep or a matrix of faults.
 
     Attributes:
-        summary: successes, causes of failures, what flew them.
-        table: a row for each case: what was drawn, how it ended, figures with unit suffix.
-        folder: where it is kept; ``None`` of one that is in memory only.
+        summary: successes, causes of failures, versions and machine.
+        table: a row for each case: drawn values, outcome, figures with unit suffix.
+        folder: folder of the campaign; ``None`` if it is in memory only.
     """
 
     summary: Summary
@@ -61,10 +61,11 @@ class CampaignResult:
 
     @cached_property
     def plan(self) -> Plan:
-        """Scenario, and every case as a function of its number.
+        """The plan: the scenario, and every case as a function of its number.
 
         Raises:
-            ConfigError: it was flown by another program or other files, which would fly other cases.
+            ConfigError: the campaign was flown by another program or with other files, so its cases would
+                differ.
         """
         if self._plan is not None:
             return self._plan
@@ -73,12 +74,12 @@ class CampaignResult:
 
     @property
     def cases(self) -> int:
-        """Cases that have flown."""
+        """Number of cases flown."""
         return self.summary.cases
 
     @property
     def successes(self) -> int:
-        """Those that reached their goal within all limits."""
+        """Number of cases that reached their goal within all limits."""
         return self.summary.successes
 
     @property
@@ -88,23 +89,23 @@ class CampaignResult:
 
     @property
     def p_success_95(self) -> tuple[float, float]:
-        """Bounds of it at 95 %."""
+        """Confidence interval of the share of successes at 95 %."""
         low, high = self.summary.p_success_95
         return low, high
 
     @cached_property
     def causes(self) -> dict[str, int]:
-        """Causes of failures, and how many cases failed by each."""
+        """Causes of failures, and the number of cases of each."""
         return {one.cause: one.cases for one in self.summary.causes}
 
     def __len__(self) -> int:
         return self.table.num_rows
 
     def __getitem__(self, column: str) -> np.ndarray:
-        """A column, shape (cases,); of numbers NaN where a case has none.
+        """Return a column, shape (cases,); a number is NaN if a case has none.
 
         Raises:
-            KeyError: there is no such column; the text says which was probably meant.
+            KeyError: there is no such column; the message suggests a similar name.
         """
         if column not in self.table.column_names:
             raise UnknownName("column", column, self.table.column_names)
@@ -113,11 +114,11 @@ class CampaignResult:
         return self._columns[column]
 
     def quantile(self, column: str, share: float) -> Quantile | None:
-        """Value that a share of all flights stays below, with 95 % bounds; ``None`` if cases are too few."""
+        """Return the quantile of a share of the flights with 95 % bounds; ``None`` if cases are too few."""
         return quantile(self[column].astype(float), share)
 
     def quantiles(self, column: str) -> list[Quantile]:
-        """The quantiles that the cases can bound, of those from 0.13 % to 99.87 %."""
+        """Return the quantiles from 0.13 % to 99.87 % that the cases can bound."""
         found = (self.quantile(column, share) for share in SHARES)
         return [one for one in found if one is not None]
 
@@ -130,7 +131,7 @@ class CampaignResult:
         return worst_case(self.table, figure)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The rows as a data frame indexed by case.
+        """Return the rows as a data frame indexed by case.
 
         Raises:
             ImportError: pandas is not installed.
@@ -139,11 +140,11 @@ class CampaignResult:
         return library("pandas", "to_pandas").DataFrame(columns).set_index("case")
 
     def refly(self, case: int) -> Flight:
-        """Fly a case again with all its telemetry; ``differences`` of the flight names what is not as its
-        row.
+        """Fly a case again with all its telemetry; ``differences`` of the flight lists columns that do not
+        equal its row.
 
         Raises:
-            ConfigError: there is no such case, or it was flown by another program or other files.
+            ConfigError: there is no such case, or it was flown by another program or with other files.
         """
         return refly_case(self.plan, self.table, self.folder or "campaign", case)
 
@@ -160,7 +161,7 @@ class CampaignResult:
 
 
 def _array(column: Any) -> np.ndarray:
-    """A column as an array; without arrow's own conversion, which loads pandas."""
+    """Return a column as an array, without the conversion of arrow, which loads pandas."""
     values = column.to_pylist()
     if pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
         if None not in values:
@@ -182,7 +183,7 @@ def worst_case(table: pa.Table, figure: str) -> int:
 
 
 def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Flight:
-    """Fly a case again with all its telemetry, and compare it with its row; ``place`` is whose table it is.
+    """Fly a case again with its telemetry, and compare it with its row; ``place`` names the table in errors.
 
     Raises:
         ConfigError: there is no such case, or it has no row yet.
@@ -194,10 +195,10 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """An engine, one of :data:`ENGINES`, its number of workers, and the address of a Dask scheduler.
+    """Choice of an engine: one of :data:`ENGINES`, number of workers, and address of a Dask scheduler.
 
     Raises:
-        ConfigError: there is no such engine, or it cannot have so many workers.
+        ConfigError: there is no such engine, or it cannot have this number of workers.
     """
 
     name: str = "threads"
@@ -214,7 +215,7 @@ class EngineChoice:
 
     @contextmanager
     def start(self) -> Iterator[Engine]:
-        """The engine, as long as the block lasts."""
+        """Start the engine for the duration of the block."""
         if self.name == "threads":
             yield Threads(self.workers)
             return
@@ -226,10 +227,10 @@ class EngineChoice:
 
 
 def check_until(until: str | None, plan: Plan | None = None) -> None:
-    """See that a campaign can stop early so.
+    """Check the condition for an early stop of a campaign.
 
     Raises:
-        ConfigError: it cannot.
+        ConfigError: the condition is not possible.
     """
     if until is None:
         return
@@ -252,8 +253,8 @@ def fly_new(
     """Fly a plan from its first case.
 
     Raises:
-        ConfigError: there is something in the folder that the plan must not replace.
-        OSError: something cannot be written, or the engine has failed.
+        ConfigError: the folder has content that the plan must not replace.
+        OSError: a file cannot be written, or the engine has failed.
     """
     with store.lock(make=True):
         store.check_new(force)
@@ -263,11 +264,11 @@ def fly_new(
 
 
 def go_on(store: Store, engine: EngineChoice, watch: Watch | None = None) -> Plan:
-    """Fly what is missing of the plan of a folder; returns the plan.
+    """Fly the missing cases of the plan in a folder; return the plan.
 
     Raises:
-        ConfigError: the folder holds none, or one of another program, or is damaged.
-        OSError: something cannot be written, or the engine has failed.
+        ConfigError: the folder has no plan, or one of another program, or is damaged.
+        OSError: a file cannot be written, or the engine has failed.
     """
     with store.lock():
         plan = run.resumed_plan(store)
@@ -289,7 +290,7 @@ def open_campaign(folder: Path) -> CampaignResult:
     """Read the result of a complete campaign from its folder.
 
     Raises:
-        ConfigError: the folder holds none, or it is not complete, or damaged.
+        ConfigError: the folder has no campaign, or an incomplete or damaged one.
     """
     store = Store(folder)
     if store.info and not store.complete:  # reading it says whether there is a campaign
@@ -298,7 +299,7 @@ def open_campaign(folder: Path) -> CampaignResult:
 
 
 def resumed(folder: Path, engine: EngineChoice, progress: Progress | None) -> CampaignResult:
-    """Go on with the campaign of a folder."""
+    """Resume the campaign of a folder."""
     go_on(Store(folder), engine, _watch(progress))
     return open_campaign(folder)
 
@@ -311,7 +312,7 @@ def flown(
     force: bool,
     progress: Progress | None,
 ) -> CampaignResult:
-    """Fly a plan into its folder, or for want of one into memory."""
+    """Fly a plan into its folder, or without a folder into memory."""
     with nullcontext() if out is not None else tempfile.TemporaryDirectory(prefix="edl6dof-") as place:
         store = Store(Path(out) if out is not None else Path(place or "") / plan.name)
         fly_new(plan, store, engine, until, force, _watch(progress))

@@ -1,4 +1,4 @@
-"""A matrix of faults from the lists that a user writes: what fails, and when."""
+"""A matrix of faults from the lists that a user gives: components, kinds and moments."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ _Wanted = float | tuple[float] | str
 
 
 def listed(names: str | float | Iterable[str | float]) -> str:
-    """Write names, or times, as a text with commas."""
+    """Return names or times as a text with commas."""
     return str(names) if isinstance(names, str | float | int) else ",".join(map(str, names))
 
 
 class FaultRequest(NamedTuple):
-    """A request for what fails, and when; lists are texts with commas, empty or ``None`` for the usual."""
+    """Requested faults and moments; lists are texts with commas, empty or ``None`` for the defaults."""
 
     sensors: bool = False  # fail instruments instead of thrusters
     kinds: str = ""  # kinds of fault
@@ -57,10 +57,10 @@ class FaultRequest(NamedTuple):
 
 
 def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParams:
-    """Look up in a scenario what fails, and when.
+    """Resolve requested faults and moments in a scenario.
 
     Raises:
-        ConfigError: everything that is wrong with the request.
+        ConfigError: lists all problems of the request.
     """
     choice = _Choice(loaded, request)
     failing = choice.failing()
@@ -75,7 +75,7 @@ def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParam
 
 
 class _Choice:
-    """Looks up a request in a scenario, and collects what is wrong with it."""
+    """Resolves a request in a scenario and collects its problems."""
 
     def __init__(self, loaded: LoadedScenario, request: FaultRequest):
         self.loaded, self.scenario, self.request = loaded, loaded.scenario, request
@@ -83,7 +83,7 @@ class _Choice:
         self.problems: list[Problem] = []
 
     def failing(self) -> list[tuple[str, Component, list[str]]]:
-        """Kinds of fault, each with a kind of component and the names of those that fail so."""
+        """Return the kinds of fault, each with a kind of component and the names of the failing ones."""
         sensors, kinds = self.request.sensors, self.request.kinds
         possible = {kind: may_fail(self.scenario, kind) for kind in self._kinds()}
         every = dict.fromkeys(
@@ -123,7 +123,7 @@ class _Choice:
         return self._listed("--kinds", asked or ",".join(OF_INSTRUMENTS), OF_INSTRUMENTS)
 
     def moments(self, kinds: Sequence[str]) -> dict[str, list[FaultMoment]]:
-        """Moments of the faults of each kind."""
+        """Return the moments of the faults of each kind."""
         phases, after_s, at = self.request.phases, self.request.after_s, self.request.at
         if at is None:
             return self._in_phases(kinds, phases, AFTER_S if after_s is None else after_s)
@@ -151,7 +151,7 @@ class _Choice:
         }
 
     def _listed(self, option: str, text: str, allowed: Sequence[str]) -> list[str]:
-        """Names in a text with commas, in the order of ``allowed``."""
+        """Return the names in a text with commas, in the order of ``allowed``."""
         names = [name.strip() for name in text.split(",") if name.strip()]
         for name in names:
             if name not in allowed:
@@ -164,11 +164,13 @@ class _Choice:
 
 
 def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
-    """The moments that ``--at`` names, in the order of time; of events and intervals those of the nominal
-    flight, which is flown for it.  Several events of one name are numbered.
+    """Return the moments that ``--at`` names, in the order of time.
+
+    Times of events and intervals are those of the nominal flight, which is flown to find them.  Events with
+    the same name are numbered.
 
     Raises:
-        ConfigError: every part of the text that is none.
+        ConfigError: lists every part of the text that is not a moment.
     """
     wanted = _parsed(text, loaded.scenario)
     events = [] if all(isinstance(one, float) for one in wanted) else fly(loaded).events
@@ -220,7 +222,7 @@ def _parsed(text: str, scenario: Scenario) -> list[_Wanted]:
 
 
 def event_names(scenario: Scenario) -> list[str]:
-    """Names of the events of a flight, their own and those of milestones, in the order of the mission."""
+    """Return the names of the events and milestones of a flight, in the order of the mission."""
     events = scenario.mission.events.values()
     own = (name for event in events for name in (event.name, milestone(event, scenario.vehicle)))
     return [name for name in dict.fromkeys((*own, *_ALWAYS)) if name != NO_MILESTONE]

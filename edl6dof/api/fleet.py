@@ -1,4 +1,4 @@
-"""Dispersed flights of one scenario side by side, each begun in a phase: for learning environments."""
+"""Dispersed flights of one scenario in parallel, each started in a phase, for learning environments."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Fleet(sim.Fleet):
 
     @property
     def flying(self) -> np.ndarray:
-        """True for each flight that goes on, shape (flights,)."""
+        """True for each flight that has not ended, shape (flights,)."""
         return self.outcomes == FLYING
 
     def landed_well(self, limits: LimitParams) -> np.ndarray:
@@ -47,8 +47,8 @@ class DispersedFlights:
 
     Args:
         scenario: name or file of a campaign.
-        overrides: as of :func:`edl6dof.load`.
-        faults: one of these, each as likely, in every flight, instead of the campaign's own.
+        overrides: changes of the scenario, as for :func:`edl6dof.load`.
+        faults: faults that replace those of the campaign; each flight has one of them, all equally likely.
 
     Attributes:
         loaded: the scenario.
@@ -61,15 +61,15 @@ class DispersedFlights:
         self.loaded = self._starts.loaded
 
     def fleet(self, count: int, workers: int = 1) -> Fleet:
-        """Places for as many flights, which :meth:`Fleet.put` lets begin."""
+        """Make a fleet with places for a number of flights, which :meth:`Fleet.put` starts."""
         return Fleet(count, self._starts.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
 
     def at_phase(self, seed: int, role: str, later_s: float = 0.0) -> Start | None:
-        """The flight of a seed where its phase of a role begins, or ``later_s`` (s) after; ``None`` where it
-        ends before.
+        """Return the flight of a seed at the start of its phase with a role, or ``later_s`` (s) after it;
+        ``None`` if it ends before.
 
         Raises:
-            ConfigError: the flight is in another world, which a fleet cannot hold.
+            ConfigError: the campaign disperses tables of air or ground, which the flights of a fleet share.
         """
         variant = self._starts.of(seed)
         if variant.parts.tables is not self._starts.base.parts.tables:

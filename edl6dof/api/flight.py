@@ -1,4 +1,4 @@
-"""A flight with all that can be asked of it: flown, or read from the folder of its run."""
+"""Flights as objects of the API: flown, or read from the folder of a run."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ REPLAY = "replay.rrd"
 
 
 class Flight(sim.Flight, FlightResults):
-    """A flight that has been flown here; see :class:`edl6dof.sim.flight.Flight` for all it holds.
+    """A flight flown by this process; :class:`edl6dof.sim.flight.Flight` describes its contents.
 
     Attributes:
-        differences: of a case of a campaign flown again: columns in which it is not as its row.
-        folder: where it was saved last; ``None`` of one that is in memory only.
+        differences: columns that differ from the row of the case, if a case of a campaign was flown again.
+        folder: folder to which it was saved last; ``None`` if it is in memory only.
     """
 
     differences: tuple[str, ...] = ()
@@ -47,22 +47,22 @@ class Flight(sim.Flight, FlightResults):
 
     @classmethod
     def of(cls, flight: sim.Flight) -> Flight:
-        """The same flight with all that can be asked of it."""
+        """Make an object of the API from a flight."""
         return cls(**{field.name: getattr(flight, field.name) for field in fields(flight)})
 
     def unit(self, name: str) -> str:
-        """Printed unit of a channel."""
+        """Return the printed unit of a channel."""
         return describe(name)[0]
 
     def meaning(self, name: str) -> str:
-        """Meaning of a channel."""
+        """Return the meaning of a channel."""
         return describe(name)[1]
 
     def save(self, folder: str | Path, *, replay: bool = True, force: bool = False) -> Path:
         """Write the folder of a run, as ``edl6dof fly`` does.
 
         Raises:
-            ConfigError: there is something already that must not be replaced, or it cannot be written.
+            ConfigError: the folder exists and must not be replaced, or cannot be written.
         """
         with atomic_folder(Path(folder), "flight", force) as partial:
             self.write(partial, replay)
@@ -73,10 +73,10 @@ class Flight(sim.Flight, FlightResults):
         """Write all files of a run into a folder that exists.
 
         Args:
-            folder: where to.
-            replay: whether to write the 3D replay.
-            release: whether the flight may let its telemetry go, once it is written, and keep its results
-                only: the replay takes as much memory again.
+            folder: folder of the run.
+            replay: True to write the 3D replay.
+            release: True to free the telemetry once it is written and keep only the results; the replay
+                needs as much memory again.
         """
         write_run(self, folder)
         if self.saved is not None:
@@ -91,11 +91,11 @@ class Flight(sim.Flight, FlightResults):
 
 
 class RecordedFlight(FlightResults):
-    """A flight read from the folder of a run; every file is compared with its hash before it is used.
+    """A flight that is read from the folder of a run; the hash of every file is checked before use.
 
     Attributes:
-        folder: of the run.
-        telemetry: columns by name, read when they are asked for.
+        folder: folder of the run.
+        telemetry: columns by name, each read at its first use.
     """
 
     def __init__(self, folder: Path):
@@ -108,17 +108,17 @@ class RecordedFlight(FlightResults):
 
     @property
     def outcome(self) -> str:
-        """How it ended, in words."""
+        """Outcome of the flight in words."""
         return self._run.summary["outcome"]
 
     @property
     def success(self) -> bool:
-        """True if it reached the goal of the mission within all limits."""
+        """True if the flight reached the goal of the mission within all limits."""
         return self._run.summary["success"]
 
     @property
     def time_s(self) -> float:
-        """When it ended, s."""
+        """Time at the end of the flight, s."""
         return self._run.summary["time_s"]
 
     @property
@@ -138,17 +138,17 @@ class RecordedFlight(FlightResults):
 
     @property
     def events(self) -> Sequence[Mapping[str, Any]]:
-        """The timeline: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the state then."""
+        """Events in the order of time: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the state."""
         return self._run.events
 
     @cached_property
     def metrics(self) -> Mapping[str, float | None]:
-        """Figures by name with unit suffix; ``None`` for what could not be formed."""
+        """Figures by name with unit suffix; ``None`` for a figure that could not be computed."""
         return Named("figure", self._run.summary["figures"])
 
     @cached_property
     def checks(self) -> list[Check]:
-        """Every limit with this flight's value."""
+        """Every limit with the value of this flight."""
         names = {figure.meaning: figure.name for figure in LIMITS}
         return [
             Check(
@@ -162,17 +162,17 @@ class RecordedFlight(FlightResults):
         ]
 
     def attitude(self, t: float) -> Quaternion:
-        """Attitude at time ``t`` (s); see :meth:`edl6dof.sim.flight.Flight.attitude`."""
+        """Return the attitude at time ``t`` (s); see :meth:`edl6dof.sim.flight.Flight.attitude`."""
         return attitude_at(t, self["t_s"], [self[f"truth.q_I2B_{c}"] for c in "wxyz"])
 
     @property
     def landing_map(self) -> LandingMap | None:
-        """The ground as the lander saw it, and the spot it chose; ``None`` without a scan."""
+        """Map of the ground from the scan of the lander, and the chosen spot; ``None`` without a scan."""
         return self._run.landing_map
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The resolved scenario, as far as the package itself knows it."""
+        """The resolved scenario, without parts that only a plugin defines."""
         return viewed_scenario(self.scenario_text, str(self.folder / "scenario.yaml")).scenario
 
     @property
@@ -181,21 +181,21 @@ class RecordedFlight(FlightResults):
         return self._run.scenario_text
 
     def unit(self, name: str) -> str:
-        """Printed unit of a channel."""
+        """Return the printed unit of a channel."""
         return self._run.unit(name)
 
     def meaning(self, name: str) -> str:
-        """Meaning of a channel."""
+        """Return the meaning of a channel."""
         return self._run.meaning(name)
 
 
 def flown_into(
     folder: Path, fly: Callable[[], Flight], *, replay: bool, force: bool, release: bool = False
 ) -> Flight:
-    """Fly, and write the folder of the run, which is claimed before; see :meth:`Flight.write`.
+    """Fly and write the folder of the run, which is reserved before the flight; see :meth:`Flight.write`.
 
     Raises:
-        ConfigError: there is something already that must not be replaced, or it cannot be written.
+        ConfigError: the folder exists and must not be replaced, or cannot be written.
     """
     with atomic_folder(folder, "flight", force) as partial:
         flight = fly()

@@ -1,4 +1,4 @@
-"""A flight as columns, tables and plots, whether it has just been flown or is read from its files."""
+"""A flight as columns, tables and plots, flown or read from its files."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ class FlightResults(ABC):
     @property
     @abstractmethod
     def outcome(self) -> str:
-        """How it ended, in words."""
+        """Outcome of the flight in words."""
 
     @property
     @abstractmethod
     def success(self) -> bool:
-        """True if it reached the goal of the mission within all limits."""
+        """True if the flight reached the goal of the mission within all limits."""
 
     @property
     @abstractmethod
     def time_s(self) -> float:
-        """When it ended, s."""
+        """Time at the end of the flight, s."""
 
     @property
     @abstractmethod
@@ -63,20 +63,20 @@ class FlightResults(ABC):
     @property
     @abstractmethod
     def events(self) -> Sequence[Mapping[str, Any]]:
-        """The timeline: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the state then."""
+        """Events in the order of time: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the state."""
 
     @property
     @abstractmethod
     def checks(self) -> Sequence[Check]:
-        """Every limit with this flight's value."""
+        """Every limit with the value of this flight."""
 
     @abstractmethod
     def unit(self, name: str) -> str:
-        """Printed unit of a channel."""
+        """Return the printed unit of a channel."""
 
     @abstractmethod
     def meaning(self, name: str) -> str:
-        """Meaning of a channel."""
+        """Return the meaning of a channel."""
 
     def __repr__(self) -> str:
         rows = len(self.telemetry["t_s"])
@@ -99,7 +99,7 @@ class FlightResults(ABC):
         since_s: float | None = None,
         until_s: float | None = None,
     ) -> Plot:
-        """Plot channels; those of one unit share a panel.
+        """Plot channels; channels with the same unit share a panel.
 
         Args:
             channels: names, or patterns such as ``"truth.rate_*"``.
@@ -108,8 +108,8 @@ class FlightResults(ABC):
             until_s: last time, s.
 
         Raises:
-            ConfigError: there is no such channel, or nothing between these times.
-            TypeError: a channel is no name.
+            ConfigError: there is no such channel, or no data between these times.
+            TypeError: a channel is not a name.
         """
         from edl6dof.report.matplotlib_figure import styled
 
@@ -120,7 +120,7 @@ class FlightResults(ABC):
         return Plot(styled(channels_figure(self, self.name, channels, against, since_s, until_s)))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Telemetry as a data frame indexed by time.
+        """Return the telemetry as a data frame indexed by time.
 
         Raises:
             ImportError: pandas is not installed.
@@ -128,7 +128,7 @@ class FlightResults(ABC):
         return library("pandas", "to_pandas").DataFrame(dict(self.telemetry)).set_index("t_s")
 
     def to_xarray(self) -> xarray.Dataset:
-        """Telemetry as a data set along time, with unit and meaning of each variable.
+        """Return the telemetry as a data set along time, with unit and meaning of each variable.
 
         Raises:
             ImportError: xarray is not installed.
@@ -145,16 +145,16 @@ class FlightResults(ABC):
 
 @dataclass(frozen=True)
 class Plot:
-    """A plot, which a notebook shows.
+    """A plot that a notebook can show.
 
     Attributes:
-        figure: of matplotlib.
+        figure: figure of matplotlib.
     """
 
     figure: Canvas
 
     def save(self, path: str | Path, dpi: int = 200) -> None:
-        """Write it in the form that the suffix names: ``.png``, ``.pdf`` or ``.svg``."""
+        """Write the plot in the format of the suffix: ``.png``, ``.pdf`` or ``.svg``."""
         self.figure.savefig(path, dpi=dpi)
 
     def _repr_png_(self) -> bytes:
@@ -171,10 +171,10 @@ def channels_figure(
     since_s: float | None = None,
     until_s: float | None = None,
 ) -> Figure:
-    """Draw the channels that match; see :meth:`FlightResults.plot`; ``place``: whose they are, for messages.
+    """Plot the channels that match, as :meth:`FlightResults.plot`; ``place`` names the flight in messages.
 
     Raises:
-        ConfigError: there is no such channel, or nothing between these times.
+        ConfigError: there is no such channel, or no data between these times.
     """
     names, (x,) = chosen(columns, patterns, place), chosen(columns, [against], place)
     t = columns["t_s"]
@@ -186,7 +186,7 @@ def channels_figure(
 
 
 def flight_html(flight: FlightResults) -> str:
-    """Write a flight as a piece of HTML that needs nothing else."""
+    """Return a flight as self-contained HTML."""
     colour = _GOOD if flight.success else _BAD
     head = (
         f'<p><b>{escape(flight.name)}</b>: <span style="color:{colour}">{escape(flight.outcome)}</span> '
@@ -207,7 +207,7 @@ def flight_html(flight: FlightResults) -> str:
 
 
 def _picture(flight: FlightResults) -> str:
-    """Height and Mach number over time; nothing where the telemetry is brief or gone."""
+    """Return a plot of height and Mach number as HTML; empty if the telemetry is brief or freed."""
     channels = [name for name in SHOWN if name in flight.telemetry]
     if len(channels) < len(SHOWN) or len(flight.telemetry["t_s"]) < 2:
         return ""
@@ -220,7 +220,7 @@ def _number(value: float | None, form: str) -> str:
 
 
 def html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a table of texts."""
+    """Return a table of texts as HTML."""
     cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
     body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>"

@@ -1,7 +1,7 @@
 """The functions of ``import edl6dof``, which the command line calls, too.
 
-They are light: the simulator is loaded when one is called, after the plugins that its flight software has to
-take in.
+They are fast to import: the simulator is loaded when a function is called, after the plugins that its flight
+software needs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def activate(*operands: str | Path | LoadedScenario | None) -> None:
-    """Load the plugins of what is to be flown and of the environment."""
+    """Load the plugins of the scenario and those named in the environment."""
     from edl6dof.plugins import activate
 
     activate([one for one in operands if isinstance(one, str | Path)])
@@ -38,7 +38,7 @@ def load(name_or_path: str | Path, overrides: Overrides = ()) -> LoadedScenario:
         overrides: texts ``"dotted.path=value"``; or a mapping of dotted paths, or nested as in a file.
 
     Raises:
-        ConfigError: with every problem found, each with file, line and key, and what was probably meant.
+        ConfigError: lists every problem found with file, line and key, and suggests a correction.
         TypeError: an argument is of a wrong kind.
     """
     name = scenario_name(name_or_path)
@@ -63,13 +63,13 @@ def fly(
     """Fly a scenario and return the flight, as ``edl6dof fly`` does.
 
     Args:
-        scenario: file, name of a shipped one, or what :func:`load` returned; none with ``start``.
-        overrides: as of :func:`load`, of a scenario that is not loaded yet.
-        out: folder to write, as the command does; none if not given.
-        replay: whether the 3D replay is among its files.
-        force: whether a run that is there may be replaced.
-        start: saved state, or its file, to go on from: it brings its scenario.
-        save_at_s: time at which to keep a state, s.
+        scenario: file, name of a shipped one, or the result of :func:`load`; none with ``start``.
+        overrides: changes as for :func:`load`, if the scenario is not loaded yet.
+        out: folder to write, as the command does; by default nothing is written.
+        replay: True to write the 3D replay.
+        force: True to replace an existing run.
+        start: saved state, or its file, from which to continue; it contains its scenario.
+        save_at_s: time at which to save a state, s.
         progress: called every few seconds of flight; see :func:`edl6dof.sim.flight.fly`.
 
     Raises:
@@ -107,13 +107,13 @@ def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> Load
 
 @naming_arguments()
 def open_run(folder: str | Path) -> RecordedFlight | CampaignResult:
-    """Open the folder of a flight, or of a campaign: what flying it returned, from its files.
+    """Open the folder of a flight or of a campaign, and return its result from the files.
 
     Args:
-        folder: of a run or a campaign.
+        folder: folder of a run or a campaign.
 
     Raises:
-        ConfigError: it is neither, or a file is missing or damaged.
+        ConfigError: the folder is neither, or a file is missing or damaged.
     """
     if (Path(folder) / "campaign.json").is_file():
         activate(folder)
@@ -134,17 +134,17 @@ def report(
     png: bool = False,
     force: bool = False,
 ) -> list[Path]:
-    """Write the report of a run or a campaign, as ``edl6dof report`` does; returns what was written.
+    """Write the report of a run or a campaign, as ``edl6dof report`` does; return the paths written.
 
     Args:
-        run: its folder, or what :func:`open_run` returned, or :func:`fly` with ``out``.
-        out: file to write; ``report.html`` in the folder if not given.
+        run: folder, or the result of :func:`open_run`, or of :func:`fly` with ``out``.
+        out: file to write; by default ``report.html`` in the folder.
         pdf: write one PDF for papers instead.
         png: write a picture of each figure for papers instead.
-        force: whether files that are there may be replaced.
+        force: True to replace existing files.
 
     Raises:
-        ConfigError: there is nothing to report on, or a file must not be replaced.
+        ConfigError: the folder contains no results to report, or a file must not be replaced.
     """
     from edl6dof.api.reports import write_report
     from edl6dof.runs.files import needing_channels
@@ -169,25 +169,25 @@ def replay(
     fps: float = 24.0,
     force: bool = False,
 ) -> list[Path]:
-    """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; returns what was written.
+    """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; return the paths written.
 
     Args:
-        runs: folders, or what :func:`open_run` returned, or :func:`fly` with ``out``; the first may be a
-            campaign's.
+        runs: folders, or results of :func:`open_run`, or of :func:`fly` with ``out``; the first may be a
+            campaign.
         web: show it in the browser.
         html: page to write instead.
         screenshot: picture (PNG) to write instead.
         at_s: time of the picture, s.
-        page: page in front.
+        page: page to show first.
         video: film (MP4) to write instead.
         start_s: first time of the film, s.
         end_s: last time of the film, s.
-        length_s: how long the film is, s; as long as the flight, or 60 s, if not given.
-        fps: its frames per second.
-        force: whether files that are there may be replaced.
+        length_s: duration of the film, s; by default that of the flight, at most 60 s.
+        fps: frames per second of the film.
+        force: True to replace existing files.
 
     Raises:
-        ConfigError: there is no such replay, or the options do not fit together.
+        ConfigError: there is no such replay, or the options exclude each other.
         TypeError: no run is named.
     """
     if not runs:
@@ -207,11 +207,11 @@ def replay(
 
 
 def _folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:
-    """Return the folder of what was flown.
+    """Return the folder of a flight or a campaign.
 
     Raises:
-        ValueError: it has none.
-        TypeError: it is nothing that was flown.
+        ValueError: the result has no folder.
+        TypeError: the argument is not a flight or a campaign.
     """
     if isinstance(run, str | Path):
         return Path(run)
@@ -247,18 +247,18 @@ def campaign(
 
     Args:
         scenario: campaign file or name; with ``resume`` also the folder of a campaign.
-        overrides: as of :func:`load`.
-        cases: flights (at each point of a sweep) instead of the file's.
-        seed: of the dispersions.
+        overrides: changes of the scenario, as for :func:`load`.
+        cases: number of flights (at each point of a sweep); replaces that of the file.
+        seed: seed of the dispersions.
         sampling: ``monte_carlo``, ``latin_hypercube``, ``sobol`` or ``sobol_indices``.
-        until: when to stop early, such as ``"p_success +- 0.5%"``.
+        until: condition for an early stop, such as ``"p_success +- 0.5%"``.
         engine: ``threads`` or ``dask``.
-        workers: threads or processes; all cores if not given.
+        workers: number of threads or processes; by default all cores.
         cluster: address of a Dask scheduler.
-        out: folder to keep it in, which can be gone on with; in memory only if not given.
-        force: whether a campaign that is there may be replaced.
-        resume: go on with a campaign that was interrupted.
-        progress: called with how many cases have flown, and with how many there are.
+        out: folder of the campaign, from which it can be resumed; by default it is in memory only.
+        force: True to replace an existing campaign.
+        resume: True to resume an interrupted campaign.
+        progress: called with the number of cases flown and the total number.
 
     Raises:
         ConfigError: the campaign is wrong, or its folder must not be replaced.
@@ -297,27 +297,27 @@ def faults(
     force: bool = False,
     progress: Progress | None = None,
 ) -> CampaignResult:
-    """Fail every thruster, or instrument, at every moment, one flight each, as ``edl6dof faults`` does.
+    """Fly one fault in each flight, for every component and moment, as ``edl6dof faults`` does.
 
     Args:
         scenario: file, or name of a shipped one.
-        overrides: as of :func:`load`.
-        sensors: fail instruments instead of thrusters.
-        kinds: kinds of fault; ``"all"``.
-        components: what fails; all that can if not given.
-        pairs: fail every two of them together.
-        at: when: times in s, ``"every 10 s"``, or events of the nominal flight.
-        phases: when instead: phases.
+        overrides: changes of the scenario, as for :func:`load`.
+        sensors: True for faults of instruments instead of thrusters.
+        kinds: kinds of fault, or ``"all"``.
+        components: components that fail; by default all that can have the fault.
+        pairs: True to let every pair of them fail together.
+        at: moments: times in s, ``"every 10 s"``, or events of the nominal flight.
+        phases: phases at whose start the faults begin, instead of ``at``.
         after_s: time from the start of the phase to the fault, s.
-        vehicles: dispersed vehicles for each fault; the nominal one if not given.
-        seed: of their dispersions.
-        workers: threads; all cores if not given.
-        out: as of :func:`campaign`.
-        force: as of :func:`campaign`.
-        progress: as of :func:`campaign`.
+        vehicles: number of dispersed vehicles for each fault; by default the nominal one.
+        seed: seed of their dispersions.
+        workers: number of threads; by default all cores.
+        out: folder, as for :func:`campaign`.
+        force: True to replace an existing campaign.
+        progress: called with the number of cases flown and the total number.
 
     Raises:
-        ConfigError: everything that is wrong with what is wanted.
+        ConfigError: lists all problems of the request.
     """
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
@@ -346,14 +346,14 @@ def refly(
     """Fly one case of a campaign again with all its telemetry, as ``edl6dof refly`` does.
 
     Args:
-        campaign: folder, or result, of a campaign.
-        case: its number.
-        out: as of :func:`fly`.
-        replay: as of :func:`fly`.
-        force: as of :func:`fly`.
+        campaign: folder or result of a campaign.
+        case: number of the case.
+        out: folder to write, as for :func:`fly`.
+        replay: True to write the 3D replay.
+        force: True to replace an existing run.
 
     Returns:
-        The flight; its ``differences`` name the columns in which it is not as its row, by as much as a bit.
+        The flight; its ``differences`` list the columns that do not equal its row, bit for bit.
 
     Raises:
         ConfigError: there is no such case.
@@ -383,14 +383,14 @@ def calibrate(
 
     Args:
         scenario: file or name, with a ``calibration`` section.
-        overrides: as of :func:`load`.
-        flights: of each design, instead of the file's.
-        out: folder for what was found; none if not given.
-        force: as of :func:`campaign`.
-        progress: as of :func:`campaign`.
+        overrides: changes of the scenario, as for :func:`load`.
+        flights: number of flights of each design; replaces that of the file.
+        out: folder for the results; by default nothing is written.
+        force: True to replace an existing folder.
+        progress: called with the number of flights flown and the total number.
 
     Raises:
-        ConfigError: the section is wrong, or too few flights come to the figures.
+        ConfigError: the section is wrong, or too few flights reach the figures.
     """
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
@@ -408,7 +408,7 @@ def calibrate(
 
 
 def verify(*cases: str) -> list[Report]:
-    """Run check cases against their independent references, as ``edl6dof verify`` does; all if none is named.
+    """Run check cases against their independent references, as ``edl6dof verify`` does; by default all cases.
 
     Raises:
         ValueError: there is no such case.

@@ -1,8 +1,8 @@
-"""Functions of ``import edl6dof`` that have the names of its packages: ``edl6dof.report(run)`` beside
+"""Make packages callable whose names are also functions, so that ``edl6dof.report(run)`` works together with
 ``from edl6dof.report.document import Report``.
 
-Python puts a package, once it is imported, in the place of the function of its name.  It is called like the
-function from then on.
+When Python imports such a package, the package replaces the function of the same name.  The package is then
+called like the function.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 
 def stay_callable(package: ModuleType, functions: Mapping[str, Callable[..., Any]]) -> None:
-    """Let what is imported into ``package`` under the name of one of these functions be called like it."""
+    """Make modules of ``package`` with the names of these functions callable like the functions."""
 
     class Package(ModuleType):
         """A package that knows functions of the names of its packages."""
@@ -31,7 +31,7 @@ def _called(function: Callable[..., Any]) -> type[ModuleType]:
     """Modules that are called like a function."""
 
     class Called(ModuleType):
-        """A package that is a function too."""
+        """A package that is also a function."""
 
         __signature__ = inspect.signature(function)
 

@@ -55,10 +55,10 @@ class Film(NamedTuple):
     fps: float
 
     def check(self) -> None:
-        """See that the file is a film's; without a file, that nothing is said of a film.
+        """Check the name of the film; without a film, check that no option of a film is given.
 
         Raises:
-            ConfigError: it is not so.
+            ConfigError: the name or an option is wrong.
         """
         if self.file is None:
             if self[1:] != (None, None, None, FPS):
@@ -70,7 +70,7 @@ class Film(NamedTuple):
             raise refusal(self.file, "is no name of a film; films are written as .mp4")
 
     def cut(self, recording: Path) -> film.Cut:
-        """Cut the film: the whole flight, in no more than a minute, where nothing else was asked for."""
+        """Return the part of the flight to film: by default the whole flight, in at most a minute."""
         first = recorded_span(recording)[0] if self.start_s is None else self.start_s
         first, last = _time(recording, "--from", first), _time(recording, "--to", self.end_s)
         if first >= last:
@@ -89,11 +89,11 @@ def show_replay(
     page: str,
     force: bool,
 ) -> list[Path]:
-    """Show a replay or write it; returns what was written.  See :func:`edl6dof.replay` for the arguments.
+    """Show a replay or write it; return the paths written.  See :func:`edl6dof.replay` for the arguments.
 
     Raises:
-        ConfigError: the options do not fit together, or name no replay.
-        ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run here.
+        ConfigError: the options exclude each other, or name no replay.
+        ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run on this machine.
     """
     targets = [path for path in (html, screenshot, video.file) if path is not None]
     for path in targets:
@@ -150,9 +150,9 @@ def _ended_by_signals() -> Iterator[None]:
 
 @contextmanager
 def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
-    """The recording that the flight wrote where that will do, else a new one for the time being.
+    """Provide the recording of the flight if it is sufficient, otherwise a new temporary one.
 
-    A campaign comes first; the flights after it, or its nominal one, fly among its trajectories.
+    A campaign comes first; the flights after it, or its nominal one, are shown among its trajectories.
     """
     alone = runs[0]
     if len(runs) == 1 and alone.is_file():
@@ -181,10 +181,10 @@ def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
 
 
 def _time(recording: Path, option: str, asked_s: float | None) -> float:
-    """A time of the recording, s: what was asked for, or its end.
+    """Return the requested time of the recording, s, or by default its end.
 
     Raises:
-        ConfigError: the recording does not reach so far.
+        ConfigError: the time is outside the recording.
     """
     first, last = recorded_span(recording)
     if asked_s is None:
@@ -197,7 +197,7 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
 
 @contextmanager
 def _frames() -> Iterator[Callable[[int, int], None]]:
-    """Show on a terminal how many of how many frames are drawn."""
+    """Show the number of frames drawn on a terminal."""
     console = Console(stderr=True)
     columns = (TextColumn("frames"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:

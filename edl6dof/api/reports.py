@@ -1,4 +1,4 @@
-"""The report of a run or a campaign: one page for whatever the folder holds."""
+"""Reports of runs and campaigns: one page for the contents of a folder."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from edl6dof.runs.files import atomic_file, refuse_existing_file
 
 
 def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> Iterator[Path]:
-    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the forms for papers
-    beside it instead.  Yields what is written.
+    """Write ``report.html`` into the folder or to ``out``, or with ``pdf`` and ``png`` the forms for papers
+    instead; yield the paths written.
 
     Raises:
-        ConfigError: nothing in the folder can be reported on, or a file must not be replaced.
+        ConfigError: the folder contains no results to report, or a file must not be replaced.
     """
     target = out or folder / "report.html"
     print_out = target.with_suffix(".pdf")
@@ -36,10 +36,10 @@ def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bo
 
 
 def report_of(folder: Path) -> Report:
-    """The report of a folder, by what lies in it.
+    """Return the report of a folder: that of a flight or that of a campaign.
 
     Raises:
-        ConfigError: nothing in it can be reported on.
+        ConfigError: the folder contains no results to report.
     """
     if (folder / "telemetry.parquet").is_file():
         from edl6dof.report.flight.flight_report import flight_report

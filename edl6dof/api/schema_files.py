@@ -21,7 +21,7 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) -> dict[str, Any]:
-    """Schema of a scenario file; the include keys also accept the name of a file."""
+    """Return the schema of a scenario file; the include keys also accept the name of a file."""
     schema = _draft7(model.model_json_schema())
     for key, kind in includes.items():
         if (own := schema.get("properties", {}).get(key)) is not None:
@@ -45,7 +45,7 @@ _BY_NAME = {"type": "object", "description": "changes to items of what this file
 
 
 def _named_item(field: Mapping[str, Any], definitions: Mapping[str, Any]) -> str:
-    """Definition of the items of a property that is a list of things that have names; empty for any other."""
+    """Return the definition of the items of a property that is a list of named items; else empty."""
     items = field.get("items")
     item = items.get("$ref", "").rsplit("/", 1)[-1] if isinstance(items, dict) else ""
     return item if "name" in definitions.get(item, {}).get("properties", {}) else ""
@@ -76,7 +76,7 @@ _OWN_WORDS = ("record", "status", "source", "printed")
 
 
 def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
-    """A property without our own keywords, with unit, status and source in its description."""
+    """Return a property without keywords of this program, with unit, status and source described."""
     plain = {key: value for key, value in field.items() if key not in _OWN_WORDS}
     unit = split_unit(name)[1].label
     claim = ", ".join(part for part in (field.get("status"), field.get("source")) if part)
@@ -101,7 +101,7 @@ def scenario_schema() -> dict[str, Any]:
 
 
 def _ask_for_nothing_in_sections(schema: dict[str, Any]) -> None:
-    """Require nothing in sections: a file that extends another has of one only what it changes."""
+    """Require no keys in sections, because a file that extends another contains only its changes."""
     definitions, met, waiting = schema["$defs"], set[str](), [schema]
     while waiting:
         for field in waiting.pop().get("properties", {}).values():

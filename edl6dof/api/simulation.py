@@ -28,16 +28,16 @@ _ENDLESS = 2**31
 
 
 class Starts:
-    """The flights that seeds stand for: of a scenario those with the random profiles of that seed, of a
-    campaign dispersed ones as well.
+    """Initial conditions of flights by seed.
 
-    A seed is the number of a case of a campaign that samples at random (``monte_carlo``), so that a row of
-    ``edl6dof campaign NAME -n N --sampling monte_carlo`` is the flight of its number.
+    For a scenario, the seed selects the random profiles.  For a campaign, it selects dispersed values as
+    well: the seed is the number of a case of a campaign that samples at random (``monte_carlo``), so that
+    row N of ``edl6dof campaign NAME --sampling monte_carlo`` is the flight with seed N.
 
     Args:
         scenario: file, name, or a loaded scenario.
-        overrides: as of :func:`edl6dof.load`.
-        faults: of a campaign: one of these, each as likely, in every flight, instead of its own.
+        overrides: changes of the scenario, as for :func:`edl6dof.load`.
+        faults: faults of a campaign that replace its own; each flight has one of them, all equally likely.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Starts:
         return self._variants.nominal
 
     def of(self, seed: int | None) -> Variant:
-        """The flight of a seed, 0 or more; without one the scenario as it stands.
+        """Return the flight of a seed (0 or more), or without a seed the scenario unchanged.
 
         Raises:
             ConfigError: a value that was drawn is not allowed.
@@ -85,7 +85,7 @@ class Starts:
 
 
 class Simulation(SteppedFlight):
-    """A flight flown step by step, with commands in the place of any part of the flight software.
+    """A flight flown step by step; commands may replace the output of any part of the flight software.
 
     >>> simulation = edl6dof.Simulation("tianwen1")
     >>> while simulation.step():
@@ -94,10 +94,10 @@ class Simulation(SteppedFlight):
     'landed within limits'
 
     Args:
-        scenario: file, name of a shipped one, or what :func:`edl6dof.load` returned; of a file with a
+        scenario: file, name of a shipped one, or the result of :func:`edl6dof.load`; if the file has a
             ``campaign`` section, :meth:`reset` draws its dispersions.
-        overrides: as of :func:`edl6dof.load`.
-        telemetry: whether to keep telemetry, as :meth:`flight` needs it.
+        overrides: changes of the scenario, as for :func:`edl6dof.load`.
+        telemetry: True to record telemetry, which :meth:`flight` needs.
 
     Raises:
         ConfigError: the scenario is wrong.
@@ -122,11 +122,11 @@ class Simulation(SteppedFlight):
         return f"<Simulation {self.loaded.scenario.name}: {stands} at t = {self.time_s:.2f} s>"
 
     def reset(self, seed: int | None = None) -> dict[str, Any]:
-        """Go back to the start; returns what is observed there.
+        """Go back to the start and return the observation there.
 
         Args:
-            seed: 0 or more; of a scenario, that of its random profiles; of a campaign, the number of a case
-                that is drawn at random.  Without one the scenario as it stands.
+            seed: 0 or more; for a scenario the seed of its random profiles, for a campaign the number of a
+                randomly drawn case.  Without a seed the scenario is unchanged.
 
         Raises:
             ConfigError: a value that was drawn is not allowed.

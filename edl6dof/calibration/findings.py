@@ -17,20 +17,20 @@ from edl6dof.config.document.scalars import write_scalar
 
 #: A residual beyond which a figure is not explained, in standard deviations.
 UNEXPLAINED = 2.0
-#: Resolution below which the figures say next to nothing of a parameter, and correlation above which they
-#: tell two parameters apart no more.
+#: Resolution below which the figures say next to nothing about a parameter, and correlation above which they
+#: cannot separate two parameters.
 UNTOLD, ALIKE = 0.1, 0.9
 
 
 @dataclass(frozen=True, repr=False)
 class Findings:
-    """A calibration that has been done.
+    """Result of a calibration.
 
     Attributes:
-        calibration: what was to be explained, and by what.
+        calibration: the figures and the parameters.
         fit: the posterior.
         before: means of the figures over neighbouring flights at the priors' means, shape (figures,).
-        after: the same at the solution: flown, not read off the surface.
+        after: the same at the solution; flown, not computed from the linear model.
     """
 
     calibration: Calibration
@@ -57,7 +57,7 @@ class Findings:
 
     @property
     def residuals(self) -> np.ndarray:
-        """Of the figures, in standard deviations of what is published and of one flight; not widened."""
+        """Residuals of the figures, in standard deviations (published and of one flight, not widened)."""
         return (self.after - self.calibration.data.number) / self.fit.sigma
 
     @property
@@ -100,22 +100,24 @@ def remarks(found: Findings) -> list[str]:
     """Return what the figures cannot determine, in sentences."""
     paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.beside)
     said = [
-        f"{figures} figures tell {fitted.told_apart:.1f} of {len(paths)} parameters; the rest is what the "
-        "priors say."
+        f"{figures} figures determine {fitted.told_apart:.1f} of {len(paths)} parameters; the priors "
+        "determine the rest."
     ]
     if untold := [path for path, share in zip(paths, fitted.resolution, strict=True) if share < UNTOLD]:
-        said.append(f"They say next to nothing of: {', '.join(untold)}.")
+        said.append(f"The figures say next to nothing about: {', '.join(untold)}.")
     for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
         if abs(correlation := fitted.correlation[i, j]) > ALIKE:
-            said.append(f"They cannot tell apart {paths[i]} and {paths[j]} (correlation {correlation:+.2f}).")
+            said.append(
+                f"The figures cannot separate {paths[i]} and {paths[j]} (correlation {correlation:+.2f})."
+            )
     if bound := [path for path, stands in zip(paths, fitted.at_bound, strict=True) if stands]:
-        said.append(f"At the end of what is possible: {', '.join(bound)}.")
+        said.append(f"At a bound: {', '.join(bound)}.")
     if lost := found.unexplained:
         said.append(f"Not explained within {UNEXPLAINED:g} sigma: {', '.join(lost)}.")
     if fitted.widening > 1.0:
         said.append(
             f"Priors and figures contradict each other: sum of squares {fitted.squares:.0f} where {figures} "
-            f"are expected; the published sigmas count {fitted.widening:.1f} times as large."
+            f"are expected; the published sigmas are multiplied by {fitted.widening:.1f}."
         )
     said.append(f"The last design moved no parameter by more than {fitted.moved:.2f} of its posterior sigma.")
     return said

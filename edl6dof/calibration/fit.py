@@ -1,13 +1,13 @@
-"""The normal posterior of parameters whose figures can only be flown, and what it is worth.
+"""Normal posterior of parameters whose figures follow from flights, and its quality.
 
-A figure answers its parameters with a slope and with scatter: another cycle of the flight software, another
-pulse, another bank reversal.  Differences between two points follow the scatter; a regression over many, each
-flown once, averages it, and its residuals say how far one flight lies from the surface.  A first design of
-flights is drawn from the prior and each further one from the posterior of the one before, so that the surface
-is fitted where the answer lies and as wide as it is uncertain.  The real flight is one draw: scatter about
-the surface counts as uncertainty beside the published one.  Where priors and figures contradict each other by
-more than all this, the published deviations are widened until they do not.  Parameters are counted in
-standard deviations of their priors.
+A figure responds to its parameters with a slope and with scatter: another cycle of the flight software,
+another pulse, another bank reversal.  Differences between two points follow the scatter.  A regression over
+many points, each flown once, averages it, and its residuals give the deviation of one flight from the linear
+model.  The first design of flights is drawn from the prior and each further one from the posterior of the one
+before, so that the model is fitted near the solution and over the width of its uncertainty.  The real flight
+is one random draw, so the scatter adds to the uncertainty of the published figures.  If priors and figures
+contradict each other by more than all this, the published deviations are widened until they agree.
+Parameters are in standard deviations of their priors.
 
 Source: García-Fernández, Svensson, Morelande and Särkkä, Posterior linearization filter, IEEE Trans. Signal
 Processing 63 (2015) 5561 (regression over the posterior, its residuals as noise); Tarantola, Inverse Problem
@@ -115,17 +115,17 @@ class Fit:
 
     @property
     def correlation(self) -> np.ndarray:
-        """Of the posterior, shape (parameters, parameters)."""
+        """Correlation matrix of the posterior, shape (parameters, parameters)."""
         return self.covariance / np.outer(self.deviation, self.deviation)
 
     @property
     def resolution(self) -> np.ndarray:
-        """Share of each parameter that figures tell, not its prior: the diagonal of 1 - covariance."""
+        """Share of each parameter that the figures determine: the diagonal of 1 - covariance."""
         return 1.0 - np.diag(self.covariance)
 
     @property
     def told_apart(self) -> float:
-        """How many parameters the figures can tell apart: the trace of the resolution matrix."""
+        """Number of parameters that the figures determine: the trace of the resolution matrix."""
         return float(np.sum(self.resolution))
 
 

@@ -25,12 +25,12 @@ from edl6dof.scenario.loading import CALIBRATION, load_document
 
 @dataclass(frozen=True)
 class Calibration:
-    """Figures to be explained, and the parameters that are to explain them.
+    """Figures to be explained, and the parameters to explain them with.
 
     Attributes:
         loaded: the scenario.
         params: its calibration section.
-        beside: the figures, with what is published.
+        beside: the figures with their published values.
     """
 
     loaded: LoadedScenario

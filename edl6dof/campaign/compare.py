@@ -42,12 +42,12 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Outcome of two campaigns beside each other.
+    """Comparison of two campaigns.
 
     Attributes:
         counts: pairs in which both succeed, A alone, B alone, neither.
-        p_value: probability of so uneven a split of the single successes if the configurations were alike
-            (McNemar, exact).
+        p_value: probability of a split of the single successes at least as uneven if the two configurations
+            do not differ (McNemar, exact).
     """
 
     names: tuple[str, str]

@@ -1,14 +1,14 @@
-"""Covariance of the figures at an event from mirrored pairs of flights, its budget, and what it is held
-against.
+"""Covariance of the figures at an event from mirrored pairs of flights, its error budget, and its comparison
+with a campaign.
 
-Flight j of a pair and its mirror image, whose sources are stepped in opposite directions, all at once, give
-y+ and y-.  Half their difference changes sign with the steps: its mean square is what the sources give
-linearly, and a part of what is random.  Half their sum does not: its covariance is the rest of what is
-random, and what the sources give in the second order.  The sum of both is the covariance of y, without bias
-for a response that is linear in the sources with anything random beside it; what is linear alone has no
-sampling error, as the columns of the design are orthogonal.  The response to one step is averaged over the
-steps of all others and over what is random: a statistical linearisation, which sees a bank reversal come
-sooner or later in some flights and not a jump in all.
+In a pair, all sources are stepped at once, and in opposite directions in the two flights, whose results are
+y+ and y-.  Half their difference changes sign with the steps.  Its mean square contains the linear effect of
+the sources and a part of the random effect.  Half their sum does not change sign.  Its covariance contains
+the rest of the random effect and the second-order effect of the sources.  The sum of both is the covariance
+of y.  It is unbiased for a response that is linear in the sources plus any random effect; the linear effect
+has no sampling error, because the columns of the design are orthogonal.  The response to one step is averaged
+over the steps of all other sources and over the random effects.  This statistical linearisation sees a bank
+reversal occur earlier or later in some flights, and not a jump in all of them.
 
 Source: Gelb and Warren, AIAA J. 11 (1973) 689 (statistical linearisation); Box and Hunter,
 Technometrics 3 (1961) 311 (design by mirror images).
@@ -113,9 +113,9 @@ class Covariance:
 
     Attributes:
         event: the figures.
-        pairs: what the flights gave.
-        apart: sources whose parts are told apart, in the order of their columns.
-        together: lists whose items change at random, and are part of the rest.
+        pairs: results of the flights.
+        apart: sources whose contributions are separated, in the order of their columns.
+        together: lists whose items vary at random and count in the rest.
     """
 
     event: EventFigures
@@ -144,8 +144,8 @@ class Covariance:
 
     @property
     def contributions(self) -> list[tuple[str, np.ndarray]]:
-        """Each source apart with the standard deviation that it gives to every figure, signed where it is one
-        parameter; by its share in the position, or in all figures where none is told.
+        """Separated sources with the standard deviation that each causes in every figure, signed if the
+        source is one parameter; in the order of the share in the position, or in all figures without one.
         """
         shares = self.budget / np.maximum(self.spread.deviation**2, np.finfo(float).tiny)
         if size := len(self.event.position):
@@ -156,8 +156,9 @@ class Covariance:
 
     @property
     def rest(self) -> np.ndarray:
-        """Standard deviation of every figure that no source apart gives, shape (figures,): at most all of it,
-        though the parts told are below zero where chance alone would give more.
+        """Standard deviation of every figure that no separated source causes, shape (figures,).
+
+        It is at most that of the figure: a budget below zero, which chance can cause, counts as zero.
         """
         told = np.maximum(self.budget.sum(axis=0), 0.0)
         return np.sqrt(np.maximum(self.spread.deviation**2 - told, 0.0))
@@ -177,11 +178,12 @@ def fly_covariance(
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Covariance:
-    """Fly at least so many pairs, as many more as the sources need to be told apart; ``progress`` is called
-    with the flights done and the flights in all.
+    """Fly at least the given number of ``pairs``, and more if the separation of the sources needs them.
+
+    ``progress`` is called with the number of flights done and the total number.
 
     Raises:
-        ConfigError: the campaign has no covariance, or a flight does not come to the event.
+        ConfigError: the campaign has no covariance, or a flight does not reach the event.
     """
     found = sources(plan)
     apart, together = _told_apart(found, pairs)
@@ -193,7 +195,7 @@ def fly_covariance(
 
 
 def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...], tuple[Source, ...]]:
-    """All sources if there are pairs enough, else all but lists."""
+    """Return the sources to separate (without lists if there are too few pairs), and the other sources."""
     if sum(source.width for source in found) <= pairs:
         return tuple(found), ()
     single = tuple(source for source in found if not source.is_list)
@@ -202,9 +204,11 @@ def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...]
 
 @dataclass(frozen=True)
 class Alone:
-    """Response to each deviate of some sources, stepped alone about one flight: the central first and second
-    difference over one standard deviation.  Where the bend is not small beside the slope the response is not
-    linear: a bank reversal comes sooner in one of the flights, or lift is at its limit.
+    """Response to each deviate of some sources, stepped alone about one flight.
+
+    Slope and bend are the central first and second difference over one standard deviation.  If the bend is
+    not small compared with the slope, the response is not linear: for example, a bank reversal occurs earlier
+    in one of the flights, or lift is at its limit.
 
     Attributes:
         found: the sources, none of which is a list.
@@ -218,7 +222,7 @@ class Alone:
 
     @classmethod
     def of(cls, found: Sequence[Source], flights: np.ndarray) -> Alone:
-        """``flights`` has shape (1 + 2 deviates, figures): the mean, then all above, then all below."""
+        """Build from ``flights``, shape (1 + 2 deviates, figures): mean, then all above, then all below."""
         middle = flights[0]
         above, below = np.split(flights[1:], 2)
         return cls(tuple(found), 0.5 * (above - below), 0.5 * (above + below) - middle)
@@ -285,6 +289,6 @@ def flown(table: pa.Table, event: EventFigures, place: object) -> np.ndarray:
 
 
 def along_axes(values: np.ndarray, position: int) -> np.ndarray:
-    """Position along the axes of its own ellipse, long axis first, shape (flights, position)."""
+    """Return the position along the axes of its ellipse, long axis first, shape (flights, position)."""
     place = values[:, :position]
     return place @ principal(np.cov(place.T)) if position else place

@@ -77,9 +77,10 @@ def sources(plan: Plan) -> list[Source]:
 def cases(
     plan: Plan, found: Sequence[Source], steps: np.ndarray, own_profiles: bool = True
 ) -> Iterator[Case]:
-    """Flights with the rows of ``steps``, shape (flights, width of all sources), in standard deviations.
+    """Yield flights with the rows of ``steps``, shape (flights, width of sources), in standard deviations.
 
-    Each meets random profiles of its own, or all the same; none that a case of the campaign itself meets.
+    Each flight has its own random profiles (``own_profiles``), or all have the same; none of these profiles
+    occurs in the campaign itself.
     """
     ends = np.cumsum([source.width for source in found])[:-1]
     drawn = [
@@ -175,9 +176,9 @@ class EventFigures(NamedTuple):
     """Figures of an event.
 
     Attributes:
-        position: the two that span the ellipse, first along and then across, or east and north; none where
-            the place is not told.
-        others: more of the state.
+        position: the two that span the ellipse, downrange and crossrange or east and north; empty if the
+            event has no position.
+        others: further quantities of the state.
     """
 
     position: tuple[str, ...]

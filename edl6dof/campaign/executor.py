@@ -82,7 +82,7 @@ def table_of(rows: Iterable[Row]) -> pa.Table:
 
 
 def _column(values: list[Any]) -> pa.Array:
-    """Whole and broken numbers in one column become floats; numbers beside text or lists become text."""
+    """Make a column; integers mixed with floats become floats, other mixed types become text."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {int, float}:
         values = [None if value is None else float(value) for value in values]

@@ -73,7 +73,7 @@ def collected(plan: Plan) -> Collect | None:
 
 
 def isolations(flight: Flight) -> list[Isolation]:
-    """Whom the flight computer named, in the order of time."""
+    """Return the components that the flight computer isolated, in the order of time."""
     found = [
         (Failure("thruster", one.thruster, one.kind.replace(" ", "_")), one.t_s)
         for one in flight.isolated_faults

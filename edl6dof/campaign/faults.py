@@ -68,14 +68,14 @@ def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
 def matrix_plan(
     scenario: str, matrix: FaultMatrixParams, sets: Sequence[str], vehicles: int | None, seed: int | None
 ) -> Plan:
-    """The plan of a matrix of faults.
+    """Return the plan of a matrix of faults.
 
     Args:
         scenario: file, or name of a shipped one.
-        matrix: what fails and when.
+        matrix: faults and the moments at which they occur.
         sets: overrides of the scenario.
         vehicles: dispersed vehicles on which each cell is flown; the nominal one if ``None``.
-        seed: of the dispersions, instead of the campaign's own.
+        seed: seed of the dispersions; replaces that of the campaign.
 
     Raises:
         ConfigError: the scenario is wrong, has faults of its own, or no dispersions where some are wanted.
@@ -155,7 +155,7 @@ def fault_figures(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def _regime(row: Row) -> str:
-    """That of the first use; a case that could not fly has none."""
+    """Return the regime of the first use, or the value for a case that could not fly."""
     return row.get("regime") or NOT_BEGUN_YET
 
 

@@ -1,9 +1,10 @@
-"""Identity of a campaign, which its rows follow from: the plan, the code that flies, every file it reads.
+"""Identity of a campaign: the plan, the code that flies, and every file it reads.
 
-Two programs with the same identity give the same table, bit for bit, on any processor and operating system;
-rows of two that differ never stand in one table.  What cannot move a bit is left out: Python's version, and
-the code that draws, prints, exports and checks.  numpy stays for the order of its sums, numba for the code it
-makes, scipy for Sobol numbers.
+Two programs with the same identity give the same table, bit for bit, on any processor and operating system.
+Rows of programs with different identities are never combined in one table.  The identity leaves out
+everything that cannot change a bit: Python's version, and the code that draws, prints, exports and checks.
+It includes numpy for the order of its sums, numba for the code that it generates, and scipy for its Sobol
+numbers.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def differences_from(recorded: Identity, plan_text: str) -> list[str]:
 
 
 def compared(recorded: Identity, present: Identity) -> list[str]:
-    """As :func:`differences_from`, between two identities: a plan that is read again may find other files."""
+    """Return the differences of two identities; a plan that is read again may find other files."""
     was, now = dict(recorded.items()), dict(present.items())
     changed = [name for name in {**was, **now} if was.get(name) != now.get(name)]
     return [f"{name}: was {_shown(was.get(name))}, is {_shown(now.get(name))}" for name in changed]

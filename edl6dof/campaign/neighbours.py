@@ -1,9 +1,9 @@
-"""Figures that mean something: mean and spread over flights that nobody could tell apart at their start.
+"""Mean and spread of figures over neighbouring flights, whose initial states are practically equal.
 
-The closed loop answers a change of a nanometre per second with another sequence of pulses, so the digits of
-one flight are one draw of many.  Neighbouring flights differ by a millionth of a metre per second in entry
-speed and by the number of their random profiles; what they have in common is the figure, what they differ by
-is its spread.
+The closed loop responds to a change of a nanometre per second with another sequence of pulses, so the digits
+of one flight are one random draw of many.  Neighbouring flights differ by a millionth of a metre per second
+in entry speed and by the number of their random profiles.  Their mean is the value of a figure, and their
+standard deviation is its spread.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from edl6dof.scenario.loaded import LoadedScenario
 
 #: Difference in entry speed of one flight and the next, m/s.
 SPEED_STEP_M_S = 1e-6
-#: As many as a mean and a spread in a document rest on.
+#: Number of flights behind a mean and a spread in a document.
 FLIGHTS = 30
 
 
@@ -37,13 +37,13 @@ class SampleMean(NamedTuple):
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Self:
-        """Of at least one value."""
+        """Compute the statistics of at least one value."""
         deviation = float(np.std(values, ddof=1)) if len(values) > 1 else nan
         return cls(float(np.mean(values)), deviation, len(values))
 
 
 def neighbours(loaded: LoadedScenario, count: int, step_m_s: float = SPEED_STEP_M_S) -> list[Case]:
-    """The scenario itself and ``count - 1`` neighbours of it, each ``step_m_s`` faster than the last."""
+    """Return the scenario itself and ``count - 1`` neighbours, each ``step_m_s`` faster than the last."""
     scenario = loaded.scenario
     return [
         Case(k, truth=_faster(loaded.truth.initial, k * step_m_s), profile=scenario.profile + k)

@@ -34,7 +34,7 @@ from edl6dof.sim.flight import Flight
 
 @dataclass
 class Tally:
-    """How a campaign stands."""
+    """Progress of a campaign."""
 
     total: int
     flown: int = 0
@@ -66,11 +66,11 @@ def begin(plan: Plan, store: Store, until: str | None, force: bool = False) -> N
 
 
 def resumed_plan(store: Store) -> Plan:
-    """The plan of a campaign that was begun earlier.
+    """Return the plan of a campaign that was started earlier.
 
     Raises:
-        ConfigError: it was begun with other sources, plugins, versions or tables: rows of two programs would
-            stand in one table.
+        ConfigError: it was started with other sources, plugins, versions or tables, so that its table would
+            mix the rows of two programs.
     """
     recorded, text = store.info.identity, store.plan_text
     _require_same(store, differences_from(recorded, text))

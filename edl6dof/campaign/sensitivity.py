@@ -1,12 +1,13 @@
 """Sensitivity of a figure: shares of its variance from the dispersed flights of any campaign
 (:func:`drivers`), and Sobol indices from flights of the design for them (:func:`sobol_indices`).
 
-Shares are made for many inputs and few flights.  Figure and inputs enter by their normal scores, so that a
-few odd flights and the shapes of distributions do not decide.  Groups are taken up one after the other, each
-time that which explains most of what is left, as long as an F test tells it from chance among all that were
-tried.  What those taken up explain together is split among them, each share less what its regressors explain
-by chance alone, so that the shares add up to the adjusted R2.  Their intervals are by the bootstrap.  What
-only two inputs together do (their interaction) is explained by none and remains.
+Shares are designed for many inputs and few flights.  Figure and inputs are replaced by their normal scores,
+so that a few outliers and the shapes of distributions do not decide.  Groups are added to the regression one
+after the other, each time the one that explains most of the remaining variance, as long as an F test finds it
+significant among all groups tried.  The variance that the added groups explain together is divided among
+them.  The variance that its regressors explain by chance is subtracted from each share, so that the shares
+add up to the adjusted R2.  Their intervals come from the bootstrap.  Interactions of inputs remain
+unexplained.
 
 Sources: van der Waerden, Indag. Math. 14 (1952) 453 (scores); Sidak, J. Am. Stat. Assoc. 62 (1967) 626 (many
 tests); Zuber and Strimmer, Stat. Appl. Genet. Mol. Biol. 10 (2011) 34 (the split, CAR scores: for inputs that
@@ -23,10 +24,10 @@ from functools import cache
 import numpy as np
 from scipy.special import betainc, betaincinv, ndtri
 
-#: Chance that inputs that do nothing are called a driver, of a figure or of all figures of a report.
+#: Probability of a false driver, in one figure or in all figures of a report.
 CHANCE = 0.05
 
-#: Flights of fewer than which nothing is told: ranks of a handful agree by chance.
+#: Smallest number of flights to analyse; with fewer, ranks agree by chance.
 FEWEST = 20
 
 #: Flights for each regressor without which a group keeps to straight effects.
@@ -176,7 +177,7 @@ def _terms(scores: np.ndarray) -> np.ndarray:
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:
-    """A basis of what the columns do besides a constant."""
+    """Return an orthonormal basis of the columns after their means are removed."""
     vectors, values, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
     return np.asarray(vectors[:, values > _DEGENERATE * np.sqrt(len(columns))])
 
@@ -234,7 +235,7 @@ def _p_value(unexplained: float, terms: int, free: int) -> float:
 
 
 def _critical(terms: int, free: int, level: float) -> float:
-    """Share of the rest that regressors must explain to be told from chance, less what chance explains."""
+    """Return the adjusted share of the remaining variance from which regressors are significant."""
     unexplained = float(betaincinv(0.5 * free, 0.5 * terms, level))
     return 1.0 - unexplained - terms / free * unexplained
 
@@ -253,7 +254,7 @@ def _shares(groups: list[np.ndarray], target: np.ndarray) -> tuple[np.ndarray, n
 
 @cache
 def _weights(blocks: int) -> np.ndarray:
-    """How often each block of flights enters: the campaign as flown, and those drawn again, one a row."""
+    """Return the weight of each block of flights: one row for the campaign, one for each resample."""
     evenly = np.full(blocks, 1.0 / blocks)
     drawn = np.random.default_rng(0).multinomial(blocks, evenly, size=_REDRAWN)
     return np.vstack([np.ones(blocks), drawn])

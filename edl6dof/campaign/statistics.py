@@ -121,7 +121,7 @@ SHARES = (0.0013, 0.01, 0.05, 0.5, 0.95, 0.99, 0.9987)
 
 @dataclass(frozen=True)
 class Quantile:
-    """The value below which a ``share`` of all flights stays, and between which bounds it lies at 95 %."""
+    """Quantile: the value below which a ``share`` of all flights lies, with its bounds at 95 % confidence."""
 
     share: float
     value: float

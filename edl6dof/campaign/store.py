@@ -1,18 +1,18 @@
-"""The folder of a campaign: its plan, and the rows in parts that appear whole or not at all.
+"""The folder of a campaign: its plan, and its rows in parts that are written completely or not at all.
 
 ::
 
     runs/tianwen1_mc/
-      campaign.json     what the rows follow from: hashes of plan, sources, plugins and tables, versions
+      campaign.json     identity of the campaign: hashes of plan, sources, plugins and tables, versions
       campaign.yaml     the plan, every default written out
       parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 beside it
       cases.parquet     all rows, when it is complete
       summary.json      success probability, causes, speed, and the SHA-256 of the rows
 
-Killing the program at any moment, or filling the disk, loses at most the cases of the parts not yet in place,
-and going on gives the same table, byte for byte.  That rests on the order in which files appear: a campaign
-is begun when ``campaign.yaml`` is there, complete when ``summary.json`` is; the parts go after it.  Replacing
-a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
+If the program is killed or the disk is full, at most the cases of unwritten parts are lost, and a resumed
+campaign gives the same table, byte for byte.  This depends on the order in which files appear: a campaign has
+begun when ``campaign.yaml`` exists, and is complete when ``summary.json`` exists; the parts are deleted
+afterwards.  A campaign is replaced by deleting ``campaign.yaml`` first.  Every read checks a hash.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Store:
 
     @property
     def is_half_begun(self) -> bool:
-        """True if a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
+        """True if a program was stopped while it wrote the plan; other files are then ignored."""
         return os.path.lexists(self._info) and not os.path.lexists(self._plan)
 
     @property
@@ -91,7 +91,7 @@ class Store:
 
     @property
     def summary(self) -> Summary:
-        """How the campaign ended, after its table was found to be as it was written."""
+        """Result of the campaign; reading it checks the hash of its table."""
         found, campaign = read_sealed(self._summary, Summary), self.info.identity.digest
         if found.campaign != campaign:
             raise refusal(self._summary, "belongs to another campaign; fly this one anew with --force")
@@ -136,7 +136,7 @@ class Store:
                     folder.rmdir()
 
     def _entries(self) -> list[Path]:
-        """Return what lies in the folder, except the lock."""
+        """Return the paths in the folder, except the lock."""
         return sorted(path for path in self.folder.iterdir() if path.name != _LOCK)
 
     def check_new(self, force: bool) -> None:
@@ -231,7 +231,7 @@ class Store:
             folder.rmdir()
 
     def table(self, columns: list[str] | None = None) -> pa.Table:
-        """All rows so far; columns that no case has are left out."""
+        """Return all rows so far; columns that no case has are left out."""
         _ = self.plan_text  # without it nothing counts
         if self.complete:
             _ = self.summary  # which checks the table

@@ -42,12 +42,12 @@ def fly_campaign(
     quiet: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Fly a plan from its first case, or without one what is missing of the campaign in the folder, and print
-    its result; returns the exit status.
+    """Fly a plan from its first case, or without a plan the missing cases of the campaign in the folder;
+    print the result and return the exit status.
 
     Raises:
         ConfigError: the folder holds what the plan must not replace, or no campaign of this program.
-        KeyboardInterrupt: while a campaign goes on.
+        KeyboardInterrupt: the campaign was interrupted while it ran.
     """
     watch = _watch(quiet or as_json)
     try:
@@ -82,13 +82,13 @@ def require_plan(store: Store, plan: Plan, command: str = "campaign") -> None:
 
 
 def require_no_values(folder: Path, *values: object) -> None:
-    """See that nothing else is asked of a campaign that goes on.
+    """Refuse options that would change a campaign that is resumed.
 
     Raises:
         ConfigError: one of the values is given.
     """
     if any(not (value is None or value is False or value in ("", ())) for value in values):
-        raise refusal(folder, "has its plan; it takes no other values when it goes on")
+        raise refusal(folder, "has its plan; it accepts no other values when it is resumed")
 
 
 def _standing(store: Store, plan: Plan | None, command: str) -> str:
@@ -167,7 +167,7 @@ def show(store: Store, quiet: bool, as_json: bool) -> None:
 
 
 def limits_table(results: Results) -> Table:
-    """The outermost quantile of every figure that has a limit, with its bounds, beside it."""
+    """Return the outermost quantile, with its bounds, of every figure that has a limit, and the limit."""
     shares = shown_shares(results)[-1:]
     bounds = " (bounds at 95 %)" if results.is_sample else ""
     heads = [f"{head(share)}{bounds}>" for share in shares]

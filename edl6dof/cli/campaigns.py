@@ -39,7 +39,7 @@ def campaign(
         option(
             "NAME",
             "monte_carlo, latin_hypercube, sobol, or sobol_indices: N rows of the design that "
-            "tells which dispersion drives what, alone and with others.",
+            "shows the effect of each dispersion, alone and with others.",
         ),
     ] = None,
     engine: Annotated[str, option("NAME", "threads (this machine) or dask.")] = "threads",
@@ -49,7 +49,7 @@ def campaign(
     ] = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/<name> if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing campaign.", "--force")] = False,
-    resume: Annotated[bool, flag("Go on with a campaign that was interrupted.", "--resume")] = False,
+    resume: Annotated[bool, flag("Resume an interrupted campaign.", "--resume")] = False,
     until: Annotated[str | None, option("CONDITION", "Stop early, such as 'p_success +- 0.5%'.")] = None,
     quiet: Annotated[bool, flag("Print the success probability only.", "--quiet", "-q")] = False,
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
@@ -86,7 +86,7 @@ def campaign(
 
 @contextmanager
 def _keeping(command: str, scenario: str, out: Path | None, resume: bool) -> Iterator[None]:
-    """Say how to go on with a campaign that is interrupted while it goes on: what has flown is kept."""
+    """Print how to resume a campaign if it is interrupted; the cases flown so far are kept."""
     try:
         yield
     except KeyboardInterrupt:
@@ -160,7 +160,7 @@ def faults(
         ),
     ] = "tianwen1",
     sensors: Annotated[
-        bool, flag("Fail instruments instead: every axis, beam, star tracker and flow meter.", "--sensors")
+        bool, flag("Faults of every instrument axis, beam, star tracker and flow meter instead.", "--sensors")
     ] = False,
     kinds: Annotated[
         str,
@@ -171,14 +171,14 @@ def faults(
         ),
     ] = "",
     components: Annotated[
-        str, option("LIST", "What fails, such as D7,P1, with commas; all that can fail so if not given.")
+        str, option("LIST", "Components, such as D7,P1, with commas; by default all that can have the fault.")
     ] = "",
-    pairs: Annotated[bool, flag("Fail every two of them together instead of each alone.", "--pairs")] = False,
+    pairs: Annotated[bool, flag("Let every pair of them fail together.", "--pairs")] = False,
     at: Annotated[
         str | None,
         option(
             "LIST",
-            "When: times in s, 'every 10 s' of the nominal flight, or its events, such as "
+            "Moments: times in s, 'every 10 s' of the nominal flight, or its events, such as "
             "bank_reversal, trim_wing, mortar, ignition, with commas.",
         ),
     ] = None,
@@ -186,8 +186,8 @@ def faults(
         str,
         option(
             "LIST",
-            "When instead: phases, with commas; if not given, one of each kind of control, with "
-            "--sensors every one.",
+            "Phases at whose start the faults begin, with commas; by default one of each kind of "
+            "control, with --sensors every phase.",
         ),
     ] = "",
     after: Annotated[
@@ -210,14 +210,14 @@ def faults(
     ] = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/faults-<scenario> if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing matrix.", "--force")] = False,
-    resume: Annotated[bool, flag("Go on with a matrix that was interrupted.", "--resume")] = False,
+    resume: Annotated[bool, flag("Resume an interrupted matrix.", "--resume")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
 ) -> int:
-    """Fail every thruster at every moment, one flight each.
+    """Fly one fault in each flight, for every thruster and moment.
 
-    Kinds of fault of engines, surfaces and parachutes fail each of these; --sensors fails every instrument.
+    Other kinds of fault apply to every engine, surface or parachute; --sensors to every instrument.
 
-    The folder holds a row for each flight, report.html a map of them: which land, who is named, how fast.
+    The folder contains a row for each flight, and report.html maps of landing, isolation and its time.
     Afterwards: edl6dof refly FOLDER CASE.
 
     Exit status: 0 all within limits, 1 not, 2 bad input, 130 interrupted.
@@ -254,7 +254,7 @@ def covariance(
         argument(
             "CAMPAIGN",
             "Campaign file or name, tianwen1_mc if not given; or the folder of a finished "
-            "campaign, to be held against it.",
+            "campaign, to compare with it.",
         ),
     ] = "tianwen1_mc",
     at: Annotated[
@@ -262,10 +262,10 @@ def covariance(
     ] = "parachute",
     sets: Sets = None,
     pairs: Annotated[
-        int, option("N", "Pairs of flights; more where there are more dispersions.", min=8, max=4096)
+        int, option("N", "Pairs of flights; more if there are more dispersions.", min=8, max=4096)
     ] = 24,
     each: Annotated[
-        bool, flag("Step each dispersion alone, too: where is it linear, where not.", "--each")
+        bool, flag("Also step each dispersion alone, to show where the response is linear.", "--each")
     ] = False,
     seed: Annotated[int | None, option("N", "Seed of the steps; the campaign's if not given.", min=0)] = None,
     workers: Annotated[
@@ -276,10 +276,10 @@ def covariance(
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
-    """Spread of an event, and what each dispersion gives to it.
+    """Compute the covariance of an event and its contributions.
 
-    Every dispersion is a standard deviation high in half of the flights and low in their mirror images, all
-    at once; a twentieth of the flights of a campaign gives its ellipse and its error budget.
+    Every dispersion is one standard deviation high in half of the flights and low in their mirror images,
+    all at once; a twentieth of the flights of a campaign suffices for its ellipse and error budget.
 
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
     """
@@ -302,7 +302,7 @@ def covariance(
     if not lexists(folder / "campaign.json"):
         plan = load_plan(campaign, tuple(sets or ()), seed=seed)
     elif sets:
-        raise refusal(folder, "has its plan; covariance beside it takes no other values")
+        raise refusal(folder, "has its plan; its covariance accepts no other values")
     else:
         store = Store(folder)
         plan = resumed_plan(store)

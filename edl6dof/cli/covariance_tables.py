@@ -22,7 +22,7 @@ from edl6dof.report.terminal import open_table, print_whole
 #: Figures in a row of the budget on a terminal, letters in a line of their headings, and of a figure's name.
 _COLUMNS, _HEADING, _LABEL = 4, 12, 32
 _AXES = ("long half axis", "short half axis")
-#: Standard errors from which on a source is told from chance.
+#: Number of standard errors from which a source is significant.
 _CLEAR = 3.0
 
 
@@ -42,7 +42,7 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
     print_whole(_budget(found))
     if found.together:
         names = ", ".join(source.name for source in found.together)
-        console.print(f"not told from the rest: {names}", markup=False)
+        console.print(f"not significant: {names}", markup=False)
 
 
 def _spreads(found: Covariance, sampled: np.ndarray | None) -> Table:
@@ -83,7 +83,7 @@ def _rows(found: Covariance, sampled: np.ndarray | None) -> Iterator[tuple[str, 
 
 
 def _budget(found: Covariance) -> Table:
-    """Sources by their share in the position, or in all figures where none is told."""
+    """Return the sources in the order of their share in the position, or in all figures without one."""
     names = found.event.all[:_COLUMNS]
     table = _table("1 sigma of each source", names)
     floor = _CLEAR * found.pairs.slope_error[: len(names)]

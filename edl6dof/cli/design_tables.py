@@ -41,7 +41,7 @@ from edl6dof.sim.flight import Flight, fly, resolved_text
 
 
 def goal_of(maximise: str | None, minimise: str | None) -> Goal:
-    """Return what is asked for: one of the goals, by the option that belongs to it."""
+    """Return the goal of the design that the options select."""
     given = {"--maximise": maximise, "--minimise": minimise}
     if None not in given.values():
         raise refusal("--minimise", "and --maximise cannot both be given")
@@ -102,8 +102,8 @@ def _figures(found: Design) -> Table:
         table.add_row(figure, unit, *(f"{value:,.{places}f}" for value in values), limit)
 
     row("altitude of the parachute", "m", lambda p: p.altitude_m)
-    row("beyond the aim point", "m", lambda p: p.beyond_m)
-    row("right of it", "m", lambda p: p.aside_m, f"{limits.aside_m:,.0f}")
+    row("downrange miss", "m", lambda p: p.beyond_m)
+    row("crossrange miss", "m", lambda p: p.aside_m, f"{limits.aside_m:,.0f}")
     row("largest load", "g0", lambda p: p.load_g0, f"{limits.load_g0:.1f}", 2)
     row("largest heat rate", "W/cm2", lambda p: p.heat_rate_w_cm2, f"{limits.heat_rate_w_cm2:.0f}", 1)
     pressure = f"{limits.dynamic_pressure_pa:,.0f}"
@@ -119,7 +119,7 @@ def _figures(found: Design) -> Table:
 
 
 _LIMITS = "flight_software.guidance.entry.limits"
-#: What to change where a designed plan does not keep a limit.
+#: Advice for each limit that a designed plan may violate.
 _REMEDIES = {
     "load": f"load: enter at a flatter angle, or raise {_LIMITS}.load_g0",
     "heat rate": f"heat rate: enter at a flatter angle, or raise {_LIMITS}.heat_rate_w_cm2",

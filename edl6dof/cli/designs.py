@@ -31,7 +31,7 @@ def design_entry(
     ] = None,
     points: Annotated[int, option("N", "Speeds at which the bank angle is free.", min=2, max=16)] = 6,
     reserve: Annotated[
-        float, option("DEG", "How far the plan stays from the bank limits.", min=0.0, max=60.0)
+        float, option("DEG", "Distance of the plan from the bank limits.", min=0.0, max=60.0)
     ] = 10.0,
     out: Annotated[
         Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
@@ -40,9 +40,9 @@ def design_entry(
 ) -> int:
     """Optimise the bank profile of the planned entry.
 
-    It is shown beside the one of the scenario. Load, heat rate and dynamic pressure keep to
-    flight_software.guidance.entry.limits, the bank angles to their limits less the reserve, and the profile
-    to a quarter of the bank rate.
+    The result is compared with the profile of the scenario. Load, heat rate and dynamic pressure stay within
+    flight_software.guidance.entry.limits, the bank angles within their limits less the reserve, and the
+    profile changes by at most a quarter of the bank rate.
 
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
     """
@@ -90,21 +90,21 @@ def design_landing(
     sets: Sets = None,
     divert_m: Annotated[
         float | None,
-        option("M", "Divert against the drift, in the place of the scenario's target.divert_m.", min=0.0),
+        option("M", "Divert against the drift; replaces the scenario's target.divert_m.", min=0.0),
     ] = None,
     out: Annotated[Path | None, option("FILE", "Write states and controls (.csv).")] = None,
     figure: Annotated[
-        Path | None, option("FILE", "Draw them beside the scenario's own (.png, .pdf, .svg).")
+        Path | None, option("FILE", "Plot the result with the scenario's own flight (.png, .pdf, .svg).")
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
-    """Design the powered landing of least propellant.
+    """Design the powered landing with the least propellant.
 
-    It is that of the rigid lander, from the true state of the scenario's own flight where the engine lights
-    to rest at its powered target, by successive convexification; shown beside what the scenario's own law
-    flies. Needs cvxpy: pip install 'edl6dof[design]'.
+    Successive convexification optimises the landing of the rigid lander, from the true state of the
+    scenario's own flight at engine ignition to rest at its powered target. The result is compared with the
+    flight of the scenario's own law. Needs cvxpy: pip install 'edl6dof[design]'.
 
-    Exit status: 0 designed, 1 no landing within the limits or one that breaks them on its way, 2 bad input,
+    Exit status: 0 designed, 1 no landing within the limits or one that exceeds them on its way, 2 bad input,
     69 cvxpy is missing, 130 interrupted.
     """
     activate(scenario)

@@ -19,9 +19,9 @@ def verify(
     plots: Annotated[
         Path | None, option("FOLDER", "Draw each case that has a history, as FOLDER/NAME.png.")
     ] = None,
-    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
     golden: Annotated[
-        bool, flag("Fly the golden flights instead; every bit must be as shipped.", "--golden")
+        bool, flag("Fly the golden flights instead and compare all bits with those shipped.", "--golden")
     ] = False,
 ) -> int:
     """Check the simulator against closed forms and published tables.
@@ -43,10 +43,10 @@ def figures(
     flights: Annotated[int | None, option("N", "Flights; 30 if not given.", "-n", "--flights")] = None,
     as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
 ) -> int:
-    """Mean and spread of a scenario's figures over many flights.
+    """Compute mean and spread of figures over many flights.
 
-    They differ by a millionth of a metre per second at their start. The digits of one flight are one draw of
-    many: what a document quotes is made by this command.
+    The flights differ by a millionth of a metre per second at their start. The digits of one flight are one
+    random draw of many, so documents quote the results of this command.
 
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
     """
@@ -85,9 +85,9 @@ def validate(
     force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
 ) -> int:
-    """Compare dispersed flights of missions with what was published.
+    """Compare dispersed flights of missions with published values.
 
-    A mission is a scenario whose file disperses it and which says what was published of its flight.
+    A mission is a scenario with published values of its flight and a file that disperses it.
     Afterwards, the same flights with a report: edl6dof campaign NAME -n N.
 
     Exit status: 0 nine in ten flown values within three sigma, 1 not, 2 bad input, 130 interrupted.
@@ -125,15 +125,13 @@ def calibrate(
     sets: Sets = None,
     flights: Annotated[
         int | None,
-        option(
-            "N", "Flights of each of its three designs, as docs/calibration.md calls them.", "-n", "--flights"
-        ),
+        option("N", "Flights of each of the three designs (docs/calibration.md).", "-n", "--flights"),
     ] = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/calibration-<name> if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
 ) -> int:
-    """Fit what is uncertain to what is published of a flight.
+    """Fit uncertain parameters to the published figures of a flight.
 
     Writes calibrated.yaml, a scenario that extends this one.
 
@@ -173,12 +171,12 @@ def study(
     ] = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/study-<name> if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
-    quick: Annotated[bool, flag("Fly few runs, to see that it works.", "--quick")] = False,
+    quick: Annotated[bool, flag("Fly few runs, as a quick test.", "--quick")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
 ) -> int:
-    """Repeat a paper's experiment: computed beside published.
+    """Repeat a paper's experiment and compare the results.
 
-    Exit status: 0 every published requirement is kept, 1 not, 2 bad input, 130 interrupted.
+    Exit status: 0 every published requirement is met, 1 not, 2 bad input, 130 interrupted.
     """
     activate()
     from edl6dof.cli.studies import list_studies, run_study

@@ -64,7 +64,7 @@ def show_figures(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str
 
 
 def show_missions(missions: Sequence[Compared], target: Path) -> None:
-    """Print predicted values beside flown ones, and the files of the folder."""
+    """Print the comparison of predicted with flown values, and the files of the folder."""
     console = Console(highlight=False, soft_wrap=True)
     console.print(_missions_table(missions))
     for mission in missions:
@@ -75,7 +75,7 @@ def show_missions(missions: Sequence[Compared], target: Path) -> None:
 
 
 def _missions_table(missions: Sequence[Compared]) -> Table:
-    """All missions in one table of 80 columns; the mark of a value stands behind its figure's name."""
+    """Return a table of all missions, 80 columns wide; the mark of a value follows the name of its figure."""
     figure, *numbers, _, sigma, last = HEADS
     table = open_table("Predicted and flown", figure, *numbers, sigma, last)
     table.collapse_padding, table.show_edge = True, False
@@ -120,7 +120,7 @@ def show_calibration(found: Findings, target: Path) -> None:
 
 
 def _parameters(found: Findings, letters: Sequence[str]) -> Table:
-    table = open_table("", "", "prior>", "posterior>", "shift (sigma)>", "told by figures>")
+    table = open_table("", "", "prior>", "posterior>", "shift (sigma)>", "share from data>")
     for k, (path, prior) in enumerate(found.calibration.params.parameters.items()):
         cells = (
             f"{prior.mean:g} +- {prior.sigma:g}",

@@ -1,4 +1,4 @@
-"""How a command ends: the exit statuses, and the words when it cannot do its work."""
+"""Exit statuses of commands, and the messages of commands that fail."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ def _cell(row: Row) -> Text:
 
 
 def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
-    """How many of each kind of fault and regime, and which share of them."""
+    """Return the number of flights of each kind of fault and regime, and percentages of them."""
     headings = ("flights", "% in\nlimits", "can be\nknown", "% right\nname", "% right\nkind", "wrong\nnames")
     table = _by_group("", headings)
     for group in groups:

@@ -162,7 +162,7 @@ def _called(argument: Any) -> str:
 
 
 class Commands(TyperGroup):
-    """All commands; bad input ends with status 2 and a line per problem, Ctrl-C with 130."""
+    """Group of all commands; bad input ends with status 2 and a line for each problem, Ctrl-C with 130."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands under the titles that they are declared with."""
@@ -176,7 +176,7 @@ class Commands(TyperGroup):
                 formatter.write_dl(lines)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command that was asked for; the number that it returns is the exit status."""
+        """Run the given command; the number that it returns is the exit status."""
         try:
             with naming_options():
                 status = super().invoke(ctx)

@@ -46,7 +46,7 @@ def flight_progress(talk: bool) -> Iterator[FlightProgress | None]:
 
 
 class _Rate(ProgressColumn):
-    """Runs a second, since the first was asked for."""
+    """Runs per second since the start of the first run."""
 
     def render(self, task: Task) -> Text:
         return Text(f"{task.completed / task.elapsed:6.1f}/s" if task.elapsed else "")

@@ -35,11 +35,11 @@ def replay(
         str,
         option(
             "NAME",
-            "Page in front: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
+            "Page to show first: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
             "Navigation, Thrusters, Tour.",
         ),
     ] = "",
-    tour: Annotated[bool, flag("Page Tour in front: cameras that follow the stages.", "--tour")] = False,
+    tour: Annotated[bool, flag("Show page Tour first: cameras that follow the stages.", "--tour")] = False,
     video: Annotated[
         Path | None, option("FILE", "Write a film (MP4) of the page; needs ffmpeg or the extra 'video'.")
     ] = None,
@@ -47,10 +47,10 @@ def replay(
     end: Annotated[float | None, option("T", "Last time of the film, s.", "--to")] = None,
     length: Annotated[
         float | None,
-        option("S", "How long the film is, s; if not given, as long as the flight, or 60 s.", min=0.1),
+        option("S", "Duration of the film, s; by default that of the flight, at most 60 s.", min=0.1),
     ] = None,
-    fps: Annotated[float, option("N", "Its frames per second.", min=1.0, max=120.0)] = 24.0,
-    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+    fps: Annotated[float, option("N", "Frames per second of the film.", min=1.0, max=120.0)] = 24.0,
+    force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
 ) -> int:
     """Show the 3D replay of one flight, or of several in one scene.
 
@@ -94,7 +94,7 @@ def report(
         bool, flag("Write report.pdf instead: outcome, tables, and each figure as a vector page.", "--pdf")
     ] = False,
     png: Annotated[bool, flag("Write report/FIGURE.png instead, each figure for print.", "--png")] = False,
-    force: Annotated[bool, flag("Replace files of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
 ) -> int:
     """Write the report of a run or a campaign: one page with plots.
 
@@ -113,7 +113,7 @@ def plot(
         argument(
             "RUN|CHANNEL",
             "Further run folders to draw over it, then channels, or patterns such as 'truth.rate_*'; "
-            "without any channel, all are listed.",
+            "by default all channels are listed.",
         ),
     ] = None,
     against: Annotated[str, option("CHANNEL", "Channel of the x axis.")] = "t_s",
@@ -123,9 +123,9 @@ def plot(
         Path | None,
         option("FILE", "File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given."),
     ] = None,
-    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> int:
-    """Plot channels of flights, those of one unit in one panel."""
+    """Plot channels of flights; equal units share a panel."""
     from edl6dof.cli.result_views import list_channels, write_plot
 
     others = [Path(word) for word in takewhile(_is_folder, words or ())]
@@ -151,15 +151,15 @@ def compare(
     everything: Annotated[
         bool, flag("Print every figure, event and difference of the scenarios; of two flights only.", "--all")
     ] = False,
-    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables; of two campaigns only.", "--json")] = False,
 ) -> int:
     """Compare two flights, or two campaigns.
 
-    Of two flights the figures are printed that differ most, of those that differ by more than flights of one
-    scenario do (ten neighbours of the first are flown), and what the scenarios differ in; a page has every
-    figure, and the plots of one flight over the other. Two campaigns of the same dispersions are compared in
-    pairs: success, and every figure that differs clearly.
+    For two flights, the result is the figures with the largest differences beyond the variation from flight to
+    flight (ten neighbours of the first are flown), and the differences of the scenarios. A page contains every
+    figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs: success,
+    and every figure with a significant difference.
     """
     with suppress(ConfigError):  # of the first flight, whose neighbours are flown; they must be accepted
         functions.activate(first / "scenario.yaml")
@@ -190,11 +190,11 @@ def export(
         str, option("FORM", "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).", "--format")
     ] = "",
     nesc: Annotated[
-        bool, flag("In the columns and English units of NASA's NESC check cases.", "--nesc")
+        bool, flag("Use the columns and English units of NASA's NESC check cases.", "--nesc")
     ] = False,
-    force: Annotated[bool, flag("Replace a file of yours, too.", "--force")] = False,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> int:
-    """Write the telemetry of a run in the form of another program."""
+    """Write the telemetry of a run in the format of another program."""
     if nesc == bool(form) or form not in ("", *EXPORTS):
         raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
     from edl6dof.config.wording import counted

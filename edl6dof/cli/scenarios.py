@@ -1,4 +1,4 @@
-"""Commands about one scenario: fly it, check it, begin one of your own, and what may stand in it."""
+"""Commands for one scenario: fly it, check it, start your own, and list its parameters."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def fly(
     quiet: Annotated[bool, flag("Print the outcome only.", "--quiet", "-q")] = False,
     as_json: Annotated[bool, flag("Print the summary as JSON instead.", "--json")] = False,
     save_state: Annotated[
-        float | None, option("T", "Keep the state at time T (s) in the run folder, as state.npz.")
+        float | None, option("T", "Save the state at time T (s) in the run folder, as state.npz.")
     ] = None,
     start: Annotated[
-        Path | None, option("STATE", "Go on from a saved state, which brings its scenario.", "--from")
+        Path | None, option("STATE", "Continue from a saved state, which contains its scenario.", "--from")
     ] = None,
 ) -> int:
     """Fly one scenario and write its run folder.
@@ -101,7 +101,7 @@ def check(
     files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")],
     sets: Sets = None,
 ) -> int:
-    """Check scenario files: each mistake by file, line and key.
+    """Check scenario files; report mistakes with file, line and key.
 
     Nothing is flown.
 
@@ -163,7 +163,7 @@ def serve(
 
 def scenarios(
     scenario: Annotated[
-        str | None, argument("SCENARIO", "Scenario whose file is printed; all are listed if not given.")
+        str | None, argument("SCENARIO", "Scenario whose file is printed; by default all are listed.")
     ] = None,
 ) -> int:
     """List the shipped scenarios, or print the file of one."""
@@ -214,12 +214,10 @@ def params(
 
 
 def schema(
-    scenario: Annotated[
-        str | None, argument("SCENARIO", "Scenario whose plugins the files may choose from.")
-    ] = None,
+    scenario: Annotated[str | None, argument("SCENARIO", "Scenario whose plugins the files may use.")] = None,
     of: Annotated[str, option("KIND", "scenario (campaigns, too), vehicle or planet.", "--of")] = "scenario",
 ) -> int:
-    """JSON schema of scenario, vehicle or planet files."""
+    """Print the JSON schema of scenario, vehicle or planet files."""
     activate(scenario)
     from edl6dof.api.schema_files import SCHEMAS
 

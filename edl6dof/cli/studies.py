@@ -1,4 +1,4 @@
-"""``edl6dof study``: a paper's experiment flown, and computed values beside published ones."""
+"""``edl6dof study``: repeat a paper's experiment and compare computed with published values."""
 
 from __future__ import annotations
 

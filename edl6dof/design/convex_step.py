@@ -68,12 +68,12 @@ class Nodes:
 
     @property
     def lengths(self) -> np.ndarray:
-        """Of the intervals, s, shape (n,)."""
+        """Lengths of the intervals, s, shape (n,)."""
         return self.durations[self.parts] * self.shares
 
     @property
     def times(self) -> np.ndarray:
-        """Of the nodes, s, shape (n + 1,)."""
+        """Times of the nodes, s, shape (n + 1,)."""
         return np.append(0.0, np.cumsum(self.lengths))
 
     def ends(self, landing: RigidLanding) -> tuple[np.ndarray, np.ndarray]:
@@ -244,7 +244,7 @@ def _reached(nodes: Nodes, linear: Linear, scales: Scales, unknowns: list[Any]) 
 
 
 def _ends(landing: RigidLanding, scales: Scales, x: Any) -> list[Any]:
-    """From the given state to rest at the origin, upright, heading as at the start, without rates."""
+    """Constrain the ends: the given state, and rest at the origin, upright, with the initial heading."""
     rest = [1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 13]
     heading = landing.start[10] * x[-1, 7] == landing.start[7] * x[-1, 10]
     dry = x[-1, 0] >= landing.dry_mass / scales.x[0]

@@ -119,7 +119,7 @@ def pure_torque(vehicle: np.void, centre: np.ndarray, groups: list[int]) -> np.n
 
 
 def _most(jets: np.ndarray, torque: np.ndarray) -> float:
-    """How many times ``torque`` the jets can give, shape (n, 6), without force across the engine."""
+    """Return the multiple of ``torque`` that ``jets``, shape (n, 6), can give without lateral force."""
     if not len(jets):
         return 0.0
     effect = jets[:, 1:].T

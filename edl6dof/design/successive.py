@@ -1,8 +1,8 @@
-"""Successive convexification: convex programs about the flight of the one before, until nothing changes.
+"""Successive convexification: a sequence of convex programs, each about the solution of the previous one.
 
-The price of change grows while changes do not become smaller; where it has brought them to rest, it begins
-anew, until that gains nothing.  Without a landing within the limits virtual control is left over.
-Source: Szmuk & Acikmese 2018, AIAA 2018-0617, algorithm 1; how the price changes is this project's own.
+The cost of changes increases while the changes do not decrease, and is reset where they stop, until a reset
+brings no further gain.  If no landing within the limits exists, virtual control remains.
+Source: Szmuk & Acikmese 2018, AIAA 2018-0617, algorithm 1; the rule for the cost is this project's own.
 """
 
 from __future__ import annotations

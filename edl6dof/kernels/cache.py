@@ -150,7 +150,7 @@ def _root() -> Path | None:
 
 
 def _can_be_written(place: Path) -> bool:
-    """Whether it is a folder that this user can write to, and nobody else: what lies in it is run."""
+    """Return True if only this user can write to the folder; its files are executed."""
     if not place.is_absolute():  # a user without a home
         return False
     try:
@@ -189,7 +189,7 @@ def _drop(file: Path) -> None:
 
 
 def _is_sound(file: Path) -> bool:
-    """Whether a file has the content that was sealed; so has one without a seal, which ends as pickles do."""
+    """Return True if a file has its sealed content, or has no seal and ends like a pickle."""
     try:
         content = file.read_bytes()
     except OSError:  # another process has removed it

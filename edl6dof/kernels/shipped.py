@@ -19,7 +19,7 @@ ARCHIVE = Path(__file__).with_name("code.tar.xz")
 
 
 def is_usable() -> bool:
-    """Look whether there is code for this processor."""
+    """Return True if there is code for this processor."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
             flags = next((line for line in file if line.startswith("flags")), "")

@@ -1,1 +1,1 @@
-"""Figures of merit of a flight, the limits they must keep, and the published values they stand beside."""
+"""Figures of merit of a flight, their limits, and the published values to compare them with."""

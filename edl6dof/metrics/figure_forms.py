@@ -1,7 +1,7 @@
-"""How figures of a flight are formed from its telemetry and the times of its events.
+"""Forms that compute figures of a flight from its telemetry and the times of its events.
 
-A form is called with a :class:`Flown` and gives the figure in the unit of its channels, or ``None`` where the
-flight did not come to it.
+A form is called with a :class:`Flown` and returns the figure in the unit of its channels, or ``None`` if the
+flight did not reach it.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def longest(part: Part, *columns: str) -> Form:
 
 
 def nearest(part: Part, place: Sequence[str], other: Sequence[str]) -> Form:
-    """How near two places come."""
+    """Return the smallest distance between two positions."""
     return _over(part, lambda rows: rows.nearest(place, other))
 
 
@@ -173,7 +173,7 @@ def _bank(flown: Flown) -> tuple[np.ndarray, int]:
 
 
 def bank_reversals(flown: Flown) -> float | None:
-    """How often the commanded bank changes sign."""
+    """Return the number of sign changes of the commanded bank angle."""
     bank, _ = _bank(flown)
     return float(np.count_nonzero(bank[1:] * bank[:-1] < 0.0)) if len(bank) else None
 

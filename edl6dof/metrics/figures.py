@@ -44,16 +44,16 @@ class FigureOfMerit(NamedTuple):
 
     Attributes:
         name: with unit suffix; figures of a flight, ``published`` values and columns of campaigns have it.
-        meaning: what it is, in the words of reports.
+        meaning: its name in reports.
         source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
             of the flight, ``navigation`` for the error of the estimate, ``peaks`` for what the plant keeps at
             every step, ``contact`` for the located first ground contact, ``footing`` for the rough ground
             that it came to stand on, ``diagnosis`` for fault isolation, ``exclusions`` for instruments out of
-            use, ``balance`` for what the state has become beside what it was given.
-        limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
-        allowed: what bounds it from above in every scenario, as it judges the simulator and not the mission.
-        form: how telemetry and events give it, where these alone do.
-        clearance: whether it is better the larger it is; else the nearer it is to zero.
+            use, ``balance`` for the change of the state compared with the sums of its causes.
+        limit: parameter of the scenario's ``limits`` that is its upper bound; empty for none.
+        allowed: upper bound in every scenario, for a figure that tests the simulator and not the mission.
+        form: form that computes it, if telemetry and events suffice.
+        clearance: True if the smallest value is the worst; otherwise the largest in size is.
     """
 
     name: str
@@ -244,6 +244,6 @@ def figure_of_merit(name: str) -> FigureOfMerit:
 
 
 def from_si(source: Source, values: Iterable[float]) -> dict[str, float]:
-    """All figures of a source in their order, in their units, from their values in SI."""
+    """Return all figures of a source, in their order and units, from their values in SI."""
     named = zip((figure for figure in FIGURES if figure.source == source), values, strict=True)
     return {figure.name: value * (1.0 / figure.unit.to_si) for figure, value in named}

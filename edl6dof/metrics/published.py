@@ -92,7 +92,7 @@ class PublishedFigure(Params):
 
     @property
     def bound(self) -> Literal["", "<=", ">="]:
-        """How a figure must lie to a requirement; empty for a flown value."""
+        """Relation of a figure to a requirement; empty for a flown value."""
         if not self.required:
             return ""
         return "<=" if self.at_most is not None else ">="

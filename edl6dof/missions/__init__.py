@@ -1,5 +1,5 @@
-"""Missions that flew: dispersed flights of each beside what was published of it.
+"""Comparison of dispersed flights with the published values of real missions.
 
-A mission is data: a scenario that says what was ``published`` of a real flight, and whose own file disperses
-it (``campaign``).  The shipped ones are found by that.
+A mission is data: a scenario with the ``published`` values of a real flight and a file that disperses it
+(``campaign``).  Shipped missions are found by these sections.
 """

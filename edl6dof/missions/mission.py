@@ -1,11 +1,11 @@
-"""A mission: its campaign, what is published of it and where it is found, and its flights beside that.
+"""A mission: its campaign, its published values with their sources, and its flights.
 
-Predicted and flown: mean and spread of a figure over dispersed flights, and how many standard deviations
-the flown value lies from them.  The standard deviation is that of one flight, as the real one was one draw,
-with that of the flown value where it is published.  A figure counts as predicted within three of them: the
-statistic that the authors of POST2 give of Mars 2020, about nine in ten.  How many flights lie below the
-flown value is told beside it, whatever their distribution.  A value that was planned, that the scenario
-commands, or that repeats another is shown and not counted.
+The comparison gives mean and standard deviation of a figure over dispersed flights, and the difference of the
+flown value in standard deviations.  These combine the standard deviation of a single flight, because the real
+flight was one random draw, with that of the flown value if it is published.  A figure counts as predicted
+within three of them, the criterion of the authors of POST2 for Mars 2020, which about nine in ten figures
+met.  The share of flights below the flown value is given as well; it does not depend on the distribution.
+A value that was planned, that the scenario commands, or that repeats another one is shown but not counted.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ class Mission:
 
     Attributes:
         plan: the dispersed flights.
-        beside: what is published, in the order of the file.
+        beside: published values, in the order of the file.
         status: mark of each published figure by its name, such as ``published`` or ``recalled``.
-        fitted: published figures that the scenario was calibrated on, so that it does not predict them.
+        fitted: published figures that were used to calibrate the scenario, so that it does not predict them.
     """
 
     plan: Plan
@@ -129,7 +129,7 @@ def _fitted(document: Document, figures: Sequence[Beside]) -> frozenset[str]:
 
 
 def figure_values(rows: Sequence[Row], name: str, published: PublishedFigure) -> list[float]:
-    """A figure of every flight as it stands beside the published one, ``nan`` where it was not reached."""
+    """Return a figure of every flight in the form of the published one, ``nan`` if it was not reached."""
     values = (row.get(name) for row in rows)
     return [nan if value is None else published.of(float(value)) for value in values]
 
@@ -177,14 +177,14 @@ class Predicted(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """A mission beside its flight.
+    """Comparison of a mission with its real flight.
 
     Attributes:
-        name: of the mission.
-        flights: dispersed flights flown.
-        successes: how many of them ended within all limits.
-        causes: why the others did not, and how many of them.
-        predicted: every published figure.
+        name: name of the mission.
+        flights: number of dispersed flights.
+        successes: number of them within all limits.
+        causes: causes of the other outcomes, with their numbers.
+        predicted: every published figure with its prediction.
     """
 
     name: str
@@ -223,7 +223,7 @@ def _share(values: np.ndarray, published: PublishedFigure) -> float:
 
 
 def inside(predicted: Sequence[Predicted]) -> Proportion:
-    """How many of the flown values that count are predicted."""
+    """Return the share of the counted flown values that are predicted."""
     counted = [one for one in predicted if one.counted]
     return Proportion(sum(one.inside for one in counted), len(counted))
 

@@ -70,9 +70,9 @@ def sigmas(one: Predicted) -> str:
 
 
 def remark(one: Predicted) -> str:
-    """Say if the flown value is predicted, or why it does not count; how many keep a requirement."""
+    """Say if the flown value is predicted, or why it does not count; how many meet a requirement."""
     if one.published.required:
-        return f"{100.0 * one.below:.3g} % keep" if isfinite(one.below) else "not reached"
+        return f"{100.0 * one.below:.3g} % meet" if isfinite(one.below) else "not reached"
     if one.counted:
         words = [] if one.inside else [OUTSIDE]
     else:
@@ -108,7 +108,7 @@ def causes(mission: Compared) -> list[str]:
 
 
 def outcome(missions: Sequence[Compared]) -> str:
-    """All missions in a line."""
+    """Return the result of all missions in one line."""
     every = [one for mission in missions for one in mission.predicted]
     share, own = inside(every), inside([one for one in every if not one.fitted])
     if not share.trials:
@@ -116,12 +116,12 @@ def outcome(missions: Sequence[Compared]) -> str:
     words = f"{share.successes} of {counted(share.trials, 'flown value')} within {WITHIN:g} sigma, "
     words += f"{100.0 * share.value:.0f} %; goal {100.0 * GOAL:.0f} %"
     if own.trials < share.trials:
-        words += f" (of those not calibrated on {own.successes} of {own.trials}, {100.0 * own.value:.0f} %)"
+        words += f" (without fitted values: {own.successes} of {own.trials}, {100.0 * own.value:.0f} %)"
     return words + _not_counted(every)
 
 
 def _not_counted(predicted: Sequence[Predicted]) -> str:
-    """How many values are shown and not counted, by what they are; nothing where there are none."""
+    """Return the numbers of values that are not counted, by reason; empty if there are none."""
     found = Counter(one.published.evidence for one in predicted if not one.published.required)
     told = ", ".join(f"{found[kind]} {kind}" for kind in get_args(Evidence)[1:] if found[kind])
     return f"; not counted: {told}" if told else ""

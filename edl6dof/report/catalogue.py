@@ -1,7 +1,7 @@
-"""The catalogue of plots over time: each declared once, for reports, comparisons, papers and replays.
+"""Catalogue of plots over time: each is declared once, for reports, comparisons, papers and replays.
 
-Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`); which of them a
-page of a replay shows stands in :mod:`edl6dof.replay.views.pages`.
+Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`);
+:mod:`edl6dof.replay.views.pages` lists the plots of each page of a replay.
 """
 
 from __future__ import annotations

@@ -88,7 +88,7 @@ def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> G
     bounded = [share for share in SHARES if flights_needed(share) <= most]
     heads = [words for share in map(percent, bounded) for words in (share, f"{share} from", f"{share} to")]
     refused = [
-        f"{percent(share)} takes {flights_needed(share):,}" for share in SHARES if share not in bounded
+        f"{percent(share)} needs {flights_needed(share):,}" for share in SHARES if share not in bounded
     ]
     too_small = f"; n = {most} too small: {', '.join(refused)}" if refused else ""
     rows = []
@@ -105,7 +105,7 @@ def with_quantile(finding: Finding, sample: np.ndarray, share: float) -> Finding
     """
     found = quantile(sample, share, flown=True)
     if found is None:
-        small = f"n = {len(sample)} too small: takes {flights_needed(share):,}"
+        small = f"n = {len(sample)} too small: needs {flights_needed(share):,}"
         return replace(finding, computed=nan, published=None, bound="", note=_joined(finding.note, small))
     low, high = ("fails" if isinf(end) else significant(end, 3) for end in (found.low, found.high))
     return replace(finding, computed=found.value, note=_joined(finding.note, f"{low} .. {high} at 95 %"))

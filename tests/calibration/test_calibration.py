@@ -171,7 +171,7 @@ def test_command_finds_the_same_with_another_design_and_writes_a_scenario_that_f
     with pytest.raises(SystemExit) as end:
         in_process.main()
     shown = capsys.readouterr().out
-    assert end.value.code == 0 and "told by figures" in shown and "5 figures tell" in shown
+    assert end.value.code == 0 and "share from data" in shown and "5 figures determine" in shown
     assert "   vehicle.mass.entry_kg\n" in shown, "a path is never broken"
     other = json.loads((out / "summary.json").read_text())
     assert other["seed"] == 2 and other["flights"] == 14

@@ -50,7 +50,7 @@ def test_campaign_refly_and_report(edl6dof, tmp_path):
     status, out, _ = edl6dof("report", "runs/drops")
     page = Path("runs/drops/report.html").read_text(encoding="utf-8")
     assert status == 0 and "60 of 60 flights succeed" in page and "vehicle.mass.entry_kg" in page
-    assert "Quantiles further out need more than 60 flights: 95 % takes 72" in page
+    assert "Quantiles further out need more than 60 flights: 95 % needs 72" in page
     assert edl6dof("refly", "runs/drops", "60")[0] == 2
 
 
@@ -70,7 +70,7 @@ def test_inputs_drawn_together_are_one_group_and_quantiles_have_bounds(edl6dof, 
         1,
     )
     status, out, _ = edl6dof("campaign", "runs/drops", "--resume")
-    assert "95 % (bounds at 95 %)" in out and "99 % takes 368, 99.87 % takes 2,836" in out
+    assert "95 % (bounds at 95 %)" in out and "99 % needs 368, 99.87 % needs 2,836" in out
 
 
 def test_refly_notices_a_row_that_is_not_its_own(edl6dof, tmp_path):

@@ -24,7 +24,7 @@ def test_covariance_is_that_of_the_campaign_beside_it(edl6dof, tmp_path):
     assert edl6dof("campaign", write_drop(tmp_path), "-q")[0] == 0
     status, out, _ = edl6dof("covariance", "runs/drops", "--at", "entry", "--pairs", "8", "--out", "b.csv")
     assert status == 0 and "campaign: 430 flights, 26.9 times as many" in out
-    assert "not told from the rest: vehicle.rcs.thrusters.*.thrust_n" in out
+    assert "not significant: vehicle.rcs.thrusters.*.thrust_n" in out
     found, flown = budget(tmp_path / "b.csv"), pq.read_table("runs/drops/cases.parquet")
     sampled = np.array([flown[name].to_numpy().std(ddof=1) for name in FIGURES])
     assert found["all"] == pytest.approx(sampled, rel=0.1)
@@ -62,6 +62,6 @@ def test_bad_input_is_refused(edl6dof, tmp_path, words, message):
 def test_beside_a_campaign_no_other_values(edl6dof, tmp_path):
     assert edl6dof("campaign", write_drop(tmp_path), "-n", "8", "-q")[0] == 0
     status, _, err = edl6dof("covariance", "runs/drops", "--set", "wind.scale=2")
-    assert status == 2 and "covariance beside it takes no other values" in err
+    assert status == 2 and "its covariance accepts no other values" in err
     status, _, err = edl6dof("covariance", "runs/drops", "--at", "entry")
     assert status == 2 and "only 8 of its flights came to the event" in err

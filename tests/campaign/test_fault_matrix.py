@@ -179,14 +179,14 @@ def test_what_flies_another_matrix_does_not_join_a_folder(here):
         assert status == 2 and other in err
         assert command(*words, *changed)[0] == 2
         status, _, err = command("faults", "m", *changed, "--resume")
-        assert status == 2 and "has its plan; it takes no other values" in err
+        assert status == 2 and "has its plan; it accepts no other values" in err
     assert (here / "m" / "cases.parquet").read_bytes() == before
 
 
 @pytest.mark.parametrize("given", [0, 0.0, "D7", ("seed=3",), True])
 def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
     require_no_values(Path("m"), None, (), "", False)
-    with pytest.raises(ConfigError, match="m: has its plan; it takes no other values"):
+    with pytest.raises(ConfigError, match="m: has its plan; it accepts no other values"):
         require_no_values(Path("m"), None, given)
 
 

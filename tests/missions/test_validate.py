@@ -155,7 +155,7 @@ def test_a_value_is_predicted_within_three_standard_deviations(drop):
     assert not far.predicted[0].inside and cells(far.predicted[0])[-1] == "outside"
     # a figure that no flight reached is not predicted; a requirement is no flown value
     assert [one.inside for one in near.counted] == [True, False] and inside(near.predicted).trials == 2
-    assert cells(near.predicted[2])[-1] == "50 % keep"
+    assert cells(near.predicted[2])[-1] == "50 % meet"
     assert not reached_goal([near])
     assert "1 of 2 flown values within 3 sigma, 50 %" in outcome([near])
     assert causes(far) == [

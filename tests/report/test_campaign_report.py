@@ -53,7 +53,7 @@ def test_quantiles_go_as_far_as_flights_bound_them(flights, heads):
     blocks = list(margins.limits(known))
     table = next(block for block in blocks if isinstance(block, Table))
     assert table.columns[2:-3] == heads
-    assert ("99.87 % takes 2,836" in words(blocks)) is (flights < 2836)
+    assert ("99.87 % needs 2,836" in words(blocks)) is (flights < 2836)
     assert all("(" in cell and ".." in cell for cell in table.rows[0][2:-3])
 
 
@@ -63,7 +63,7 @@ def test_a_figure_that_few_flights_reach_says_how_many_it_takes():
     table = next(
         block for block in margins.limits(results(100, parachute_mach=mach)) if isinstance(block, Table)
     )
-    assert table.rows[0][3] == "takes 72 flights" and ".." in table.rows[0][2]
+    assert table.rows[0][3] == "needs 72 flights" and ".." in table.rows[0][2]
 
 
 def test_a_grid_is_no_sample():

@@ -112,7 +112,7 @@ def test_decoupled_formulation_finds_the_thrust_direction_sooner(report):
         for name in ("decoupled", "shortest_path")
     )
     assert sooner < later
-    assert "takes 6" in next(f.note for f in report.findings if f.label == "thrust found, decoupled")
+    assert "needs 6" in next(f.note for f in report.findings if f.label == "thrust found, decoupled")
 
 
 def test_estimator_answers_a_step_with_a_tenth_of_the_error_of_an_integral(report):

@@ -119,7 +119,7 @@ def test_small_run_comes_out_whole(monkeypatch):
         for name in ("ignition_height_m", "ignition_descent_m_s", "ignition_drift_m_s"):
             assert one[name] == other[name]
     fuel, miss, navigated, kept, diverts, late, faults = report.grids
-    assert "n = 2 too small: 50 % takes 6" in miss.title and miss.rows == navigated.rows
+    assert "n = 2 too small: 50 % needs 6" in miss.title and miss.rows == navigated.rows
     assert [line[0] for line in fuel.rows] == ["polynomial", "gravity_turn"]
     assert fuel.rows[0][2] == 0.0 and fuel.rows[1][2] != 0.0
     assert kept.rows[1][-2] == 100.0 and 0.0 < kept.rows[1][-1] < 50.0

@@ -17,7 +17,7 @@ def test_every_quantile_stands_between_its_bounds_and_the_refused_ones_are_named
     values = np.arange(1.0, 101.0)
     grid = quantile_grid("miss", "law", {"etpc": values, "npc": np.where(values > 90.0, inf, values)})
     assert grid.heads == ("law", "n", "50 %", "50 % from", "50 % to", "95 %", "95 % from", "95 % to")
-    assert grid.title == "miss, bounds at 95 %; n = 100 too small: 99 % takes 368"
+    assert grid.title == "miss, bounds at 95 %; n = 100 too small: 99 % needs 368"
     name, flights, middle, low, high, *tail = grid.rows[0]
     assert (name, flights, tail) == ("etpc", 100.0, [96.0, 90.0, 100.0]) and low < middle < high
     assert grid.rows[1][5:] == (inf, 90.0, inf)
@@ -36,7 +36,7 @@ def test_a_finding_gets_its_bounds_or_neither_number_nor_result():
     assert (told.computed, told.holds, told.note) == (191.0, False, "of all, 184 .. 197 at 95 %")
     refused = with_quantile(FAR, np.arange(1.0, 201.0), 0.99)
     assert isnan(refused.computed) and refused.holds is None and refused.ok
-    assert refused.note == "of all, n = 200 too small: takes 368"
+    assert refused.note == "of all, n = 200 too small: needs 368"
 
 
 def test_draws_have_the_wanted_spread_and_a_longer_series_begins_like_a_shorter_one():

@@ -25,12 +25,12 @@ class Case:
 
     Attributes:
         index: number of the case; rows come in its order.
-        truth: values of which the flight computer is not told.
-        belief: values that the flight computer is told; the truth follows them where ``truth`` does not say
-            otherwise.
-        profile: which random profiles (density, gusts) of the scenario's seed it meets; the scenario's own
-            when ``None``.
-        label: columns to put into the row as they are, such as the name of the law or the failed thruster.
+        truth: values that the flight computer does not know.
+        belief: values that the flight computer knows; they also hold in the truth unless ``truth`` has
+            another value.
+        profile: number of the random profiles (density, gusts) of the scenario's seed; ``None`` for the
+            scenario's own.
+        label: columns that are copied into the row, such as the name of the law or the failed thruster.
     """
 
     index: int
@@ -50,11 +50,14 @@ class Case:
 
 
 def group_of(column: str, campaign: Mapping[str, Any]) -> str:
-    """Name of the group of a dispersed quantity: those of one path with a wildcard belong together, and those
-    drawn as correlated; groups are independent of each other.  A lone one is its own, by its path.
+    """Return the name of the group of a dispersed quantity.
+
+    The quantities of one path with a wildcard form a group, and so do quantities drawn with a correlation.
+    Groups are independent of each other.  Any other quantity is a group of one with its path as name.
 
     Args:
-        column: of the results, such as ``truth.wind.scale``; what the flight computer is told keeps its mark.
+        column: column of the results, such as ``truth.wind.scale``; the mark of a quantity that the flight
+            computer knows is kept in the name.
         campaign: the campaign section as plain data.
     """
     mark = BELIEF if column.startswith(BELIEF) else ""

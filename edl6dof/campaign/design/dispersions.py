@@ -136,7 +136,7 @@ def _slot(keys: Keys) -> Slot:
 
 
 def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
-    """All draws of a campaign; problems go to the locator."""
+    """Return all draws of a campaign; report problems to the locator."""
     draws = [
         Draw((target,), distribution)
         for of in get_args(Of)
@@ -202,7 +202,7 @@ def check_values(target: Target, values: np.ndarray, first: int, locator: Locato
 
 
 def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Keys, str]]:
-    """All that is wrong with a fault, written as under ``faults:``: the place inside it, and words."""
+    """Yield the problems of a fault written as under ``faults:``, as paths inside it and messages."""
     scenario = locator.loaded.scenario
     try:
         fault = FaultParams.model_validate(data)

@@ -105,7 +105,7 @@ class Swaps:
         return len(self.groups) + 2
 
     def matrix(self, case: int) -> str:
-        """To which matrix a case belongs, or which group it has from B."""
+        """Return the matrix of a case (A or B), or the group whose columns it takes from B."""
         return (A, B, *self.groups)[case % self.width]
 
     def profile(self, case: int) -> int:

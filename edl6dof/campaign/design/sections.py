@@ -69,7 +69,7 @@ class FaultDraw(Params):
 
 
 class CampaignParams(Params):
-    """How many flights, and how each differs from the scenario."""
+    """Number of flights, and the differences of each from the scenario."""
 
     cases: int = param(1000, "number of flights; of rows of a design of Sobol indices", ge=1, le=10_000_000)
     seed: int = param(1, "seed of the dispersions; the same seed gives the same cases", ge=0)

@@ -23,7 +23,7 @@ class Results:
     """The rows of a campaign, finished or not."""
 
     def __init__(self, folder: Path, columns: Sequence[str] | None = None):
-        """Read a folder; ``columns``: names to read besides success, all if not given."""
+        """Read a folder; ``columns`` are the names to read in addition to success, by default all."""
         self.folder = folder
         self.store = Store(folder)
         self._every = self.store.table(None if columns is None else ["case", "success", MATRIX, *columns])

@@ -51,11 +51,11 @@ def blocks(results: Results) -> Iterator[Block]:
         return
     explained = _explained(results)
     yield Text(
-        "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
-        "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
-        f"{in_percent(1.0 - CHANCE)} of campaigns, all figures together. What remains is the work of the "
-        "random profiles of density and gusts, of inputs whose share is too small to be told, and of what "
-        "only several inputs together do."
+        "Share: part of the variance of a figure's ranks that an input explains, with its 95 % interval. "
+        "Inputs drawn together (*) count as one. Only significant inputs are shown: without any effect, "
+        f"{in_percent(1.0 - CHANCE)} of campaigns would show none in any figure. The rest comes from the "
+        "random profiles of density and gusts, from inputs with a share that is not significant, and from "
+        "interactions of inputs."
     )
     if any(one.drivers.found for one in explained):
         yield chart([one for one in explained if one.drivers.found])

@@ -136,7 +136,7 @@ def in_words(results: Results, values: np.ndarray, share: float) -> str:
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"
     found = quantile(values, share)
     if found is None:
-        return f"takes {flights_needed(share):,} flights"
+        return f"needs {flights_needed(share):,} flights"
     value, low, high = aligned(found.value, found.low, found.high)
     return f"{value} ({low} .. {high})"
 
@@ -147,8 +147,8 @@ def note(results: Results) -> str:
         return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
     flights = len(results.cases)
     too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
-    takes = ", ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
-    refused = f" Quantiles further out need more than {flights:,} flights: {takes}." if too_far else ""
+    needs = ", ".join(f"{percent(share)} needs {flights_needed(share):,}" for share in too_far)
+    refused = f" Quantiles further out need more than {flights:,} flights: {needs}." if too_far else ""
     return f"Quantiles with their 95 % bounds, by order statistics.{refused}"
 
 
