@@ -156,10 +156,10 @@ def compare(
 ) -> int:
     """Compare two flights, or two campaigns.
 
-    For two flights, the result is the figures with the largest differences beyond the variation from flight to
-    flight (ten neighbours of the first are flown), and the differences of the scenarios. A page contains every
-    figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs: success,
-    and every figure with a significant difference.
+    For two flights, the result is the figures with the largest differences beyond the variation from flight
+    to flight (ten neighbours of the first are flown), and the differences of the scenarios. A page contains
+    every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
+    success, and every figure with a significant difference.
     """
     with suppress(ConfigError):  # of the first flight, whose neighbours are flown; they must be accepted
         functions.activate(first / "scenario.yaml")
