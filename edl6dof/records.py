@@ -15,8 +15,9 @@ import numpy as np
 
 
 def whole(low: int, high: int, of: str = "", kind: str = "i8") -> np.dtype:
-    """A whole number from ``low`` to ``high``, of eight bytes unless ``kind`` says another; with ``of`` it
-    numbers things of that name, of which there may be fewer.
+    """Type of a whole number from ``low`` to ``high``, of eight bytes unless ``kind`` is given.
+
+    ``of`` names what the number is an index of; a flight may have fewer of these than ``high`` allows.
     """
     return np.dtype(kind, metadata={"low": low, "high": high, "of": of})
 

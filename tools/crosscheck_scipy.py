@@ -50,7 +50,7 @@ PARTS = {
 def quiet(state: State) -> State:
     """The state with valves shut and nothing due."""
     plant = state.plant.copy()
-    for name in ("opens", "closes", "level"):
+    for name in ("open_time", "close_time", "level"):
         plant["valves"][name] = 0.0
     for name in ("rcs_force", "rcs_moment", "rcs_flow"):
         plant["inputs"][name] = 0.0

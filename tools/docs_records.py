@@ -38,7 +38,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("edl6dof.fsw.guidance.entry.airframe", "AIRFRAME", "trim, drag and lift by Mach number"),
         ("edl6dof.fsw.vehicle_state", "VEHICLE_STATE", "`state` of a powered law"),
         ("edl6dof.fsw.vehicle_state", "ENGINE_ABILITY", "what engines can give"),
-        ("edl6dof.interface.thrusters", "BRANCHES", "propellant branches"),
+        ("edl6dof.interface.effectors", "BRANCHES", "propellant branches"),
         ("edl6dof.spatial.frames", "LOCAL_FRAME", "a frame L"),
     ),
     "Navigation filters": (
@@ -57,8 +57,8 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("edl6dof.interface.sensed", "STEREO", "stereo cameras"),
         ("edl6dof.interface.sensed", "CAMERA", "landing camera"),
         ("edl6dof.interface.command", "COMMAND", "commands to thrusters, engines and events"),
-        ("edl6dof.interface.external", "EXTERNAL", "commands from outside (`edl6dof.Simulation`)"),
-        ("edl6dof.interface.external", "GIVEN", "which of them count"),
+        ("edl6dof.interface.command", "EXTERNAL", "commands from outside (`edl6dof.Simulation`)"),
+        ("edl6dof.interface.command", "GIVEN", "which of them count"),
     ),
 }
 #: Parts of ``ONBOARD`` that are left out: they are made from parameter models, which have pages of their own,

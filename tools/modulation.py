@@ -72,7 +72,7 @@ def steady(start: Setting, thruster: int, duty: float, cycle: float) -> Steady:
     for k in range(STEADY_CYCLES):
         t = k * cycle
         modulate(onboard["modulation"], onboard["vehicle"], duties, t, cycle, memory)
-        intervals[:, k] = memory["opens"][thruster], memory["closes"][thruster]
+        intervals[:, k] = memory["open_time"][thruster], memory["close_time"][thruster]
         mean, _, level = linear_level(level, jet["rise"], jet["decay"], t, cycle, *intervals[:, k])
         on += mean * cycle
     pulses, time = widths(*intervals), STEADY_CYCLES * cycle
@@ -96,7 +96,11 @@ def flown(start: Setting, control_cycles: int) -> np.ndarray:
     for k in range(control_cycles):
         fly_cycles(functions, *arrays.values(), k * every, (k + 1) * every, 0, start.steps, log, brief, 0)
         command = fsw["command"]
-        seen[:, k] = fsw["allocation"]["duty"][:count], command["opens"][:count], command["closes"][:count]
+        seen[:, k] = (
+            fsw["allocation"]["duty"][:count],
+            command["valve_open_time"][:count],
+            command["valve_close_time"][:count],
+        )
     return seen
 
 

@@ -125,7 +125,7 @@ def table(valves: str) -> Iterator[str]:
         commands = record_commands(start, 2 * int(window.length / cycle / 2))
         if valves == "shut":
             start.arrays["plant"]["valves"]["level"] = 0.0
-            commands["closes"] = commands["opens"]
+            commands["close_time"] = commands["open_time"]
         true = open_loop(start, commands, REFERENCE, cycle)
         gaps = (errors(open_loop(start, commands, share, cycle), true) for share in STEPS)
         cells = " | ".join(f"{metres:.0e} m, {radians:.0e}" for metres, radians in gaps)

@@ -12,7 +12,7 @@ import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import Collect
-from edl6dof.interface.thrusters import ThrusterFailure
+from edl6dof.interface.effectors import ThrusterFailure
 from edl6dof.metrics.out_of_use import failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
@@ -29,7 +29,7 @@ _OPEN: ThrusterFailure = "stuck_on"
 
 @dataclass(frozen=True)
 class Failure:
-    """A component that fails, and the kind that a right isolation names: none of an instrument."""
+    """A failed component, and the kind that a correct isolation names (``None`` for an instrument)."""
 
     component: Component
     name: str

@@ -61,7 +61,7 @@ def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[s
 
 
 def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
-    """Kinds of component that a fault is about, such as an engine, and the names of those that fly."""
+    """Names of the components on this vehicle that a kind of fault can affect, by kind of component."""
     return {component: list(scenario.components.get(component, ())) for component in components_of(kind)}
 
 

@@ -169,7 +169,7 @@ def flights_needed(share: float) -> int:
 
 
 def bounded_shares(flights: int) -> tuple[float, ...]:
-    """Those of :data:`SHARES` that a number of flights can bound."""
+    """Quantiles of :data:`SHARES` that this number of flights gives a confidence interval for."""
     return tuple(share for share in SHARES if flights_needed(share) <= flights)
 
 

@@ -71,7 +71,7 @@ def fly_campaign(
 
 
 def require_plan(store: Store, plan: Plan, command: str = "campaign") -> None:
-    """See that a folder was begun with this plan.
+    """Check that the campaign in a folder was started with this plan.
 
     Raises:
         ConfigError: it holds no campaign, or one of another plan.

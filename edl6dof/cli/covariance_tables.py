@@ -97,7 +97,8 @@ def _budget(found: Covariance) -> Table:
         table.add_row(source, *cells)
     table.add_row("rest: random, second order", *(significant(v, 3) for v in found.rest[: len(names)]))
     table.add_row("all", *(significant(v, 3) for v in found.spread.deviation[: len(names)]))
-    table.caption = f"-: less than {_CLEAR:g} standard errors; so are all of {counted(hidden, 'more source')}"
+    more = f"{counted(hidden, 'more source')}, '-' in every column"
+    table.caption = f"-: less than {_CLEAR:g} standard errors; not listed: {more}"
     return table
 
 

@@ -13,8 +13,8 @@ from edl6dof.config.units import G0
 from edl6dof.design.rigid_landing import RigidLanding, tilt_of
 from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
 from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.effectors import THRUSTER_GROUPS
 from edl6dof.interface.roles import HOVER_IMAGING, POWERED_DECELERATION
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight

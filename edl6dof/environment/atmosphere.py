@@ -27,8 +27,8 @@ from edl6dof.environment.profiles import (
     gauss_markov,
 )
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import held
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
+from edl6dof.spatial.table_index import held
 
 #: Lowest factor that a perturbation may put on density: reached only where sigma is above 30 %, beyond 100 km
 #: (sigma_scale 1).

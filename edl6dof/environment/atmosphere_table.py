@@ -23,7 +23,7 @@ from edl6dof.environment.profile_file import read_profile
 from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
-from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.table_index import cell
 
 _CURVES = ("ln_density", "temperature", "east", "north")
 

@@ -19,7 +19,7 @@ from edl6dof.environment.curves import cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.table_index import cell
 
 #: Kinds of vibration of one molecule: carbon dioxide has three, methane four.
 MAX_VIBRATIONS = 4

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin
-from edl6dof.spatial.lookups import cell, held_cell, wrapped
+from edl6dof.spatial.table_index import cell, held_cell, wrapped
 
 #: Rows of planetocentric latitude 89.5 to -89.5, columns of longitude -179.5 to 179.5 deg.
 SHAPE = (180, 360)

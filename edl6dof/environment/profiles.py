@@ -14,7 +14,7 @@ import numpy as np
 
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
 DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM = 1, 2, 3, 4

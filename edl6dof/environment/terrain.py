@@ -31,7 +31,7 @@ from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, requ
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin, tan
-from edl6dof.spatial.lookups import wrapped
+from edl6dof.spatial.table_index import wrapped
 
 MOLA, PLANE, NONE = range(3)
 #: The map of model mola: heights above the areoid.

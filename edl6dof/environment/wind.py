@@ -23,8 +23,8 @@ from edl6dof.environment.winds.registry import WindChoice, wind_of_model
 from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, log, sin
-from edl6dof.spatial.lookups import held_cell
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
+from edl6dof.spatial.table_index import held_cell
 
 
 class GustParams(Params):

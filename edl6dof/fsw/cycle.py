@@ -15,7 +15,7 @@ from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.registry import gather_inputs
 from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
-from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
 from edl6dof.fsw.estimation.registry import estimate_disturbance, force_angle, remember_valves
 from edl6dof.fsw.estimation.stuck_throttle_detection import stuck_throttle
@@ -36,7 +36,7 @@ from edl6dof.fsw.navigation.derived import derive
 from edl6dof.fsw.navigation.drag_filter import filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
-from edl6dof.interface.engine import ENGINE_OFF
+from edl6dof.interface.effectors import ENGINE_OFF
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
 
@@ -120,7 +120,7 @@ def run(functions, onboard, sensed, k, fsw):
     control_dt = dt * rates.control_every
     for i in range(command.request.shape[0]):
         command.request[i] = 0
-    command.expose = command.scan = 0
+    command.camera_trigger = command.scan = 0
 
     # navigation
     estimate_state(filters, onboard, state, sensed, fsw.navigation)
@@ -233,7 +233,7 @@ def run(functions, onboard, sensed, k, fsw):
     )
     diagnose(onboard.diagnosis, signals, fsw.diagnosis)
     for b in range(vehicle.branches.count):
-        command.shut[b] = fsw.diagnosis.leak.shut[b]
+        command.latch_closed[b] = fsw.diagnosis.leak.latch_closed[b]
     replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)

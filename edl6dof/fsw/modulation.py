@@ -57,8 +57,8 @@ MODULATION = np.dtype(
         ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
         ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
         ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
-        ("opens", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
-        ("closes", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
+        ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
+        ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
     ],
     align=True,
 )
@@ -76,20 +76,20 @@ def modulate(params, vehicle, duty, t, cycle, memory):
         cycle: its length, s.
         memory: ``MODULATION`` record, updated.
     """
-    opens, closes = memory.opens, memory.closes
+    open_time, close_time = memory.open_time, memory.close_time
     for i in range(vehicle.n_thrusters):
         shortest = vehicle.thrusters[i].minimum_pulse
         wanted = duty[i] if duty[i] > params.deadband else 0.0
         if wanted > 1.0 - params.deadband:
             wanted = 1.0
         residual = memory.residual[i] + wanted * cycle if wanted > 0.0 else 0.0
-        is_open = closes[i] > opens[i] and closes[i] > t - 1e-9
+        is_open = close_time[i] > open_time[i] and close_time[i] > t - 1e-9
         if not is_open and residual >= params.opening_share * shortest - 1e-9:
             is_open, memory.busy_until[i] = True, t + shortest
         on = min(max(residual, memory.busy_until[i] - t, 0.0), cycle) if is_open else 0.0
         if on > 0.0 and cycle - on < params.shortest_gap - 1e-9:
             on = cycle
-        memory.opens[i], memory.closes[i] = t, t + on
+        memory.open_time[i], memory.close_time[i] = t, t + on
         memory.duty[i] = duty[i]
         memory.residual[i] = max(residual - on, -shortest)
 
@@ -98,8 +98,8 @@ def modulate(params, vehicle, duty, t, cycle, memory):
 def open_alone(thruster, on, count, t, memory):
     """Open the valve of one thruster for ``on`` seconds from ``t``, and shut all others."""
     for i in range(count):
-        memory.opens[i] = memory.closes[i] = t
-    memory.closes[thruster] = t + on
+        memory.open_time[i] = memory.close_time[i] = t
+    memory.close_time[thruster] = t + on
 
 
 @kernel
@@ -108,16 +108,16 @@ def open_for_test(i, vehicle, t, cycle, memory):
     it.
     """
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
-    memory.opens[i], memory.closes[i] = t, t + cycle
+    memory.open_time[i], memory.close_time[i] = t, t + cycle
     memory.busy_until[i] = end
-    memory.residual[i] = end - memory.closes[i]
+    memory.residual[i] = end - memory.close_time[i]
 
 
 @kernel
 def command_valves(count, memory, command):
     """Command the valve intervals of the control cycle."""
     for i in range(count):
-        command.opens[i], command.closes[i] = memory.opens[i], memory.closes[i]
+        command.valve_open_time[i], command.valve_close_time[i] = memory.open_time[i], memory.close_time[i]
 
 
 @kernel
@@ -127,11 +127,11 @@ def excess_torque(effectiveness, count, cycle, memory):
     Pulses are never shorter than the minimum and small duties fall into the deadband, so on average a
     thruster set gives a little less, or more, than it was asked for.
     """
-    opens, closes, duty = memory.opens, memory.closes, memory.duty
+    open_time, close_time, duty = memory.open_time, memory.close_time, memory.duty
     x, y, z = 0.0, 0.0, 0.0
     for i in range(count):
-        if closes[i] > opens[i] or duty[i] > 0.0:
-            excess = (closes[i] - opens[i]) / cycle - duty[i]
+        if close_time[i] > open_time[i] or duty[i] > 0.0:
+            excess = (close_time[i] - open_time[i]) / cycle - duty[i]
             x += excess * effectiveness[i, 3]
             y += excess * effectiveness[i, 4]
             z += excess * effectiveness[i, 5]

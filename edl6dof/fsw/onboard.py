@@ -48,9 +48,8 @@ from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.update import NAVIGATION
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
-from edl6dof.interface.command import COMMAND
-from edl6dof.interface.external import EXTERNAL
-from edl6dof.interface.thrusters import BRANCHES
+from edl6dof.interface.command import COMMAND, EXTERNAL
+from edl6dof.interface.effectors import BRANCHES
 from edl6dof.records import FLAG
 from edl6dof.spatial.frames import LOCAL_FRAME
 

@@ -149,7 +149,7 @@ def count_propellant(vehicle, thrust, valves, dt, control_dt, state):
     if state.ignited != 0:
         used = thrust * (1.0 - state.engine.by_thrusters) / state.engine.specific_impulse
     for i in range(vehicle.n_thrusters):
-        on = valves.closes[i] - valves.opens[i]
+        on = valves.close_time[i] - valves.open_time[i]
         if on > 0.0:
             jet = vehicle.thrusters[i]
             used += jet.thrust * on / control_dt / jet.specific_impulse

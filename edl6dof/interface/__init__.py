@@ -1,3 +1,1 @@
-"""What crosses between plant and flight software, and nothing else: records, names and capacities on which
-both must agree.
-"""
+"""Interface of plant and flight software: records, names and capacities on which both must agree."""

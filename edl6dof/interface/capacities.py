@@ -1,4 +1,4 @@
-"""How much the records hold: fixed, as compiled code demands."""
+"""Capacities of the records: fixed, as compiled code demands."""
 
 from __future__ import annotations
 

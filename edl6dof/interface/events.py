@@ -49,7 +49,7 @@ def group_of(indices: Iterable[int]) -> int:
 
 @kernel
 def is_done_to(event, engine):
-    """Whether an event that ignites or cuts off does it to an ``engine``, alone or in a group."""
+    """Test whether an event that ignites or cuts off concerns an ``engine``, alone or in a group."""
     if event.component >= 0:
         return event.component == engine
     return (-event.component >> engine) & 1 != 0

@@ -1,9 +1,8 @@
-"""What a mission phase is for.
+"""Roles of mission phases: the purpose of a phase, independent of its name.
 
 Figures, reports, studies and fault cases ask for the role of a phase; its name belongs to the scenario and is
-only shown.  Several phases
-may share a role: then it lasts from the beginning of the first to the end of the last, with what lies between
-them.
+only displayed. Several phases may share a role: then it lasts from the beginning of the first to the end of
+the last, with the phases between them.
 """
 
 from __future__ import annotations

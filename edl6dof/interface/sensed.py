@@ -1,10 +1,16 @@
-"""The record that crosses from the plant to the flight software: what the instruments say in a base cycle.
+"""Measurements: the record that crosses from the plant to the flight software in a base cycle.
 
-Ideal instruments tell the state itself, as the first fields; real ones give readings, as the records below,
-and the flight software has to make a state of them.
+Ideal instruments give the state itself, as the first fields; real ones give readings, as the records below,
+from which the flight software has to estimate the state.
+
+All imagers share one geometry.  An imager looks along x of B, down when the vehicle stands upright, from its
+place in B.  Its square field of view is cut into cells of equal size on a plane across the line of sight;
+rows run along z of B, columns along y.
 """
 
 from __future__ import annotations
+
+from math import sqrt
 
 import numpy as np
 
@@ -20,9 +26,10 @@ from edl6dof.interface.capacities import (
     SCAN_ROWS,
     STEREO_CELLS,
 )
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 
-#: What gyros and accelerometers of an inertial unit read, each along its own axis.  They count, so that
+#: Readings of the gyros and accelerometers of an inertial unit, each along its own axis.  They count, so that
 #: nothing between two readings is lost; the counts go on from the start of the flight.
 INERTIAL = np.dtype(
     [
@@ -35,7 +42,7 @@ INERTIAL = np.dtype(
     align=True,
 )
 
-#: What a star tracker says.
+#: Reading of a star tracker.
 STARS = np.dtype(
     [
         ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
@@ -44,7 +51,7 @@ STARS = np.dtype(
     align=True,
 )
 
-#: What the beams of a landing radar return.
+#: Readings of the beams of a landing radar.
 RADAR = np.dtype(
     [
         ("range", "f8", (MAX_BEAMS,)),  # m, along each beam from the antenna to the ground
@@ -55,7 +62,7 @@ RADAR = np.dtype(
     align=True,
 )
 
-#: What ground tracking sends up: the state of the centre of mass in the cycle in which it arrives.
+#: State of the centre of mass by ground tracking, in the cycle in which it is sent up.
 TRACKING = np.dtype(
     [
         ("r_I", "f8", (3,)),  # m, I: position
@@ -65,7 +72,7 @@ TRACKING = np.dtype(
     align=True,
 )
 
-#: Rows that the lidar has shot in this cycle; where its cells look: :mod:`edl6dof.interface.eyes`.
+#: Rows that the lidar has measured in this cycle; direction of a cell: :func:`cell_direction`.
 LIDAR = np.dtype(
     [
         ("range", "f4", (SCAN_BLOCK, SCAN_COLUMNS)),  # m, along each ray; 0: nothing came back
@@ -75,16 +82,16 @@ LIDAR = np.dtype(
     align=True,
 )
 
-#: What a pair of stereo images tells.
+#: Ranges by a pair of stereo images.
 STEREO = np.dtype(
     [
-        ("range", "f4", (STEREO_CELLS, STEREO_CELLS)),  # m, along the look of each cell; 0: none was found
+        ("range", "f4", (STEREO_CELLS, STEREO_CELLS)),  # m, along each direction; 0: none was found
         ("fresh", FLAG),  # it is of this cycle
     ],
     align=True,
 )
 
-#: What an image of the landing camera tells, of the obstacles that it can make out.
+#: Density of the obstacles that an image of the landing camera resolves.
 CAMERA = np.dtype(
     [
         ("density", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # share of the ground that obstacles take
@@ -94,8 +101,8 @@ CAMERA = np.dtype(
     align=True,
 )
 
-#: Ideal instruments sit at the centre of mass and say what is; the ideal inertial unit says what was, some
-#: cycles ago.
+#: Ideal instruments sit at the centre of mass and measure the present state; the ideal inertial unit measures
+#: with a delay of some cycles.
 SENSED = np.dtype(
     [
         ("t", "f8"),  # s, flight time
@@ -121,3 +128,37 @@ SENSED = np.dtype(
     ],
     align=True,
 )
+
+
+#: The flight computer's model of an imager.
+IMAGER = np.dtype(
+    [
+        ("place", "f8", (3,)),  # m, B
+        ("tangent", "f8"),  # of half the field of view; 0: there is no such imager
+        ("sigma", "f8"),  # m: standard deviation of a range; of the camera, which measures none, 0
+        ("sigma_square", "f8"),  # 1/m: added to it, times the square of the range
+    ],
+    align=True,
+)
+
+#: The imagers of a lander.
+IMAGERS = np.dtype(
+    [
+        ("camera", IMAGER),  # landing camera
+        ("lidar", IMAGER),  # scanning lidar
+        ("stereo", IMAGER),  # pair of stereo cameras
+    ],
+    align=True,
+)
+
+
+@kernel
+def cell_direction(tangent, cells, row, column):
+    """Unit vector (B) through the middle of the cell (``row``, ``column``) of ``cells`` along each side.
+
+    Rows and columns need not be whole: half a cell more or less is the rim of the cell.
+    """
+    y = tangent * ((2.0 * column + 1.0) / cells - 1.0)
+    z = tangent * ((2.0 * row + 1.0) / cells - 1.0)
+    inverse = 1.0 / sqrt(1.0 + y * y + z * z)
+    return inverse, y * inverse, z * inverse

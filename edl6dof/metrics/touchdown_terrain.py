@@ -20,8 +20,8 @@ from edl6dof.kernels import kernel
 from edl6dof.metrics.figures import from_si
 from edl6dof.spatial.elementary import atan, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
-from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.table_index import endless_cell
 from edl6dof.spatial.vector import dot, sub, take3
 from edl6dof.vehicle.landing_gear import contact_point
 from edl6dof.vehicle.motion.footing import beside, ground_beside

@@ -135,13 +135,13 @@ def _believe_instruments(record: np.void, scenario: Scenario) -> None:
     if "radar" in sensors.flown:
         _believe_radar(record, in_si(sensors.radar))
     if "landing_camera" in sensors.flown:
-        _believe_eye(record["eyes"]["camera"], in_si(sensors.landing_camera))
+        _believe_eye(record["imagers"]["camera"], in_si(sensors.landing_camera))
     if "lidar" in sensors.flown:
         lidar = in_si(sensors.lidar)
-        _believe_eye(record["eyes"]["lidar"], lidar)
-        record["eyes"]["lidar"]["sigma"] = hypot(lidar["range_noise"], lidar["quantum"] / sqrt(12.0))
+        _believe_eye(record["imagers"]["lidar"], lidar)
+        record["imagers"]["lidar"]["sigma"] = hypot(lidar["range_noise"], lidar["quantum"] / sqrt(12.0))
     if "stereo" in sensors.flown:
-        _believe_stereo(record["eyes"]["stereo"], in_si(sensors.stereo))
+        _believe_stereo(record["imagers"]["stereo"], in_si(sensors.stereo))
     _believe_flow_meters(record, in_si(sensors.flow_meters) if "flow_meters" in sensors.flown else None)
 
 

@@ -16,7 +16,7 @@ from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.onboard import CONFIGURATION
 from edl6dof.interface.capacities import MAX_PARTS
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.interface.effectors import THRUSTER_GROUPS
 from edl6dof.kernels import kernel
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.elementary import cos, sin

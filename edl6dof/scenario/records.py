@@ -19,7 +19,7 @@ from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, bu
 from edl6dof.environment.height_map import HEIGHT_MAP
 from edl6dof.environment.map_file import MapFile
 from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, ground_inputs
-from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.initial import InitialState

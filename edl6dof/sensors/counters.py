@@ -1,5 +1,5 @@
-"""Instruments that count the integral of a motion along their own axes: what gyros and accelerometers have in
-common.
+"""Instruments that count the integral of a motion along their own axes: the common part of gyros and
+accelerometers.
 
 A reading counts (1 + scale factor) times the motion along the true axis, plus bias, its random walk, and
 white noise whose integral is a random walk; in a cycle it counts no more than its range allows.
@@ -19,9 +19,8 @@ from edl6dof.config.base import REQUIRED, Key, Params, Vec3, param, unit_vector
 from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import acos, cos, sin
-from edl6dof.spatial.lookups import wrapped
-from edl6dof.spatial.noise import normal_pair
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair
+from edl6dof.spatial.table_index import wrapped
 from edl6dof.spatial.vector import clamp, dot
 from edl6dof.vehicle.instruments import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
@@ -59,7 +58,7 @@ def cone(letter: str) -> list[SenseAxis]:
 
 
 def copy_layout(slots: int) -> np.dtype:
-    """Errors of the copies of one kind that fly: the true axes, relative errors of scale, biases (rad/s or
+    """Errors of the units of one kind that fly: the true axes, relative errors of scale, biases (rad/s or
     m/s2) at the start, and the key of their noise.
     """
     fields = [("axis", "f8", (slots, 3)), ("scale", "f8", (slots,)), ("bias", "f8", (slots,)), ("key", "i8")]
@@ -67,7 +66,7 @@ def copy_layout(slots: int) -> np.dtype:
 
 
 def counter_layout(slots: int) -> np.dtype:
-    """What the instruments of one kind remember."""
+    """Memory of the instruments of one kind."""
     return np.dtype(
         [
             ("count", "f8", (slots,)),  # rad or m/s, since the start
@@ -104,7 +103,7 @@ def turned(axes: np.ndarray, sigma: float, rng: Stream) -> np.ndarray:
 
 @kernel
 def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
-    """Count on over the last cycle.
+    """Add the last cycle to the counts.
 
     Args:
         params: parameters of the kind: ``n_axes``, ``range``, ``noise``, ``bias_walk``, ``quantum``,
@@ -137,7 +136,7 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         counted = clamp(wanted, -most, most)
         met = counted != wanted and dt > 0.0
         if fault.mode != WORKING:
-            counted = broken(fault.mode, memory.last[i], wanted, most)
+            counted = faulty_count(fault.mode, memory.last[i], wanted, most)
             met = fault.mode == SATURATED
         if met:
             memory.flagged_until[i] = t + params.persistence
@@ -149,9 +148,9 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
 
 
 @kernel
-def broken(mode, last, wanted, most):
-    """What an instrument counts that does not work: ``last`` in the cycle before, ``wanted`` if it worked,
-    ``most`` at the end of its range.
+def faulty_count(mode, last, wanted, most):
+    """Count of a failed instrument: ``last`` in the cycle before, ``wanted`` of a healthy one, ``most`` at
+    the end of its range.
     """
     if mode == STUCK:
         return last

@@ -1,9 +1,9 @@
-"""Flow meters: one in each propellant branch, which counts the propellant that goes through.
+"""Flow meters: one in each propellant branch, which counts the propellant that flows through.
 
-An ultrasonic meter tells the flow from the difference of two transit times of sound, with and against it, in
-a few milliseconds and without a part in the flow.  So its errors are those of a line: a scale factor, a zero
-offset, and white noise; the latter two relative to the flow with all thrusters of the branch open.
-A count loses nothing between two readings, as that of an inertial unit, and arrives as late.
+An ultrasonic meter derives the flow from the difference of two transit times of sound, with and against it,
+in a few milliseconds and without a part in the flow. Its errors are those of a line: a scale factor, a zero
+offset, and white noise; the latter two relative to the flow with all thrusters of the branch open. A count
+loses nothing between two readings, as that of an inertial unit, and has the same delay.
 
 Left out: the mixture ratio (both propellants are metered as one), temperature, and water hammer.
 
@@ -23,10 +23,9 @@ from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import broken
-from edl6dof.spatial.lookups import wrapped
-from edl6dof.spatial.noise import normal_pair
-from edl6dof.spatial.stream import Stream
+from edl6dof.sensors.counters import faulty_count
+from edl6dof.spatial.random_numbers import Stream, normal_pair
+from edl6dof.spatial.table_index import wrapped
 from edl6dof.vehicle.instruments import WORKING
 
 #: Readings that can be under way.
@@ -102,7 +101,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
             error += fault.noise * dt * normal_pair(unit.key, _NORMALS * cycle + _FAULTY + k)[0]
         counted = (1.0 + unit.scale[k]) * (plant.branch_used[k] - memory.flowed[k]) + error
         if fault.mode != WORKING:
-            counted = broken(fault.mode, memory.last[k], counted, full * dt)
+            counted = faulty_count(fault.mode, memory.last[k], counted, full * dt)
         memory.last[k], memory.flowed[k] = counted, plant.branch_used[k]
         memory.count[k] += counted
         total = memory.count[k]

@@ -1,4 +1,4 @@
-"""Ground tracking: the state that the ground has worked out and sends up before entry, once, in the first
+"""Ground tracking: the state that the ground has determined and sends up once before entry, in the first
 cycle; its error is drawn for each case.
 
 Source: radial, along-track and cross-track axes as in Vallado, Fundamentals of Astrodynamics and Applications
@@ -14,7 +14,7 @@ from edl6dof.config.dtype import in_si
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 from edl6dof.spatial.vector import add, along_track, put3, take3
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 

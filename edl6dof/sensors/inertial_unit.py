@@ -29,7 +29,7 @@ from edl6dof.sensors.counters import SenseAxis, cone, copy_layout, count, counte
 from edl6dof.sensors.vibration import MOUNT, VIBRATION, VibrationParams, draw_mount, shake
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import conjugate, multiply, rotation_vector
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -202,7 +202,7 @@ def motion_since(params, plant, outputs, memory):
 
 @kernel
 def lag(gyros, w, dt, memory):
-    """The rate ``w`` (B) behind the bandwidth of the gyros."""
+    """Rate ``w`` (B) after the bandwidth of the gyros."""
     share = 1.0
     if memory.taken > 0 and gyros.bandwidth > 0.0:
         share = 1.0 - exp(-2.0 * pi * gyros.bandwidth * dt)

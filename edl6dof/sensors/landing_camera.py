@@ -1,13 +1,14 @@
-"""Landing camera: an image of how much of the ground obstacles take, as far as the camera can make them out.
+"""Landing camera: an image of the share of the ground that obstacles take, as far as the camera resolves
+them.
 
-An obstacle is made out from some pixels on; the motion of the image while it is exposed, by speed and by
-turning, blurs that, and smears what is seen along itself.  Cells that look past the ground, farther than the
-camera sees, or at the backshell, the canopy or another part, show no ground; nor does what moves across the
-whole image.
+An obstacle is resolved from some pixels on; the motion of the image during the exposure, by speed and by
+rotation, blurs that, and smears the image along itself. Cells that look past the ground, farther than the
+camera sees, or at the backshell, the canopy or another part, show no ground; nor does a cell that moves
+across the whole image.
 
 Source: Trawny et al., Flight testing of terrain-relative navigation and large-divert guidance on a VTVL
-rocket, AIAA SPACE (2015), for image motion; obstacles of a landing image: Chinese patent CN108594802B.
-Left out: shadow and texture.
+rocket, AIAA SPACE (2015), for image motion; obstacles of a landing image: Chinese patent CN108594802B. Left
+out: shadow and texture.
 """
 
 from __future__ import annotations
@@ -16,19 +17,24 @@ import numpy as np
 
 from edl6dof.config.base import Vec3, param
 from edl6dof.interface.capacities import CAMERA_CELLS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
-from edl6dof.sensors.echo import antenna
-from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, reach_of
-from edl6dof.sensors.ground_cells import GROUND_CELLS, lay_cells, middle, shows_ground
-from edl6dof.sensors.obstacles import share_of_obstacles
-from edl6dof.sensors.parts_in_view import DISCS, find_discs, is_hidden
-from edl6dof.sensors.sight import across, sight
+from edl6dof.sensors.imager import (
+    IMAGER_UNIT,
+    ImagerParams,
+    draw_imager,
+    imager_pose,
+    reciprocal_axes,
+    view_range,
+)
+from edl6dof.sensors.obstacle_density import GROUND_CELLS, lay_cells, middle, share_of_obstacles, shows_ground
+from edl6dof.sensors.occlusion import DISCS, find_discs, is_hidden
+from edl6dof.sensors.ray_ground import point_motion
 from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.frames import rotate_z
-from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.quaternion import to_frame
+from edl6dof.spatial.table_index import held_cell
 from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 from edl6dof.vehicle.surroundings import planet_rotation
@@ -37,7 +43,7 @@ from edl6dof.vehicle.surroundings import planet_rotation
 _SAMPLES = 16
 
 
-class LandingCameraParams(EyeParams):
+class LandingCameraParams(ImagerParams):
     """Landing camera."""
 
     largest = {"m": 1e5}
@@ -79,23 +85,30 @@ MEMORY = np.dtype(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Take an image where one is told."""
+    """Take an image when the camera is triggered."""
     camera = sensed.camera
-    camera.fresh = 0 if plant.instruments.camera_lost != 0 else plant.eyes.expose
+    camera.fresh = 0 if plant.instruments.camera_lost != 0 else plant.imagers.camera_trigger
     if camera.fresh == 0:
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)
-    origin, axes, height = sight(case, tables, plant, outputs, position, turn=turn)
-    view = (origin, across(axes), tangent)
+    origin, axes, height = imager_pose(case, tables, plant, outputs, position, turn=turn)
+    view = (origin, reciprocal_axes(axes), tangent)
     lay_cells(
-        case, tables, origin, axes, height, tangent=tangent, reach=reach_of(params, plant), cells=memory.cells
+        case,
+        tables,
+        origin,
+        axes,
+        height,
+        tangent=tangent,
+        reach=view_range(params, plant),
+        cells=memory.cells,
     )
     find_discs(case, plant, outputs, position, turn, discs=memory.discs)
     motion = _motion(case, plant, outputs, position)
     pixel, steepest = 2.0 * tangent / params.pixels, tan(params.steepest)
     for i in range(CAMERA_CELLS):
         for j in range(CAMERA_CELLS):
-            direction = look(tangent, CAMERA_CELLS, i, j)
+            direction = cell_direction(tangent, CAMERA_CELLS, i, j)
             depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
             row, column = _smear(motion, direction, depth, tangent, params.exposure)
             blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
@@ -121,7 +134,7 @@ def _motion(case, plant, outputs, position):
     """Velocity over the ground (m/s, B) and rate (rad/s, B) of the camera."""
     y = plant.y
     c, s = planet_rotation(case.planet, plant.t)
-    _, v = antenna(case, plant, outputs, position, (c, s))
+    _, v = point_motion(case, plant, outputs, position, (c, s))
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     return to_frame(q, rotate_z(c, -s, v)), take3(y, RATE)
 
@@ -160,7 +173,7 @@ MEMBER = Member(
     {"measure": measure},
     "Chinese patent CN108594802B",
     memory=MEMORY,
-    tables=EYE_UNIT,
-    plan=draw_eye,
+    tables=IMAGER_UNIT,
+    plan=draw_imager,
     writes=("camera",),
 )

@@ -1,8 +1,8 @@
 """Scanning lidar: ranges along a fan of rays, a few rows of it in each base cycle.
 
-A scan begins when it is told to, and takes as many cycles as it has blocks of rows; each block is shot from
+A scan begins when it is commanded, and takes as many cycles as it has blocks of rows; each block is shot from
 where the vehicle is then, so that its motion bends the scan.  A ray meets the true ground (rocks included)
-within the patch that lies in view when the scan begins; beyond it nothing comes back, as little as from too
+within the tile of ground that lies in view when the scan begins; nothing comes back from beyond it, from too
 far away, from ground met too flat, and now and then from anywhere.
 
 Source: Johnson, Keim and Ivanov, Analysis of flash lidar field test data for safe lunar landing, IEEE
@@ -17,20 +17,26 @@ import numpy as np
 from edl6dof.config.base import Vec3, param
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
-from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
-from edl6dof.sensors.patch import PATCH, trace
-from edl6dof.sensors.sight import along, sight
+from edl6dof.sensors.ground_tile import GROUND_TILE, trace_ray
+from edl6dof.sensors.imager import (
+    IMAGER_UNIT,
+    ImagerParams,
+    draw_imager,
+    ground_direction,
+    imager_pose,
+    lay_tile_in_view,
+    view_range,
+)
 from edl6dof.spatial.elementary import cos, tan
-from edl6dof.spatial.noise import normal_pair, uniform
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair, uniform
 from edl6dof.spatial.vector import take3
 
 
-class LidarParams(EyeParams):
+class LidarParams(ImagerParams):
     """Scanning lidar; errors as standard deviations."""
 
     largest = {"m": 1e4}
@@ -49,12 +55,12 @@ class LidarParams(EyeParams):
     range_bias_m: float = param(
         0.02, "constant error of all ranges, drawn for each case", status="estimate", ge=0.0
     )
-    quantum_m: float = param(0.01, "step in which ranges are told", status="estimate", gt=0.0)
+    quantum_m: float = param(0.01, "step of the ranges", status="estimate", gt=0.0)
 
 
 MEMORY = np.dtype(
     [
-        ("patch", PATCH),  # the ground in view when the scan began
+        ("tile", GROUND_TILE),  # the ground in view when the scan began
         ("left", whole(0, SCAN_ROWS)),  # rows that are still to be shot
         ("scans", COUNT),  # begun so far
         ("mirror", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first row that the mirror turns the rays to
@@ -65,19 +71,21 @@ MEMORY = np.dtype(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Begin a scan where one is told, and shoot the next block of the one that runs."""
+    """Begin a scan when it is commanded, and measure the next block of rows of the one that runs."""
     lidar, faults = sensed.lidar, plant.instruments
     lidar.fresh = 0
     if faults.lidar_lost != 0:
         memory.left = 0
         return
-    if plant.eyes.scan == 0 and memory.left == 0:
+    if plant.imagers.scan == 0 and memory.left == 0:
         return
     turn = take3(unit.turn, 0)
-    origin, axes, height = sight(case, tables, plant, outputs, position=take3(params.position, 0), turn=turn)
-    reach = reach_of(params, plant)
-    if plant.eyes.scan != 0:
-        lay_in_view(case, tables, origin, axes, height, reach=reach, patch=memory.patch)
+    origin, axes, height = imager_pose(
+        case, tables, plant, outputs, position=take3(params.position, 0), turn=turn
+    )
+    reach = view_range(params, plant)
+    if plant.imagers.scan != 0:
+        lay_tile_in_view(case, tables, origin, axes, height, reach=reach, tile=memory.tile)
         memory.left = SCAN_ROWS
         memory.scans += 1
     lidar.row, lidar.fresh = SCAN_ROWS - memory.left, 1
@@ -88,25 +96,25 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     first = (memory.scans * SCAN_ROWS + lidar.row) * SCAN_COLUMNS
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
-            ray = along(axes, look(tangent, SCAN_COLUMNS, memory.mirror + i, j))
-            way, incidence = trace(memory.patch, origin, ray, reach)
+            ray = ground_direction(axes, cell_direction(tangent, SCAN_COLUMNS, memory.mirror + i, j))
+            way, incidence = trace_ray(memory.tile, origin, ray, reach)
             seen = way > 0.0 and incidence >= flattest
             lidar.range[i, j] = read(params, unit, way, first + i * SCAN_COLUMNS + j) if seen else 0.0
 
 
 @kernel
 def read(params, unit, way, number):
-    """What ray ``number`` reads of a range (m); 0 where nothing comes back."""
+    """Reading of ray ``number`` for a true range (m); 0 where nothing comes back."""
     if uniform(unit.key, 2 * number) < params.dropout:
         return 0.0
     noise, _ = normal_pair(unit.key, 2 * number + 1)
-    told = way + unit.bias + params.range_noise * noise + 0.5 * params.quantum
-    return max(told - told % params.quantum, 0.0)
+    noisy = way + unit.bias + params.range_noise * noise + 0.5 * params.quantum
+    return max(noisy - noisy % params.quantum, 0.0)
 
 
 def plan(params: LidarParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
-    draw_eye(params, rng, unit)
+    draw_imager(params, rng, unit)
     unit["bias"] = in_si(params)["range_bias"] * rng.standard_normal()
 
 
@@ -116,7 +124,7 @@ MEMBER = Member(
     {"measure": measure},
     "Johnson, Keim and Ivanov, IEEE Aerospace Conference (2010)",
     memory=MEMORY,
-    tables=EYE_UNIT,
+    tables=IMAGER_UNIT,
     plan=plan,
     writes=("lidar",),
 )

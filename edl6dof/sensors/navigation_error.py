@@ -1,10 +1,10 @@
-"""What a navigation that is not simulated would be off by: constant errors of position, velocity and specific
-force, and noise of the specific force, on top of ideal instruments.
+"""Errors of a navigation that is not simulated: constant errors of position, velocity and specific force, and
+noise of the specific force, on top of ideal instruments.
 
 For guidance studies: of a point mass, which has no body to carry instruments, and of a rigid body with the
-set ``perfect``.  The errors are those of one flight; a campaign disperses them.
-Left out: errors of attitude and rate, and that errors of navigation grow as accelerations are integrated.
-Source: none, the simplest error there is.
+set ``perfect``. The errors are those of one flight; a campaign disperses them. Left out: errors of attitude
+and rate, and the growth of navigation errors as accelerations are integrated. Source: none, the simplest
+error there is.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from edl6dof.config.base import Params, Vec3, param
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.spatial.noise import normal_pair
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, along_track, put3, take3
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
@@ -40,7 +39,7 @@ MEMORY = np.dtype([("cycle", COUNT)], align=True)
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Put the errors on what the ideal instruments, named before, have said."""
+    """Add the errors to the readings of the ideal instruments, which come before in ``sensors.carried``."""
     r, v = take3(plant.y, POSITION), take3(plant.y, VELOCITY)
     put3(sensed.r_I, 0, add(r, along_track(r, v, take3(params.position, 0))))
     put3(sensed.v_I, 0, add(v, along_track(r, v, take3(params.velocity, 0))))

@@ -22,7 +22,7 @@ class PerfectParams(Params):
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Say what is."""
+    """Copy the true state."""
     y = plant.y
     for i in range(3):
         sensed.r_I[i] = y[POSITION + i]

@@ -23,8 +23,7 @@ from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis
 from edl6dof.spatial.elementary import cos, sin
-from edl6dof.spatial.noise import normal_pair
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.spatial.vector import unit as direction
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE

@@ -25,13 +25,12 @@ from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, turned
-from edl6dof.sensors.echo import antenna, ground_echo, over_ground, part_echo
-from edl6dof.sensors.thrust_share import thrust_share
+from edl6dof.sensors.ray_ground import height_over_ground, point_motion, ray_to_ground, ray_to_part
+from edl6dof.sensors.vibration import thrust_share
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import rotate_z
-from edl6dof.spatial.noise import normal_pair, uniform
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair, uniform
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
 from edl6dof.vehicle.instruments import FALSE_LOCK, OUTAGE, STUCK
@@ -52,7 +51,7 @@ def four_beams() -> list[SenseAxis]:
 
 
 class LobeParams(Params):
-    """What of a beam meets parts of the vehicle that fly ahead of it."""
+    """Lobes of a beam, in which parts of the vehicle ahead of it are seen."""
 
     main_lobe_deg: float = param(
         2.5, "half width of the beam, in which a part hides the ground", status="estimate", ge=0.0, le=45.0
@@ -165,8 +164,8 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     c, s = rotation
     y, areoid = plant.y, plant.inputs.areoid
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
-    r, v = antenna(case, plant, outputs, take3(params.position, 0), rotation)
-    height, up, _ = over_ground(case, tables, areoid, r)
+    r, v = point_motion(case, plant, outputs, take3(params.position, 0), rotation)
+    height, up, _ = height_over_ground(case, tables, areoid, r)
     tilt = -dot(rotate_z(c, s, from_frame(q, (1.0, 0.0, 0.0))), up)
     sees = (
         plant.shape != CONFIG_CAPSULE
@@ -180,12 +179,12 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         distance = speed = 0.0
         if sees:
             beam = rotate_z(c, s, from_frame(q, (unit.axis[i, 0], unit.axis[i, 1], unit.axis[i, 2])))
-            distance, incidence = ground_echo(
+            distance, incidence = ray_to_ground(
                 case, tables, areoid, r_F=r, beam_F=beam, height=height, up_F=up
             )
             speed = dot(v, beam)
             spin = case.planet.rotation_rate
-            near, closing = part_echo(
+            near, closing = ray_to_part(
                 params.lobes, plant, rotation, r_F=r, v_F=v, beam_F=beam, ground_range=distance, spin=spin
             )
             if near > 0.0:

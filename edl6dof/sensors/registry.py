@@ -3,7 +3,7 @@
 A member's kernel ``measure(params, unit, case, tables, plant, outputs, memory, sensed)`` runs in every base
 cycle.  ``params``, ``unit`` and ``memory`` are its own: ``unit`` holds the errors of the copy that flies in
 this case, drawn by the member's ``plan(params, rng, unit)`` from the generator that belongs to sensor and
-case.  Noise in flight comes from :mod:`edl6dof.spatial.noise`, with a key that ``plan`` draws.
+case.  Noise in flight comes from :mod:`edl6dof.spatial.random_numbers`, with a key that ``plan`` draws.
 A sensor that is named after another one may write over what that one measured: a list ``[perfect, imu,
 star_tracker]`` takes the attitude from the star tracker and the rest from the others.
 """
@@ -36,7 +36,7 @@ from edl6dof.sensors import (
     stereo,
     switches,
 )
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 from edl6dof.vehicle.faults.component import Component
 
 SENSOR_FAMILY = Family(
@@ -50,10 +50,10 @@ SENSOR_FAMILY = Family(
 
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 12
-#: Those that make images: nothing ideal stands for them.
-EYES: tuple[Component, ...] = ("landing_camera", "lidar", "stereo")
+#: Those that make images: they have no ideal counterpart.
+IMAGERS: tuple[Component, ...] = ("landing_camera", "lidar", "stereo")
 #: Those that stand for whatever is carried in the set ``perfect``, and those that are left on top of them.
-PERFECT_SET, ON_TOP = ("perfect", "imu"), ("navigation_error", *EYES)
+PERFECT_SET, ON_TOP = ("perfect", "imu"), ("navigation_error", *IMAGERS)
 
 if TYPE_CHECKING:
     SensorName = str
@@ -64,7 +64,7 @@ _Sections: Any = SENSOR_FAMILY.params_model("SensorSections", None, "", "Paramet
 
 
 class SensorParams(_Sections):
-    """What the flight computer measures with."""
+    """Sensors of the flight computer."""
 
     set: Literal["carried", "perfect"] = param(
         "carried",
@@ -91,7 +91,7 @@ class SensorParams(_Sections):
 #: The sensors of a case: their parameters, and the errors of the copies that fly in it.
 SENSOR_UNITS = np.dtype([("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables)], align=True)
 
-#: What crosses to the flight software, and what the sensors remember.
+#: Record that crosses to the flight software, and the memories of the sensors.
 SENSORS = np.dtype(
     [("sensed", SENSED), *((member.name, member.memory) for member in SENSOR_FAMILY.members)], align=True
 )
@@ -180,5 +180,5 @@ def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Comp
         names["star_tracker"] = ["star_tracker"]
     if "flow_meters" in params.flown:
         names["flow_meter"] = list(branches)
-    names |= {name: [name] for name in EYES if name in params.flown}
+    names |= {name: [name] for name in IMAGERS if name in params.flown}
     return names

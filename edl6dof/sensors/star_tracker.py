@@ -16,9 +16,8 @@ from edl6dof.config.dtype import in_si
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.quaternion import multiply, normalise
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, dot, norm, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -61,7 +60,7 @@ MEMORY = np.dtype([("cycle", COUNT)], align=True)
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Say the attitude now, where there are stars to be seen."""
+    """Measure the present attitude, in cycles in which stars are seen."""
     stars, y, cycle = sensed.stars, plant.y, memory.cycle
     memory.cycle += 1
     over = unit.until > 0 and plant.t >= plant.done[unit.until - 1]

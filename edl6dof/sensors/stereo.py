@@ -14,23 +14,29 @@ import numpy as np
 
 from edl6dof.config.base import Vec3, param
 from edl6dof.interface.capacities import STEREO_CELLS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
-from edl6dof.sensors.patch import PATCH, trace
-from edl6dof.sensors.sight import along, sight
+from edl6dof.sensors.ground_tile import GROUND_TILE, trace_ray
+from edl6dof.sensors.imager import (
+    IMAGER_UNIT,
+    ImagerParams,
+    draw_imager,
+    ground_direction,
+    imager_pose,
+    lay_tile_in_view,
+    view_range,
+)
 from edl6dof.spatial.elementary import cos, tan
-from edl6dof.spatial.noise import normal_pair, uniform
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair, uniform
 from edl6dof.spatial.vector import take3
 
 #: Cells along each side of a block that has texture or has none.
 _BLOCK = 4
 
 
-class StereoParams(EyeParams):
+class StereoParams(ImagerParams):
     """Stereo cameras; errors as standard deviations."""
 
     largest = {"m": 1e4}
@@ -54,28 +60,30 @@ class StereoParams(EyeParams):
     )
 
 
-MEMORY = np.dtype([("patch", PATCH), ("pairs", COUNT)], align=True)
+MEMORY = np.dtype([("tile", GROUND_TILE), ("pairs", COUNT)], align=True)
 
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Take a pair of images where one is told."""
+    """Take a pair of images when a scan is commanded."""
     stereo = sensed.stereo
-    stereo.fresh = 0 if plant.instruments.stereo_lost != 0 else plant.eyes.scan
+    stereo.fresh = 0 if plant.instruments.stereo_lost != 0 else plant.imagers.scan
     if stereo.fresh == 0:
         return
     turn = take3(unit.turn, 0)
-    origin, axes, height = sight(case, tables, plant, outputs, position=take3(params.position, 0), turn=turn)
-    reach = reach_of(params, plant)
-    lay_in_view(case, tables, origin, axes, height, reach=reach, patch=memory.patch)
+    origin, axes, height = imager_pose(
+        case, tables, plant, outputs, position=take3(params.position, 0), turn=turn
+    )
+    reach = view_range(params, plant)
+    lay_tile_in_view(case, tables, origin, axes, height, reach=reach, tile=memory.tile)
     tangent, flattest = tan(0.5 * params.field_of_view), cos(params.incidence)
     per_pixel = 2.0 * tangent / (params.pixels * params.baseline)
     pair = memory.pairs
     memory.pairs += 1
     for i in range(STEREO_CELLS):
         for j in range(STEREO_CELLS):
-            direction = look(tangent, STEREO_CELLS, i, j)
-            way, incidence = trace(memory.patch, origin, along(axes, direction), reach)
+            direction = cell_direction(tangent, STEREO_CELLS, i, j)
+            way, incidence = trace_ray(memory.tile, origin, ground_direction(axes, direction), reach)
             block = (pair * STEREO_CELLS + i // _BLOCK) * STEREO_CELLS + j // _BLOCK
             found = way > 0.0 and incidence >= flattest
             if found and uniform(unit.key, 2 * block) >= params.textureless:
@@ -89,7 +97,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 
 def plan(params: StereoParams, rng: Stream, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
-    draw_eye(params, rng, unit)
+    draw_imager(params, rng, unit)
     unit["bias"] = params.disparity_bias_px * rng.standard_normal()
 
 
@@ -99,7 +107,7 @@ MEMBER = Member(
     {"measure": measure},
     "Matthies, Maimone, Johnson et al., Int. J. Computer Vision 75(1), 2007",
     memory=MEMORY,
-    tables=EYE_UNIT,
+    tables=IMAGER_UNIT,
     plan=plan,
     writes=("stereo",),
 )

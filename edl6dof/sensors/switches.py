@@ -20,7 +20,7 @@ class SwitchesParams(Params):
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Say which are closed."""
+    """Read the switches."""
     sensed.footpad_contact = 1 if outputs.pads > 0 else 0
     sensed.wing_open = 1 if outputs.wing_opening > params.end_switch else 0
 

@@ -1,11 +1,11 @@
-"""Vibration of an instrument's mount with the engines: a tone, and a random part beside it.
+"""Vibration of an instrument's mount while the engines run: a tone, and a random part.
 
-The random part of each axis is a resonance driven by white noise: y, the rate about or the acceleration
-along the axis, is the velocity of an oscillator, x its place, y' = -(2 pi f)^2 x - 2 pi b y + white noise.
-So y has its standard deviation, a spectrum that falls to half its peak over the bandwidth b about f, and an
-integral x that stays small: a vibration turns no unit away.  It is exact for any length of a cycle: in their
-own units, 2 pi f x and y are uncorrelated with variance 1, and what is drawn has the covariance I - P P' with
-P the transition of the oscillator.
+The random part of each axis is a resonance driven by white noise: y, the rate about or the acceleration along
+the axis, is the velocity of an oscillator, x its place, y' = -(2 pi f)^2 x - 2 pi b y + white noise. So y has
+its standard deviation, a spectrum that falls to half its peak over the bandwidth b about f, and an integral x
+that stays small: a vibration causes no net rotation. The solution is exact for any length of a cycle: in
+their own units, 2 pi f x and y are uncorrelated with variance 1, and the random increment has the covariance
+I - P P' with P the transition of the oscillator.
 
 Sources: Thomson and Dahleh, Theory of Vibration with Applications (1998), chapter 13, random response of one
 degree of freedom; exact discretisation: Gelb, Applied Optimal Estimation (1974), section 3.6.
@@ -21,10 +21,8 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.kernels import kernel
-from edl6dof.sensors.thrust_share import thrust_share
 from edl6dof.spatial.elementary import exp, sincos
-from edl6dof.spatial.noise import normal_pair
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 
 #: About three axes, and along three.
@@ -58,7 +56,7 @@ class VibrationParams(Params):
     acceleration_m_s2: float = param(
         0.3, "amplitude of the acceleration", status="estimate", ge=0.0, le=1000.0
     )
-    random: RandomParams = group(RandomParams, "random vibration beside the tone")
+    random: RandomParams = group(RandomParams, "random vibration in addition to the tone")
 
 
 #: Phases of the tone, and key of the random part, of the copy that flies.
@@ -70,7 +68,7 @@ VIBRATION = np.dtype(
         ("turn_B", "f8", (3,)),  # rad, B
         ("swing_B", "f8", (3,)),  # m/s, B
         ("place", "f8", (WAYS,)),  # of the oscillators, in standard deviations: about the axes, then along
-        ("speed", "f8", (WAYS,)),  # likewise
+        ("speed", "f8", (WAYS,)),  # of the oscillators, in standard deviations
     ],
     align=True,
 )
@@ -78,8 +76,8 @@ VIBRATION = np.dtype(
 
 @kernel
 def shake(params, mount, case, plant, outputs, dt, cycle, memory):
-    """What the vibration adds: rate now (rad/s), and turn (rad) and velocity (m/s) since the last reading,
-    all in B.
+    """Vibration added to the motion: rate now (rad/s), and rotation (rad) and velocity (m/s) since the last
+    reading, all in B.
 
     Args:
         params: parameters.
@@ -144,3 +142,14 @@ def draw_mount(rng: Stream, mount: np.void) -> None:
     """Draw the phases of the tone and the key of the random part."""
     mount["phase"] = 2.0 * np.pi * rng.uniform(3)
     mount["key"] = rng.keys()
+
+
+@kernel
+def thrust_share(case, outputs):
+    """Thrust of all engines over their full thrust together, which shakes instruments and raises dust; 0
+    without engines.
+    """
+    full = 0.0
+    for i in range(case.vehicle.n_engines):
+        full += case.vehicle.engines[i].full_thrust
+    return outputs.engine_thrust / full if full > 0.0 else 0.0

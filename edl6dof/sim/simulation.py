@@ -14,7 +14,7 @@ import numpy as np
 
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import unknown
-from edl6dof.interface.external import EXTERNAL
+from edl6dof.interface.command import EXTERNAL
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State

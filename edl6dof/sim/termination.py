@@ -34,7 +34,7 @@ class Termination:
         success: whether it reached the goal of the mission within all limits.
         reached: whether it reached the goal, within limits or not.
         outcome: how it ended.
-        cause: why it is no success, without numbers; empty for a success.
+        cause: why it is not a success, as a text without numerical values; empty for a success.
     """
 
     success: bool

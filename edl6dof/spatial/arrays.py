@@ -372,7 +372,7 @@ def _fill_normal_share(x, found):
 
 
 def normal_quantile(share: Any) -> Any:
-    """What a standard normal falls below with each probability ``share``, to 15 digits."""
+    """Value that a standard normal falls below with each probability ``share``, to 15 digits."""
     return _each(_fill_normal_quantile, share)
 
 

@@ -602,7 +602,7 @@ def _positive_power(x, y):
 
 @kernel
 def _is_whole(y):
-    """Whether a number is an integer."""
+    """Test whether a number is an integer."""
     return abs(y) >= 2.0**52 or (y + copysign(2.0**52, y)) - copysign(2.0**52, y) == y
 
 

@@ -1,8 +1,8 @@
 """Quaternions on whole histories, in plain numpy: scalar first, shape (..., 4), Hamilton products, ``rotate``
 turns vectors.
 
-Beside the scalar kernels of ``edl6dof.spatial.quaternion``; scipy's ``Rotation`` would do, but importing it
-costs more memory than the replay itself needs, and a tenth of a second.  A test holds these against
+The scalar kernels are in ``edl6dof.spatial.quaternion``. Importing scipy's ``Rotation`` would cost more
+memory than the replay itself needs, and a tenth of a second. A test compares these functions with
 pyquaternion and scipy.
 """
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.config.errors import UnknownName
 from edl6dof.config.units import UNITS
-from edl6dof.interface.thrusters import THRUSTER_FAILURES
+from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.spatial.arrays import lengths, tan
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 
@@ -147,7 +147,7 @@ def _slots(*names: tuple[str, ...]) -> dict[str, tuple[str, int]]:
 
 
 def range_of(beam: str) -> str:
-    """Name of the column of a radar beam."""
+    """Name of the telemetry column that holds the measured range of a radar beam."""
     return f"range.{beam}_m"
 
 

@@ -242,7 +242,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
             in_use |= 1 << i
         tick.duty[i] = plant.valves.mean[i]
         tick.fault[i] = plant.valves.fault[i]
-        tick.valve[i] = 1 if fsw.command.closes[i] > fsw.command.opens[i] else 0
+        tick.valve[i] = 1 if fsw.command.valve_close_time[i] > fsw.command.valve_open_time[i] else 0
     tick.diagnosis.in_use = in_use
     for k in range(case.branches.count):
         tick.used[k], tick.expected[k] = plant.branch_used[k], diagnosis.flow.expected[k]

@@ -10,7 +10,7 @@ import numpy as np
 
 from edl6dof.fsw.guidance import guidance_command
 from edl6dof.fsw.mission.phases import Event, MissionParams
-from edl6dof.fsw.navigation.guard import CHECKS
+from edl6dof.fsw.navigation.integrity import CHECKS
 from edl6dof.interface.roles import NO_ROLE, begun
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -91,7 +91,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
 
 def guard_moments(navigation: np.void) -> list[Moment]:
     """First time of each finding of the guards of navigation, and the recovery of the vertical."""
-    given = zip(CHECKS, navigation["guard"]["first_t"], strict=True)
+    given = zip(CHECKS, navigation["integrity"]["first_t"], strict=True)
     found = [moment(t, "guard", f"guard: {words}") for words, t in given if t > 0.0]
     if (t := navigation["recovery"]["found_t"]) > 0.0:
         found.append(moment(t, "vertical_found", "vertical found again"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.interface.engine import ENGINE_FULL
+from edl6dof.interface.effectors import ENGINE_FULL
 from edl6dof.kernels import kernel
 from edl6dof.vehicle.faults.fault import inflict
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, command_bank
@@ -17,8 +17,8 @@ def actuate(kinds, case, command, plant):
     """
     vehicle = case.vehicle
     for i in range(vehicle.rcs.n_thrusters):
-        plant.valves.opens[i] = command.opens[i]
-        plant.valves.closes[i] = command.closes[i]
+        plant.valves.open_time[i] = command.valve_open_time[i]
+        plant.valves.close_time[i] = command.valve_close_time[i]
     if case.dynamics == POINT_MASS and command.steering != 0:
         command_bank(case, plant, command.bank, command.alpha)
     for i in range(vehicle.n_engines):
@@ -27,9 +27,9 @@ def actuate(kinds, case, command, plant):
     for i in range(case.events.n_events):
         if command.request[i] != 0:
             plant.due[i] = plant.t + case.events.events[i].delay
-    plant.eyes.expose, plant.eyes.scan = command.expose, command.scan
+    plant.imagers.camera_trigger, plant.imagers.scan = command.camera_trigger, command.scan
     inflict(kinds, case, command, plant)
     for i in range(vehicle.rcs.n_thrusters):
         # the latch valve of its branch lies upstream of whatever the thruster's own valve does
-        if command.shut[case.branches.of[i]] != 0:
-            plant.valves.opens[i] = plant.valves.closes[i] = plant.t
+        if command.latch_closed[case.branches.of[i]] != 0:
+            plant.valves.open_time[i] = plant.valves.close_time[i] = plant.t

@@ -25,8 +25,8 @@ READING_FAULT = np.dtype(
     align=True,
 )
 
-#: What the eyes are told to do in this cycle.
-EYES_TOLD = np.dtype([("expose", FLAG), ("scan", FLAG)], align=True)
+#: Commands to the imagers in this cycle.
+IMAGER_COMMANDS = np.dtype([("camera_trigger", FLAG), ("scan", FLAG)], align=True)
 
 #: What faults do to them.
 INSTRUMENT_FAULTS = np.dtype(

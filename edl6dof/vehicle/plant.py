@@ -19,11 +19,11 @@ from edl6dof.interface.capacities import (
     MAX_TANKS,
     MAX_THRUSTERS,
 )
-from edl6dof.interface.thrusters import THRUSTER_FAILURES
+from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
-from edl6dof.vehicle.instruments import EYES_TOLD, INSTRUMENT_FAULTS
+from edl6dof.vehicle.instruments import IMAGER_COMMANDS, INSTRUMENT_FAULTS
 from edl6dof.vehicle.landing_gear import MAX_CONTACTS, MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
@@ -53,8 +53,8 @@ NOT_BEGUN = 1e99
 
 VALVES = np.dtype(
     [
-        ("opens", "f8", (MAX_THRUSTERS,)),
-        ("closes", "f8", (MAX_THRUSTERS,)),
+        ("open_time", "f8", (MAX_THRUSTERS,)),
+        ("close_time", "f8", (MAX_THRUSTERS,)),
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
@@ -230,7 +230,7 @@ STATE = np.dtype(
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
         ("balance", BALANCE),
-        ("eyes", EYES_TOLD),  # what landing camera, lidar and stereo cameras are told
+        ("imagers", IMAGER_COMMANDS),  # commands to landing camera, lidar and stereo cameras
     ],
     align=True,
 )

@@ -218,7 +218,7 @@ def test_duties_open_the_valves_of_the_thrusters_named(flight):
     flight.step({"duties": {"D1": 1.0, "D7": 0.0}}, 20)  # pulses under way come to their ends
     names = flight.loaded.scenario.thruster_names
     command = flight.underway.fsw["command"]
-    open_s = (command["closes"] - command["opens"])[0, : len(names)]
+    open_s = (command["valve_close_time"] - command["valve_open_time"])[0, : len(names)]
     assert {name for name, on in zip(names, open_s, strict=True) if on > 0.0} == {"D1"}
     assert np.array_equal(
         flight.underway.fsw["external"]["duty"][0, : len(names)] > 0.0, [n == "D1" for n in names]

@@ -10,7 +10,7 @@ import pytest
 
 import edl6dof
 from edl6dof.campaign.fault_response import Failure, failures, fault_response
-from edl6dof.interface.thrusters import ThrusterFailure
+from edl6dof.interface.effectors import ThrusterFailure
 from edl6dof.metrics.out_of_use import diagnosis_figures
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults import registry

@@ -44,7 +44,8 @@ def valve_writers(source: str) -> list[int]:
         for node in ast.walk(ast.parse(source))
         if isinstance(node, ast.Subscript)
         and isinstance(node.ctx, ast.Store)
-        and ast.unparse(node.value).split(".")[-1] in ("opens", "closes")
+        and ast.unparse(node.value).split(".")[-1]
+        in ("open_time", "close_time", "valve_open_time", "valve_close_time")
         and not ast.unparse(node.value).startswith("memory.")
     ]
 
@@ -72,8 +73,11 @@ def test_modulation_alone_writes_valve_intervals():
 
 
 def test_planted_second_writer_is_found():
-    assert valve_writers("def f(i, t, command):\n    command.opens[i] = t\n") == [2]
-    assert valve_writers("def f(i, t, opens, closes):\n    opens[i] = closes[i] = t\n") == [2, 2]
+    assert valve_writers("def f(i, t, command):\n    command.valve_open_time[i] = t\n") == [2]
+    assert valve_writers("def f(i, t, open_time, close_time):\n    open_time[i] = close_time[i] = t\n") == [
+        2,
+        2,
+    ]
 
 
 def declared_signals(source):
@@ -97,7 +101,7 @@ def read_signals(source):
 
 
 #: Modules that take signals, each with those that it shares its own with.
-EXCHANGE = {"diagnosis/diagnose.py": ("diagnosis/leak.py",), "diagnosis/exercise.py": ()}
+EXCHANGE = {"diagnosis/diagnose.py": ("diagnosis/leak_isolation.py",), "diagnosis/exercise.py": ()}
 
 
 @pytest.mark.parametrize("module, helpers", EXCHANGE.items(), ids=EXCHANGE)

@@ -14,9 +14,9 @@ FLYING = modules(
     "telemetry",
     "vehicle",
 )
-LOOKUPS = "edl6dof.spatial.lookups"
+LOOKUPS = "edl6dof.spatial.table_index"
 #: Work on the bits of numbers, and index nothing but tables of their own.
-BITS = ("edl6dof.spatial.noise", "edl6dof.spatial.elementary", "edl6dof.spatial.arrays")
+BITS = ("edl6dof.spatial.random_numbers", "edl6dof.spatial.elementary", "edl6dof.spatial.arrays")
 
 
 def test_no_kernel_makes_an_index_of_a_float_itself():

@@ -162,7 +162,7 @@ def measured(loaded, index, seed, cycles=12):
     draw_sensor_units(case[0]["sensors"], carried, 0, 0)
     plant, outputs = initial_plant(loaded.truth, case)[0], np.zeros(1, OUTPUTS)[0]
     plant["y"][:3] *= 1.0 - 127.84e3 / np.linalg.norm(plant["y"][:3])  # 100 m above the ground
-    plant["eyes"]["expose"] = plant["eyes"]["scan"] = 1
+    plant["imagers"]["camera_trigger"] = plant["imagers"]["scan"] = 1
     rng, sensors, rows = np.random.default_rng(seed), initial_sensors()[0], []
     for _ in range(cycles):
         plant["t"] += 0.04

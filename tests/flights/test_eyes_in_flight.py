@@ -5,9 +5,9 @@ import pytest
 
 import edl6dof
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.scenario.records import build_records
-from edl6dof.sensors.echo import antenna, over_ground
+from edl6dof.sensors.ray_ground import height_over_ground, point_motion
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
 from edl6dof.spatial.frames import rotate_z
@@ -52,14 +52,16 @@ def test_rays_of_a_scan_in_flight_end_on_the_ground(flight):
     outputs = np.zeros(1, OUTPUTS)[0]
     outputs["centre"] = flight.outputs["centre"][0]
     rotation = planet_rotation(case[0]["planet"], plant["t"])
-    origin = np.array(antenna(case[0], plant, outputs, eye.position_m, rotation)[0])
+    origin = np.array(point_motion(case[0], plant, outputs, eye.position_m, rotation)[0])
     q, tangent = tuple(plant["y"][ATTITUDE : ATTITUDE + 4]), np.tan(0.5 * np.radians(eye.field_of_view_deg))
     over = []
     for i in range(SCAN_BLOCK):
         for j in range(0, SCAN_COLUMNS, 7):
-            ray = rotate_z(*rotation, from_frame(q, look(tangent, SCAN_COLUMNS, lidar["row"] + i, j)))
+            ray = rotate_z(
+                *rotation, from_frame(q, cell_direction(tangent, SCAN_COLUMNS, lidar["row"] + i, j))
+            )
             if lidar["range"][i, j] > 0.0:
                 point = tuple(origin + float(lidar["range"][i, j]) * np.array(ray))
-                over.append(over_ground(case[0], tables[0], plant["inputs"]["areoid"], point)[0])
+                over.append(height_over_ground(case[0], tables[0], plant["inputs"]["areoid"], point)[0])
     assert len(over) > 100
     assert abs(np.median(over)) < 0.1 and np.mean(np.abs(over) < 0.15) > 0.9

@@ -10,7 +10,7 @@ from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.registry import ALLOCATION
 from edl6dof.fsw.vehicle_state import HEALTH
-from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE
+from edl6dof.interface.effectors import ATTITUDE, AXIAL, FINE
 from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.records import build_tables
 

@@ -99,7 +99,7 @@ class Locator:
             self.refuse(place, str(error))
 
     def refuse(self, place: Keys, message: str) -> None:
-        """Note a problem."""
+        """Record a problem at a place of the file; :meth:`finish` raises all of them."""
         self.problems.append(self.document.problem(place, message))
 
     def finish(self) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.campaign.design.case import A, B, Of, group_of
 from edl6dof.campaign.design.sections import CampaignParams
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 
 #: Third number of the seed of every generator here; 1 and 2 are the random profiles of
 #: ``edl6dof.environment.profiles``.
@@ -83,16 +83,16 @@ PROFILES = "random profiles"
 
 @dataclass(frozen=True)
 class Swaps:
-    """The design for Sobol indices: two matrices of unit numbers, A and B, and for each group of inputs A
-    with that group's columns from B; cases row by row.
+    """The design for Sobol indices: two matrices A and B of numbers from 0 to 1, and for each group of inputs
+    a copy of A whose columns of that group are taken from B. Cases are numbered row by row.
 
     Source: Saltelli et al., Comput. Phys. Commun. 181 (2010) 259; groups: Saltelli et al., Global Sensitivity
     Analysis: The Primer (2008), 4.6.
 
     Attributes:
-        groups: columns of the unit numbers that belong together, by name; none for the random profiles.
-        rows: of each matrix.
-        seed: of the Sobol sequence.
+        groups: columns of each group by its name; an empty list for the random profiles.
+        rows: number of rows of each matrix.
+        seed: seed of the Sobol sequence.
     """
 
     groups: dict[str, list[int]]

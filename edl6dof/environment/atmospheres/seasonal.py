@@ -16,7 +16,7 @@ from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.lookups import between, held
+from edl6dof.spatial.table_index import between, held
 
 
 class TemperatureWavesParams(Params):

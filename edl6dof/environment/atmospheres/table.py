@@ -15,7 +15,7 @@ from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.lookups import held
+from edl6dof.spatial.table_index import held
 
 
 class TableParams(Params):

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import held_cell
+from edl6dof.spatial.table_index import held_cell
 from edl6dof.spatial.vector import clamp
 
 NODES = 512

@@ -19,7 +19,7 @@ import numpy as np
 from edl6dof.environment.profiles import GROUND_STREAM
 from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 
 NODES = 512
 #: Nodes of the lattice from one node of the coarse tile to the next.

@@ -21,7 +21,7 @@ from edl6dof.environment.landing_area.rocks import rock_law
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GROUND_STREAM
 from edl6dof.spatial.elementary import pow, tan
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 
 NO_RELIEF, GENERATED = range(2)
 #: Diameter (m) that the density of craters is given for.

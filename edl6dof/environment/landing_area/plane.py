@@ -12,7 +12,7 @@ from math import pi, sqrt
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin
-from edl6dof.spatial.lookups import wrapped
+from edl6dof.spatial.table_index import wrapped
 
 
 @kernel

@@ -20,9 +20,8 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import exp, pow
-from edl6dof.spatial.lookups import endless_cell
-from edl6dof.spatial.noise import random_bits, random_bits_at
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream, random_bits, random_bits_at
+from edl6dof.spatial.table_index import endless_cell
 
 MAX_CLASSES = 16
 #: Most members that the cells of a class may hold on average.

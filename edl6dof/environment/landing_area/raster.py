@@ -11,7 +11,7 @@ from edl6dof.environment.landing_area.population import cell_bits, drawn_in, fir
 from edl6dof.environment.landing_area.surface import share_at
 from edl6dof.environment.terrain import regional
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import endless_cell
+from edl6dof.spatial.table_index import endless_cell
 
 #: Nodes between which, both ways, what is coarser than the landing area is drawn straight: off it by a few
 #: millimetres where that bends.

@@ -13,7 +13,7 @@ from edl6dof.environment.landing_area.population import (
     size_of_member,
 )
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import endless_cell
+from edl6dof.spatial.table_index import endless_cell
 from edl6dof.spatial.vector import clamp
 
 

@@ -10,7 +10,7 @@ from edl6dof.environment.atmosphere_table import row_at
 from edl6dof.environment.curves import cubic
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.lookups import held
+from edl6dof.spatial.table_index import held
 
 
 class TableParams(Params):

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.allocation.effectiveness import ROWS
-from edl6dof.interface.engine import ENGINE_FULL
-from edl6dof.interface.thrusters import ATTITUDE, AXIAL, THRUSTER_GROUPS
+from edl6dof.interface.effectors import ATTITUDE, AXIAL, ENGINE_FULL, THRUSTER_GROUPS
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.quaternion import to_frame

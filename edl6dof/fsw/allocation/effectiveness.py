@@ -11,7 +11,7 @@ from math import copysign
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_PARTS, MAX_THRUSTERS
-from edl6dof.interface.thrusters import FINE
+from edl6dof.interface.effectors import FINE
 from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.vector import take3

@@ -19,7 +19,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.allocation.effectiveness import ROWS, fine_enough, usable
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import AXIAL, FINE
+from edl6dof.interface.effectors import AXIAL, FINE
 from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.registry import Member

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.allocation.effectiveness import ROWS, usable
-from edl6dof.interface.thrusters import AXIAL, FINE, HORIZONTAL
+from edl6dof.interface.effectors import AXIAL, FINE, HORIZONTAL
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 

@@ -1,15 +1,14 @@
 """One control cycle of thruster fault diagnosis: residuals, hypotheses, and isolation.
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
-whose prior is the price of a false alarm; it is wanted in several cycles on end.  A dead thruster is then
-taken out of the allocation, one that has lost little is named and used on.  One that stays open is shut off
-by the latch valve of its branch, which costs the others on it (:mod:`edl6dof.fsw.diagnosis.leak`).  Without a
-meter the latch valve is moved for either, unless the slow part speaks against it: a thruster that does not
-respond may be open as well as shut.
+whose prior is the price of a false alarm; it is required in several cycles in a row. A dead thruster is then
+taken out of the allocation; one that has lost little is named and stays in use. One that stays open is shut
+off by the latch valve of its branch, which costs the others on it
+(:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a meter the latch valve is moved for either fault,
+unless the slow part excludes a leak: a thruster that does not respond may be open as well as closed.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
-in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
-harm.
+in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful.
 """
 
 from __future__ import annotations
@@ -20,15 +19,15 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
-from edl6dof.fsw.diagnosis.flow import (
+from edl6dof.fsw.diagnosis.flow_evidence import (
     FLOW,
     NONE,
     FlowParams,
     forget_branch,
+    impossible_meter,
     is_read,
     read_meters,
-    reads_amiss,
-    weigh_flow,
+    update_flow_evidence,
 )
 from edl6dof.fsw.diagnosis.hypotheses import (
     HYPOTHESES,
@@ -36,22 +35,22 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     compare,
     forget_all,
     kind_of,
-    weigh,
+    update_evidence,
     weights,
 )
-from edl6dof.fsw.diagnosis.leak import (
+from edl6dof.fsw.diagnosis.leak_isolation import (
+    HEALTHY,
     LEAK,
     METER_FAILED,
     NAMED,
-    SOUND,
-    follow_leak,
-    give_back,
     leaking_branch,
-    open_leak,
+    reopen_branch,
+    start_leak_isolation,
+    step_leak_isolation,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
-from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
+from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, whole
 
@@ -90,7 +89,7 @@ class DiagnosisParams(Params):
         16.0, "log of the odds for a healthy vehicle: the price of a false alarm", gt=0.0, le=100.0
     )
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
-    streak: int = param(2, "cycles on end with that confidence", ge=1, le=50)
+    streak: int = param(2, "cycles in a row with that confidence", ge=1, le=50)
     loss_least: float = param(
         0.3, "fraction of thrust lost from which a thruster is not used any more", gt=0.0, le=1.0
     )
@@ -138,12 +137,12 @@ class DiagnosisSignals(NamedTuple):
         metered: whether there are flow meters.
         used: counts of the flow meters, kg, of the end of the measured cycle.
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        activity: ``ACTIVITY`` record: what the thrusters should have done in the measured cycle.
+        activity: ``ACTIVITY`` record: commanded action of the thrusters in the measured cycle.
         load: axial force of air and riser, N.
-        unexplained: force and torque of that cycle that this does not explain (6).
+        unexplained: rest of force and torque of that cycle (6).
         t: present time, s.
         dt: control cycle, s.
-        healthy: updated, 0 for a thruster that is not to be used.
+        healthy: updated, 0 for a thruster out of use.
     """
 
     vehicle: Any
@@ -165,7 +164,7 @@ WRITES = ("healthy",)
 
 @kernel
 def restart(memory):
-    """Forget evidence and slow disturbance: the vehicle, or what acts on it, has changed."""
+    """Reset evidence and slow disturbance: the vehicle, or the forces on it, have changed."""
     restart_residual(memory.residual)
     for b in range(MAX_BRANCHES):
         restart_residual(memory.missing[b])
@@ -174,8 +173,8 @@ def restart(memory):
 
 
 @kernel
-def note(vehicle, i, kind, loss, confidence, t, memory):
-    """Name a thruster that has failed; what follows is looked at afresh."""
+def record_fault(vehicle, i, kind, loss, confidence, t, memory):
+    """Record a failed thruster; evaluation of the rest restarts."""
     if memory.n_isolated < MAX_ISOLATED:
         one = memory.isolated[memory.n_isolated]
         one.thruster, one.kind, one.loss = i, kind, loss
@@ -187,8 +186,8 @@ def note(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Name a thruster that gives too little, and do without it for good, unless it has lost little."""
-    note(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
+    """Record a thruster that gives too little, and take it out of use, unless it has lost little."""
+    record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
     if kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
     else:
@@ -196,8 +195,8 @@ def isolate(params, signals, i, kind, loss, confidence, memory):
 
 
 @kernel
-def isolate_likeliest(params, signals, memory):
-    """Name the thruster of the best hypothesis, or all of a branch that lets nothing through."""
+def isolate_most_probable(params, signals, memory):
+    """Isolate the thruster of the best hypothesis, or all of a branch without flow."""
     best, vehicle = memory.hypotheses, signals.vehicle
     thruster, branch, kind, loss, confidence = (
         best.thruster, best.branch, best.kind, best.loss, best.confidence,
@@ -209,47 +208,47 @@ def isolate_likeliest(params, signals, memory):
 
 @kernel
 def isolate_dead(params, signals, i, loss, memory):
-    """Do without a thruster that did not respond when it was tried alone; its confidence is the least that is
-    asked for.
+    """Take a thruster out of use that did not respond when it was tested alone; its confidence is the
+    threshold.
     """
     kind = kind_of(params, loss)
-    note(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
+    record_fault(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
     signals.healthy[i] = 0
 
 
 @kernel
-def distrust_meter(b, t, memory):
-    """Believe the meter of a branch no more."""
+def exclude_meter(b, t, memory):
+    """Exclude the meter of a branch."""
     memory.flow.meter_failed[b], memory.flow.failed_at[b] = 1, t
     restart(memory)
 
 
 @kernel
-def look_into_leak(params, signals, memory):
-    """Go on with the looks at a leak, and end them when they have decided: what was suspected of not
+def continue_leak_isolation(params, signals, memory):
+    """Continue the isolation of a leak, and end it when it has decided: a thruster that was suspected of not
     responding and does not leak is dead or weak.
     """
     leak, best, vehicle = memory.leak, memory.hypotheses, signals.vehicle
-    found, confidence = follow_leak(params, signals, memory.flow, memory.residual, leak)
+    found, confidence = step_leak_isolation(params, signals, memory.flow, memory.residual, leak)
     if found == NAMED:
-        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
+        record_fault(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
         leak.branch = NONE
     elif found == METER_FAILED:
-        give_back(vehicle.n_thrusters, leak, signals.healthy)
-        distrust_meter(leak.branch, signals.t, memory)
+        reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
+        exclude_meter(leak.branch, signals.t, memory)
         leak.branch = NONE
-    elif found == SOUND:
-        give_back(vehicle.n_thrusters, leak, signals.healthy)
+    elif found == HEALTHY:
+        reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
         if best.kind == STUCK_OFF or best.kind == DEGRADED:
-            isolate_likeliest(params, signals, memory)
-        else:  # suspected of leaking, or an event has made all evidence void
+            isolate_most_probable(params, signals, memory)
+        else:  # suspected of leaking, or an event has voided all evidence
             restart(memory)
 
 
 @kernel
-def follow_streak(params, before, memory):
-    """Count the cycles on end with the same sure hypothesis."""
+def update_streak(params, before, memory):
+    """Count the cycles in a row with the same confident hypothesis."""
     best = memory.hypotheses
     if best.kind != NOTHING and best.confidence >= params.confidence:
         memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
@@ -259,8 +258,8 @@ def follow_streak(params, before, memory):
 
 @kernel
 def may_leak(params, b, load, residual, kind):
-    """Whether a thruster of effectiveness ``b`` without a meter, in which a fault of ``kind`` is seen, may be
-    open: the slow part holds what it does, or air and riser may have taken that up.
+    """Test whether a thruster of effectiveness ``b`` without a meter, with a suspected fault of ``kind``, may
+    be open: its effect is in the slow part, or air and riser may have absorbed it.
     """
     weight = weights(params, residual.slow, 0.0)
     held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
@@ -268,16 +267,16 @@ def may_leak(params, b, load, residual, kind):
 
 
 @kernel
-def follow_missing(params, signals, memory):
+def filter_missing_wrench(params, signals, memory):
     """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
-    the slow part holds them, steady use shows nothing.
+    the slow part contains them, steady use shows nothing.
     """
     vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     for b in range(vehicle.branches.count):
         missing = memory.missing[b]
         for j in range(6):
             missing.value[j] = 0.0
-        if memory.flow.losing[b] != 0:
+        if memory.flow.shows_loss[b] != 0:
             for i in range(vehicle.n_thrusters):
                 if vehicle.branches.of[i] == b:
                     for j in range(6):
@@ -287,7 +286,7 @@ def follow_missing(params, signals, memory):
 
 @kernel
 def diagnose(params, signals, memory):
-    """One control cycle of diagnosis.
+    """Run one control cycle of diagnosis.
 
     Args:
         params: diagnosis record.
@@ -309,19 +308,21 @@ def diagnose(params, signals, memory):
         params.flow, signals.instruments, vehicle, signals.used, activity.share, dt=signals.dt, memory=flow
     ):
         keep = 1.0 - 1.0 / params.memory_cycles
-        weigh_flow(params.flow, keep, vehicle, activity.share, memory.leak.shut, memory=flow)
+        update_flow_evidence(
+            params.flow, keep, vehicle, activity.share, memory.leak.latch_closed, memory=flow
+        )
     if metered:
-        follow_missing(params, signals, memory)
+        filter_missing_wrench(params, signals, memory)
     if memory.leak.branch != NONE:
-        look_into_leak(params, signals, memory)
+        continue_leak_isolation(params, signals, memory)
         return
-    amiss = reads_amiss(metered, vehicle.branches, flow)
-    if amiss != NONE:
-        distrust_meter(amiss, signals.t, memory)
-    leaking, told = leaking_branch(params, vehicle, signals.healthy, flow), True
+    impossible = impossible_meter(metered, vehicle.branches, flow)
+    if impossible != NONE:
+        exclude_meter(impossible, signals.t, memory)
+    leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         if known > 0:
-            weigh(
+            update_evidence(
                 params,
                 vehicle,
                 metered,
@@ -335,17 +336,17 @@ def diagnose(params, signals, memory):
             )
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, signals.healthy, flow, memory=best)
-        follow_streak(params, before, memory)
+        update_streak(params, before, memory)
         suspected = vehicle.branches.of[best.thruster]
         if (
             memory.streak >= params.streak
             and not is_read(metered, suspected, flow)
             and may_leak(params, effectiveness[best.thruster], load, memory.residual, best.kind)
         ):
-            leaking, told = suspected, False
+            leaking, metered_leak = suspected, False
     if leaking != NONE:
-        open_leak(params, signals, leaking, told, memory.residual, memory=memory.leak)
+        start_leak_isolation(params, signals, leaking, metered_leak, memory.residual, memory=memory.leak)
     elif memory.streak >= params.streak:
-        isolate_likeliest(params, signals, memory)
+        isolate_most_probable(params, signals, memory)
     elif best.meter != NONE and known > 0:
-        distrust_meter(best.meter, signals.t, memory)
+        exclude_meter(best.meter, signals.t, memory)

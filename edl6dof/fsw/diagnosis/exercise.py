@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.diagnosis.flow import NONE, is_waiting, needs_trial
+from edl6dof.fsw.diagnosis.flow_evidence import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import HORIZONTAL, STUCK_ON
+from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
 from edl6dof.kernels import kernel
 
 #: Share of the measured axial force that a test may add to it.
@@ -60,7 +60,7 @@ class ExerciseSignals(NamedTuple):
         vehicle: believed vehicle (thrusters: group, minimum pulse).
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         healthy: whether each may be used.
-        diagnosis: ``DIAGNOSIS`` record: what is thought at present.
+        diagnosis: ``DIAGNOSIS`` record: the present state of diagnosis.
         valves: ``MODULATION`` record: the valve intervals of this control cycle.
         sideways: whether the vehicle flies sideways.
         axial: measured axial force, N: it is taken for drag or thrust, so what adds to it must be small.
@@ -87,7 +87,7 @@ WRITES = ()
 
 @kernel
 def opposite(effectiveness, count, i):
-    """The thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
+    """Thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
     own = 0.0
     for row in range(1, 6):
         own += effectiveness[i, row] * effectiveness[i, row]
@@ -102,50 +102,50 @@ def opposite(effectiveness, count, i):
 
 @kernel
 def is_free(i, signals):
-    """Whether a thruster is in use, and shut during this cycle."""
+    """Test whether a thruster is in use, and closed during this cycle."""
     if i == NONE or signals.healthy[i] == 0:
         return False
     valves = signals.valves
-    return valves.closes[i] <= valves.opens[i] and valves.busy_until[i] <= signals.t
+    return valves.close_time[i] <= valves.open_time[i] and valves.busy_until[i] <= signals.t
 
 
 @kernel
-def has_answered(i, signals, memory):
-    """Whether what thruster ``i`` was last used for has been measured."""
+def is_measured(i, signals, memory):
+    """Test whether the last use of thruster ``i`` has been measured."""
     t, dt = signals.t, signals.dt
     return t >= max(signals.valves.busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
 
 
 @kernel
-def is_quiet(b, signals, memory):
-    """Whether what branch ``b`` was last used for has been measured."""
+def branch_is_measured(b, signals, memory):
+    """Test whether the last use of branch ``b`` has been measured."""
     of = signals.vehicle.branches.of
     for i in range(signals.vehicle.n_thrusters):
-        if of[i] == b and not has_answered(i, signals, memory):
+        if of[i] == b and not is_measured(i, signals, memory):
             return False
     return True
 
 
 @kernel
 def retest(params, signals, memory):
-    """The thruster to try alone, of several the one that has rested longest; or the suspect of force and
-    torque with its opposite number; or twice ``NONE``.
+    """Thruster to test alone, of several the one that has rested longest; or the suspect of force and torque
+    with its opposite; or twice ``NONE``.
     """
     vehicle, diagnosis, t = signals.vehicle, signals.diagnosis, signals.t
     rested, oldest = NONE, t
     for i in range(vehicle.n_thrusters):
         doubted = needs_trial(i, diagnosis.flow)
-        if not (doubted or diagnosis.flow.asked[i] != 0) or memory.used[i] >= oldest:
+        if not (doubted or diagnosis.flow.test_requested[i] != 0) or memory.used[i] >= oldest:
             continue
         if not is_free(i, signals):
             continue
         long_tried = diagnosis.flow.off[i].cycles >= MOST_TRIALS
         doubted = (
             doubted
-            and is_quiet(vehicle.branches.of[i], signals, memory)
+            and branch_is_measured(vehicle.branches.of[i], signals, memory)
             and not (long_tried and t < memory.used[i] + TRIED_AGAIN)
         )
-        if doubted or diagnosis.flow.asked[i] != 0 and has_answered(i, signals, memory):
+        if doubted or diagnosis.flow.test_requested[i] != 0 and is_measured(i, signals, memory):
             rested, oldest = i, memory.used[i]
     if rested != NONE:
         return rested, NONE
@@ -184,8 +184,8 @@ def longest_rested(params, signals, waiting, memory):
 
 @kernel
 def pair_to_test(params, signals, memory):
-    """The two thrusters to fire against each other from this control cycle on, the second ``NONE`` for a
-    single one; (``NONE``, ``NONE``) for no test.
+    """Choose the two thrusters to fire against each other from this control cycle on, the second ``NONE`` for
+    a single one; (``NONE``, ``NONE``) for no test.
 
     Args:
         params: exercise record.
@@ -196,7 +196,7 @@ def pair_to_test(params, signals, memory):
         return NONE, NONE
     vehicle, valves, t = signals.vehicle, signals.valves, signals.t
     for i in range(vehicle.n_thrusters):
-        if valves.closes[i] > valves.opens[i] + 0.5 * signals.dt:
+        if valves.close_time[i] > valves.open_time[i] + 0.5 * signals.dt:
             memory.used[i] = t
     i, j = retest(params, signals, memory)
     if i == NONE:

@@ -14,10 +14,10 @@ leaves S' near S and proves nothing: the air in lift control and the riser under
 noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever
 the evidence speaks against it, so the time of the fault need not be known (Page's test).
 
-Where a meter is believed, its evidence (:mod:`edl6dof.fsw.diagnosis.flow`) adds to that of force and torque.
-The loss of flow then has several explanations, which compete by their posterior odds.  Each fault that one
-needs costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the flow, they are,
-without the P that all share,
+Where a meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force and
+torque.  The loss of flow then has several explanations, which compete by their posterior odds.  Each fault
+that one needs costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the flow,
+they are, without the P that all share,
 
     the thruster, or its meter     the flow of the others is not known     F + f_i        F
     the thruster, or its meter     the meter reads the flow of the others  F + f_i        F - P
@@ -29,7 +29,8 @@ One failed meter, or one latch valve that is shut, is thus more likely by P than
 between thruster or branch and meter force and torque decide.  f_b is formed from the residual and the force
 and torque that the branch lacks since its meter reads a loss, both without their slow part.
 
-Force and torque that speak of a loss while the flow is sound tell of a catalyst: they need twice the prior.
+Evidence of force and torque for a loss without a loss of flow means a failed catalyst: it needs twice the
+prior.
 
 Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
 test from Basseville & Nikiforov 1993, sections 2.2 and 4.3; posterior odds: Bayes' theorem for faults that
@@ -41,21 +42,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import (
+from edl6dof.fsw.diagnosis.flow_evidence import (
+    CONFIRMED,
     LARGEST,
     LEAST_USE,
     NONE,
-    UNHEARD,
-    VOUCHED,
+    UNCHECKED,
+    confirmed_loss,
     fires_alone,
     full_flow,
     is_read,
     is_waiting,
-    loss_told,
 )
 from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
-from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON
+from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON
 from edl6dof.kernels import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.elementary import exp, log
@@ -103,13 +104,13 @@ def collect(sums, keep, signature, along, square, every):
 
 @kernel
 def forget(sums):
-    """Start a hypothesis afresh."""
+    """Reset a hypothesis."""
     sums.cross = sums.own = sums.all = sums.cycles = 0.0
 
 
 @kernel
 def forget_all(memory):
-    """Start every hypothesis afresh."""
+    """Reset every hypothesis."""
     for i in range(MAX_THRUSTERS):
         forget(memory.off[i])
         forget(memory.on[i])
@@ -129,7 +130,7 @@ def evidence(sums, size):
 
 @kernel
 def may_reach(least, sums, size):
-    """Whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 tells it of most hypotheses
+    """Test whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 rejects most hypotheses
     without a logarithm.
     """
     floor = COMPONENTS * sums.cycles
@@ -162,9 +163,9 @@ def weights(params, wrench, load):
 
 
 @kernel
-def weigh(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
-    """Let one cycle count for every hypothesis in which it predicts something; where there are meters, for a
-    loss only if the thruster fires alone in its branch, so that both speak of the same cycles.
+def update_evidence(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
+    """Add one cycle to the evidence of every hypothesis with a prediction; where there are meters, to that of
+    a loss only if the thruster fires alone in its branch, so that both use the same cycles.
 
     Args:
         params: diagnosis record.
@@ -193,7 +194,7 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, mis
             collect(memory.on[i], keep, signature=1.0 - share, along=along, square=square, every=every)
     for b in range(vehicle.branches.count):
         square = product(missing[b].value, missing[b].value, weight)
-        if flow.losing[b] == 0:
+        if flow.shows_loss[b] == 0:
             forget(memory.dead[b])
         elif square > LEAST_SEEN:
             along = product(residual.value, missing[b].value, weight)
@@ -201,7 +202,7 @@ def weigh(params, vehicle, metered, effectiveness, activity, load, residual, mis
 
 
 @kernel
-def for_loss(params, sums, least, afresh):
+def loss_evidence(params, sums, least, afresh):
     """Fraction of thrust lost that fits force and torque best and the evidence for it, or zeros.
 
     Too little a loss counts as none and, if wanted, starts afresh; evidence below ``least`` counts as none.
@@ -219,18 +220,20 @@ def for_loss(params, sums, least, afresh):
 
 
 @kernel
-def for_stuck_on(sums, least):
-    """Evidence that a valve stays open, none below ``least``; evidence against it starts afresh."""
+def stuck_on_evidence(sums, least):
+    """Evidence that a valve stays open, none below ``least``; it restarts where the evidence is
+    against it.
+    """
     if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
         forget(sums)
     return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0
 
 
 @kernel
-def by_thrust(params, sums_off, sums_on, least):
+def evidence_by_thrust(params, sums_off, sums_on, least):
     """(kind, loss, evidence) of the likelier fault of a thruster, by force and torque alone."""
-    loss, off = for_loss(params, sums_off, least, True)
-    on = for_stuck_on(sums_on, least)
+    loss, off = loss_evidence(params, sums_off, least, True)
+    on = stuck_on_evidence(sums_on, least)
     if on > off:
         return STUCK_ON, 0.0, on
     return kind_of(params, loss), loss, off
@@ -243,28 +246,29 @@ def kind_of(params, loss):
 
 
 @kernel
-def by_both(params, vehicle, waiting, i, flow, memory, least):
+def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least):
     """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
-    torque; a valve that stays open is the meter's to tell.  A meter that reads a flow at rest tells nothing.
+    torque; a valve that stays open is found by the meter. A meter that reads a flow at rest gives no
+    evidence.
     """
-    # while the flow tells a loss, force and torque are to say what they think of it
-    loss, lost = for_loss(params, memory.off[i], least, flow.off[i].cycles == 0)
+    # while the flow shows a loss, force and torque do not restart
+    loss, lost = loss_evidence(params, memory.off[i], least, flow.off[i].cycles == 0)
     kind, lost = kind_of(params, loss), lost - 0.5 * params.prior
     if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
         lost = 0.0
-    less, told = loss_told(params.flow, flow.common, flow.off[i])
-    if less < params.loss_dead and waiting or flow.astray[vehicle.branches.of[i]] > 0:
-        told = 0.0
-    felt = evidence(memory.off[i], less) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
-    if told + felt > lost:
-        return kind_of(params, less), less, told + felt, told
-    return kind, loss, lost, told
+    less, by_flow = confirmed_loss(params.flow, flow.common, flow.off[i])
+    if less < params.loss_dead and waiting or flow.unexplained_rest[vehicle.branches.of[i]] > 0:
+        by_flow = 0.0
+    felt = evidence(memory.off[i], less) if by_flow > 0.0 and memory.off[i].cycles > 0.0 else 0.0
+    if by_flow + felt > lost:
+        return kind_of(params, less), less, by_flow + felt, by_flow
+    return kind, loss, lost, by_flow
 
 
 @kernel
-def explain_loss(params, vehicle, i, loss, most, told, flow, memory):
-    """Let every fault that explains a loss of thruster ``i`` that the flow shows compete: its meter, all of
-    its branch, and the thruster; returns the evidence for the last.
+def weigh_explanations(params, vehicle, i, loss, most, by_flow, flow, memory):
+    """Weigh all faults that explain a loss of flow of thruster ``i``: its meter, all of its branch, and the
+    thruster; returns the evidence for the last.
 
     Args:
         params: diagnosis record.
@@ -272,30 +276,31 @@ def explain_loss(params, vehicle, i, loss, most, told, flow, memory):
         i: the thruster.
         loss: fraction of the flow lost.
         most: evidence of flow, force and torque for its loss.
-        told: that of the flow alone.
+        by_flow: evidence of the flow alone.
         flow: ``FLOW`` record.
-        memory: ``HYPOTHESES`` record: ``against`` and ``lost`` of its branch are raised.
+        memory: ``HYPOTHESES`` record; the evidence against the meter (``against``) and for a dead branch
+            (``lost``) is raised.
     """
     b = vehicle.branches.of[i]
-    if flow.word[b] == VOUCHED:
-        memory.against[b] = max(memory.against[b], told - params.prior)
+    if flow.meter_check[b] == CONFIRMED:
+        memory.against[b] = max(memory.against[b], by_flow - params.prior)
         return most
-    memory.against[b] = max(memory.against[b], told)
-    if flow.word[b] == UNHEARD:
+    memory.against[b] = max(memory.against[b], by_flow)
+    if flow.meter_check[b] == UNCHECKED:
         return most
     if loss >= params.loss_dead:
         felt = evidence(memory.dead[b], 1.0) if memory.dead[b].cycles > 0.0 else 0.0
-        memory.lost[b] = max(memory.lost[b], told + felt)
+        memory.lost[b] = max(memory.lost[b], by_flow + felt)
     return most - params.prior
 
 
 @kernel
 def compare(params, vehicle, metered, healthy, flow, memory):
-    """Find the best hypothesis and its posterior probability, which all other thrusters, dead branches,
-    failed meters and "no fault" share in.
+    """Find the best hypothesis and its posterior probability among all thrusters, dead branches, failed
+    meters and "no fault".
 
     The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
-    Evidence below half the prior is noise: beside "no fault" all thrusters together would hold less than a
+    Evidence below half the prior is noise: against "no fault" all thrusters together would hold less than a
     per cent with it.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
@@ -308,11 +313,15 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             continue
         b = vehicle.branches.of[i]
         if is_read(metered, b, flow):
-            kind, loss, most, told = by_both(params, vehicle, waiting, i, flow, memory=memory, least=least)
-            if told > 0.0:
-                most = explain_loss(params, vehicle, i, loss, most, told=told, flow=flow, memory=memory)
+            kind, loss, most, by_flow = evidence_by_flow_and_thrust(
+                params, vehicle, waiting, i, flow, memory=memory, least=least
+            )
+            if by_flow > 0.0:
+                most = weigh_explanations(
+                    params, vehicle, i, loss, most, by_flow=by_flow, flow=flow, memory=memory
+                )
         else:
-            kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
+            kind, loss, most = evidence_by_thrust(params, memory.off[i], memory.on[i], least)
         if most >= least:
             total += exp(most)
             if most > best:
@@ -325,7 +334,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         total += exp(memory.against[b]) if memory.against[b] > 0.0 else 0.0
         total += exp(memory.lost[b]) if memory.lost[b] > 0.0 else 0.0
     for b in range(vehicle.branches.count):
-        if flow.word[b] != UNHEARD and exp(memory.against[b]) > params.confidence * total:
+        if flow.meter_check[b] != UNCHECKED and exp(memory.against[b]) > params.confidence * total:
             memory.meter = b
     memory.evidence = best
     memory.confidence = exp(best) / total if memory.kind != NOTHING else 0.0

@@ -1,10 +1,10 @@
-"""What diagnosis looks at: the unexplained force and torque less their slow part, and how much each component
-is worth.
+"""Residuals of diagnosis: the unexplained force and torque less their slow part, and the weight of each
+component.
 
-The slow part, which no thruster fault explains, is the mean before the last fifteen cycles.  A fault younger
-than that is not in it; what an older one does all the time is.  An old leak then differs from a dead thruster
-in nothing: either shows only in that it does not respond, and the latch valve has to tell them apart
-(:mod:`edl6dof.fsw.diagnosis.leak`).
+The slow part, which no thruster fault explains, is the mean before the last fifteen cycles. A fault younger
+than that is not in it; the steady effect of an older one is. An old leak is then indistinguishable from a
+dead thruster: either shows only in that it does not respond, and the latch valve has to separate them
+(:mod:`edl6dof.fsw.diagnosis.leak_isolation`).
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ RESIDUAL = np.dtype(
 
 @kernel
 def restart_residual(memory):
-    """Forget the slow part: the vehicle or what acts on it has changed."""
+    """Reset the slow part: the vehicle or the forces on it have changed."""
     memory.taken, memory.restarted = 0, 1
 
 
 @kernel
 def without_slow_part(time_constant, unexplained, dt, memory):
-    """Take the slow part off; returns for how many cycles it has been known (0: not yet).
+    """Subtract the slow part; returns for how many cycles it has been known (0: not yet).
 
     At the start of the flight, in free fall, the slow part is taken to be zero.
 

@@ -35,8 +35,8 @@ KEPT = 3
 
 ACTIVITY = np.dtype(
     [
-        ("opens", "f8", (KEPT, MAX_THRUSTERS)),
-        ("closes", "f8", (KEPT, MAX_THRUSTERS)),
+        ("open_time", "f8", (KEPT, MAX_THRUSTERS)),
+        ("close_time", "f8", (KEPT, MAX_THRUSTERS)),
         # of the measured cycle in which each thruster should have given thrust
         ("share", "f8", (MAX_THRUSTERS,)),
         ("wrench", "f8", (6,)),  # mean force and torque that gives
@@ -50,11 +50,11 @@ def remember_valves(valves, count, memory):
     """Keep the intervals of the ``valves`` (``MODULATION`` record) in a new control cycle."""
     for k in range(KEPT - 1, 0, -1):
         for i in range(count):
-            memory.opens[k, i] = memory.opens[k - 1, i]
-            memory.closes[k, i] = memory.closes[k - 1, i]
+            memory.open_time[k, i] = memory.open_time[k - 1, i]
+            memory.close_time[k, i] = memory.close_time[k - 1, i]
     for i in range(count):
-        memory.opens[0, i] = valves.opens[i]
-        memory.closes[0, i] = valves.closes[i]
+        memory.open_time[0, i] = valves.open_time[i]
+        memory.close_time[0, i] = valves.close_time[i]
 
 
 @kernel
@@ -74,8 +74,10 @@ def expect(effectiveness, count, begin, end, lag, memory):
     for i in range(count):
         on = 0.0
         for k in range(KEPT):
-            if memory.closes[k, i] > memory.opens[k, i]:
-                on += max(min(memory.closes[k, i] + lag, end) - max(memory.opens[k, i] + lag, begin), 0.0)
+            if memory.close_time[k, i] > memory.open_time[k, i]:
+                on += max(
+                    min(memory.close_time[k, i] + lag, end) - max(memory.open_time[k, i] + lag, begin), 0.0
+                )
         share = on / (end - begin)
         memory.share[i] = share
         if share > 0.0:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
+from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_OFF
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, whole
 
@@ -45,7 +45,7 @@ GUIDE = np.dtype(
         ("alpha", "f8"),  # rad: commanded angle of attack, positive nose up
         ("thrust_direction_N", "f8", (3,)),  # 1, N: unit vector of the thrust force, north, east, down
         ("thrust", "f8"),  # N: commanded engine thrust, all engines together
-        # of edl6dof.interface.engine: 0 off, 1 throttled, 2 full level
+        # of edl6dof.interface.effectors: 0 off, 1 throttled, 2 full level
         ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),
         ("full_wanted", FLAG),  # the law asks for full level now
         ("translating", FLAG),  # lateral force is demanded of the horizontal thrusters

@@ -16,7 +16,7 @@ from edl6dof.fsw.hazard.safety import SAFETY_MAP
 from edl6dof.fsw.hazard.site_selection import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER
 from edl6dof.spatial.elementary import cos, sin
@@ -96,7 +96,7 @@ def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
     """Take the points of a block of the scan into the map."""
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
-            direction = look(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
+            direction = cell_direction(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
             add_range(
                 lidar.range[i, j],
                 direction_B=direction,
@@ -116,7 +116,7 @@ def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
         for j in range(STEREO_CELLS):
             distance = stereo.range[i, j]
             blunt = max(deviation_at(eye, distance) / sharp, 1.001)
-            direction = look(eye.tangent, STEREO_CELLS, i, j)
+            direction = cell_direction(eye.tangent, STEREO_CELLS, i, j)
             add_range(
                 distance,
                 direction_B=direction,
@@ -180,7 +180,7 @@ def work_out(classify, params, terminal, deviation, nav, state, memory):
 def look_ahead(onboard, sensed, nav, memory, point, command):
     """Ask for the image, and make the coarse choice when it is there."""
     if memory.exposed == 0:
-        command.expose = memory.exposed = 1
+        command.camera_trigger = memory.exposed = 1
         drift = memory.coarse.drift
         predict_drifts(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, drift)
     elif sensed.camera.fresh != 0:
@@ -192,7 +192,7 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
 @kernel
 def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, command):
     """Ask for the scan, take what it brings, and choose the spot when it is whole."""
-    params, eyes = onboard.hazard, onboard.instruments.eyes
+    params, eyes = onboard.hazard, onboard.instruments.imagers
     if memory.scanning == 0:
         if begins_to_scan(params.scan, nav, elapsed):
             command.scan = memory.scanning = 1
@@ -247,8 +247,8 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
         point: ``LANDING_POINT`` record, written when a choice is made.
         command: ``COMMAND`` record: requests to camera and lidar, written.
     """
-    command.expose = command.scan = 0
-    eyes = onboard.instruments.eyes
+    command.camera_trigger = command.scan = 0
+    eyes = onboard.instruments.imagers
     if memory.exposed == 0:
         follow_wind(onboard.hazard.coarse.wind_time, nav, 1.0 / onboard.rates.base, memory.carried_N)
     if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import add, scale
 
 #: Cells of the map along each side.

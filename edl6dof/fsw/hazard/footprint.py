@@ -17,7 +17,7 @@ import numpy as np
 
 from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.table_index import cell
 
 #: Largest radius of a footprint in cells.
 MAX_RADIUS = 32

@@ -1,17 +1,16 @@
-"""The quantities that mission logic, guidance and control use: what follows from the estimated state and
-onboard models alone.
+"""Quantities that mission logic, guidance and control use, from the estimated state and onboard models alone.
 
-Velocity is relative to the planet: the wind that blows is not known on board, so angle of attack, sideslip,
-bank and Mach number here differ from the truth by the wind.  A second angle of attack and sideslip allow for
-the mean wind that was expected before the flight: they differ by what that leaves, which is what counts where
-the vehicle is to meet the air head on.
+Velocity is relative to the planet: the actual wind is not known on board, so angle of attack, sideslip, bank
+and Mach number here differ from the truth by the wind. A second angle of attack and sideslip allow for the
+mean wind that was expected before the flight; they differ from the truth by the rest of the wind, and are
+used where the vehicle is to meet the air head on.
 
 Drag is the part of the specific force along the believed trim: the vehicle turns its trim towards the air,
-wherever that comes from, while the planet-relative velocity points off it by the wind over the speed; a
-projection on that would take so much of the lift for drag, with a sign that turns with the bank angle.  A
-trim that is not the believed one costs as little: lift times the difference.  Lift would lose drag times
-the difference, all that is to be learnt of it: it is the part across the air of the expected wind, and is
-to be filtered for the wind that is not.
+wherever that comes from, while the planet-relative velocity differs in direction by the wind over the speed.
+A projection on that velocity would count part of the lift as drag, with a sign that changes with the bank
+angle. A wrong trim angle has a small effect: lift times the difference. Lift is the part across the air of
+the expected wind, because a projection by the trim would lose drag times the difference, which is the
+information sought; it has to be filtered for the wind that was not expected.
 """
 
 from __future__ import annotations
@@ -34,8 +33,8 @@ from edl6dof.spatial.frames import (
     total_angle_of_attack,
     wind_angles,
 )
-from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.quaternion import axes, to_frame
+from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3
 
 NAV = np.dtype(

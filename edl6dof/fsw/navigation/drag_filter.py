@@ -1,14 +1,15 @@
-"""Fading memories of the measured drag, as a ratio to that of the believed air and vehicle, and of the speed.
+"""Fading-memory filters of the ratio of measured drag to that of the believed air and vehicle, and of the
+speed.
 
-What the vehicle does by itself, climb, slow down, change its drag coefficient, is in the believed drag at
-once; what is left over, gusts, density waves, thrusters, noise, passes a first-order filter.  Where the air
-is as believed, or off by a factor, the filtered drag is the measured one without lag.
+Changes by the vehicle's own motion (climb, deceleration, drag coefficient) are in the believed drag at once;
+the rest (gusts, density waves, thrusters, noise) passes a first-order filter. Where the air is as believed,
+or differs by a factor, the filtered drag is the measured one without lag.
 
-In a wind the lift does work on the planet-relative velocity, and none on that through the air: the speed that
+In a wind the lift does work on the planet-relative velocity, and none on the air-relative one: the speed that
 believed drag and energy are formed with changes by drag and gravity alone, and takes up the rest slowly.
-Without that the drag to follow, a function of energy, would move with every move of the bank angle.
-Source: the fading-memory filters of density and lift-to-drag ratio of numerical entry guidance (Brunner & Lu
-2008, eqs. 33-34; Lu 2014, section V.C); that of the speed is this software's.
+Otherwise the reference drag, a function of energy, would change with every change of the bank angle. Source:
+the fading-memory filters of density and lift-to-drag ratio of numerical entry guidance (Brunner & Lu 2008,
+eqs. 33-34; Lu 2014, section V.C); that of the speed is this software's.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ class DragFilterParams(Params):
     )
     speed_time_constant_s: float = param(
         10.0,
-        "memory of what changed the speed besides drag and gravity",
+        "memory of other changes of the speed than by drag and gravity",
         status="estimate",
         gt=0.0,
         le=100.0,

@@ -1,20 +1,177 @@
-"""The log of instruments that go out of use and come back, in the order of time.
+"""Exclusion of radar beams and of the star tracker as failed, and the log of all exclusions.
 
-Parity test and watches say by ``INSTRUMENT_HEALTH`` what is in use; here every change of it is noted, once a
-cycle.  The last of the things that may go out of use is the inertial unit: too few of its gyros in range for
-the rate to be known.
+Each look of the filter at the radar says which ranges and speeds it refused (``SOLUTION.ranges_refused``,
+``speeds_refused``).  Ranges and speeds are monitored separately: ground of an unexpected shape contradicts
+ranges, never speeds.  A look in which most beams are refused isolates none of them: then the solution is
+wrong, or dust hides the ground from all.  A score rises by one when a reading is refused and falls by one
+when it is not; at the limit the reading is excluded, and after a long agreement with the filter it is used
+again.  A beam without an echo in look after look, while most others have one, is excluded as well.
+
+The star tracker is excluded after a long time without a fix although it is above the air, the body turns
+slowly and the event that ends its view is still to come; the next fix brings it back.
+
+The log holds, in the order of time, every instrument that goes out of use or comes back by
+``INSTRUMENT_HEALTH``, and the inertial unit while too few of its gyros are in range to give the rate.
+
+Source: this project.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.radar_beams import locked_beams
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.spatial.elementary import cos
+from edl6dof.spatial.frames import geodetic
+from edl6dof.spatial.quaternion import to_frame
+from edl6dof.spatial.vector import dot, norm, scale, take3, unit
 
-#: Number of the first gyro, accelerometer and beam, of the star tracker and of the inertial unit among all
-#: that may go out of use.
+
+class BeamWatchParams(Params):
+    """Exclusion of beams of the radar."""
+
+    enabled: bool = param(True, "whether beams are excluded")
+    refused_looks: int = param(
+        30,
+        "looks in which a beam is refused, less those in which it is used, at which it is excluded",
+        ge=1,
+        le=10000,
+    )
+    silent_looks: int = param(
+        30, "looks in a row without an echo of it alone at which it is excluded", ge=1, le=10000
+    )  # fmt: skip
+    silent_angle_deg: float = param(
+        45.0,
+        "angle to the vertical beyond which a healthy beam may have no echo: limit of incidence less a slope",
+        status="estimate",
+        gt=0.0,
+        le=90.0,
+    )
+    agreed_looks: int = param(100, "looks in a row in which it must agree to be used again", ge=1, le=10000)
+
+
+_SCORES = np.dtype(
+    [
+        ("refused", COUNT, (MAX_BEAMS,)),  # score
+        ("silent", COUNT, (MAX_BEAMS,)),  # looks in a row
+        ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
+    ],
+    align=True,
+)
+BEAM_WATCH = np.dtype([("range", _SCORES), ("speed", _SCORES)], align=True)
+
+
+@kernel
+def watch_beams(params, instruments, radar, solution, health, memory):
+    """Exclude ranges and speeds of beams, or use them again, after the filter has processed the ``radar``."""
+    if params.enabled != 0 and solution.looked != 0:
+        n_beams = instruments.n_beams
+        locked = locked_beams(radar, n_beams)
+        due = steep_beams(params, instruments, solution)
+        watch_readings(
+            params,
+            n_beams,
+            locked,
+            due,
+            refused=solution.ranges_refused,
+            healthy=health.beam_range,
+            memory=memory.range,
+        )
+        watch_readings(
+            params,
+            n_beams,
+            locked,
+            due,
+            refused=solution.speeds_refused,
+            healthy=health.beam_speed,
+            memory=memory.speed,
+        )
+
+
+@kernel
+def steep_beams(params, instruments, solution):
+    """Bits of the beams that meet the ground so steeply that they must have an echo."""
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    down = to_frame(q, scale(-1.0, unit(take3(solution.r_I, 0))))
+    least, bits = cos(params.silent_angle), 0
+    for i in range(instruments.n_beams):
+        if dot(take3(instruments.beam_axis[i], 0), down) > least:
+            bits |= 1 << i
+    return bits
+
+
+@kernel
+def watch_readings(params, n_beams, locked, due, refused, healthy, memory):
+    """Exclude ranges or speeds, or use them again. ``locked``, ``due`` (those that must have an echo) and
+    ``refused`` have a bit for each beam; ``healthy`` holds flags.
+    """
+    echoes = against = 0
+    for i in range(n_beams):
+        echoes += locked >> i & 1
+        against += refused >> i & 1
+    few_refused, few_silent = 2 * against <= echoes and echoes > 2, 2 * echoes >= n_beams
+    for i in range(n_beams):
+        if locked >> i & 1 == 0:
+            memory.agreed[i] = 0
+            memory.silent[i] = memory.silent[i] + 1 if few_silent and due >> i & 1 else 0
+        elif refused >> i & 1:
+            memory.silent[i] = memory.agreed[i] = 0
+            memory.refused[i] += 1 if few_refused else 0
+        else:
+            memory.silent[i] = 0
+            memory.refused[i] = max(memory.refused[i] - 1, 0)
+            memory.agreed[i] += 1
+        if memory.refused[i] >= params.refused_looks or memory.silent[i] >= params.silent_looks:
+            healthy[i] = 0
+            memory.refused[i] = memory.agreed[i] = 0
+        elif healthy[i] == 0 and memory.agreed[i] >= params.agreed_looks:
+            healthy[i] = 1
+
+
+#: Share of the largest rate of the star tracker up to which it must have a fix.
+_SLOWLY = 0.8
+
+
+class StarWatchParams(Params):
+    """Exclusion of the star tracker."""
+
+    enabled: bool = param(True, "whether it is excluded")
+    patience_s: float = param(2.0, "time without a fix, though there should be one", gt=0.0, le=1e4)
+    margin_m: float = param(
+        500.0, "how far above the lowest altitude at which it sees stars it must do so", ge=0.0, le=1e6
+    )
+
+
+STAR_WATCH = np.dtype([("without", "f8")], align=True)  # s: duration without an expected fix
+
+
+@kernel
+def watch_stars(params, planet, instruments, requested, stars, motion, solution, health, memory):
+    """Exclude the star tracker, or use it again, after a cycle of ``motion``.
+
+    Args:
+        requested: one flag for each event of the mission that was requested.
+    """
+    if params.enabled == 0 or instruments.star_sigma == 0.0:
+        return
+    if instruments.star_until > 0 and requested[instruments.star_until - 1] != 0:
+        return
+    if stars.valid != 0:
+        memory.without, health.star_tracker = 0.0, 1
+        return
+    slow = norm(take3(motion.rate, 0)) < _SLOWLY * instruments.star_rate
+    _, _, _, _, altitude = geodetic(planet.equatorial_radius, planet.flattening, take3(solution.r_I, 0))
+    if slow and altitude > instruments.star_lowest + params.margin:
+        memory.without += motion.dt
+        if memory.without > params.patience:
+            health.star_tracker = 0
+
+
+#: Numbers in the log: first gyro, first accelerometer, first beam, star tracker, inertial unit.
 GYROS = 0
 ACCELEROMETERS = GYROS + MAX_GYROS
 BEAMS = ACCELEROMETERS + MAX_ACCELEROMETERS
@@ -26,14 +183,14 @@ MAX_CHANGES = 32
 CHANGE = np.dtype(
     [
         ("t", "f8"),  # s, flight time
-        ("number", whole(0, INERTIAL_UNIT)),  # of what changed
+        ("number", whole(0, INERTIAL_UNIT)),  # of the instrument that changed
         ("back", FLAG),  # 0: it went out of use; 1: it came back
     ],
     align=True,
 )
 EXCLUSIONS = np.dtype(
     [
-        ("out", FLAG, (INERTIAL_UNIT + 1,)),  # what is out of use
+        ("out", FLAG, (INERTIAL_UNIT + 1,)),  # instruments out of use
         ("changes", CHANGE, (MAX_CHANGES,)),
         ("n_changes", whole(0, MAX_CHANGES)),
     ],
@@ -43,8 +200,8 @@ EXCLUSIONS = np.dtype(
 
 @kernel
 def note_changes(instruments, t, health, motion, memory):
-    """Note at ``t`` (s) what has changed in ``health`` (``INSTRUMENT_HEALTH``) and in ``motion`` since the
-    last cycle.
+    """Log at ``t`` (s) the changes of ``health`` (``INSTRUMENT_HEALTH``) and ``motion`` since the last
+    cycle.
     """
     for i in range(instruments.n_gyros):
         _note(t, GYROS + i, health.gyro[i], memory)
@@ -58,7 +215,7 @@ def note_changes(instruments, t, health, motion, memory):
 
 @kernel
 def _note(t, number, in_use, memory):
-    """Note a change of one; what finds no room is lost."""
+    """Log a change of one instrument; changes beyond the capacity of the log are lost."""
     if memory.out[number] == 1 - in_use:
         return
     memory.out[number] = 1 - in_use

@@ -1,13 +1,13 @@
-"""From the readings of an inertial unit to the motion of the body: what all gyros and accelerometers in use
-say together, without those that failed, less the believed biases, brought to the centre of mass.
+"""Motion of the body from the readings of an inertial unit: least squares over all healthy gyros and
+accelerometers, less the estimated biases, referred to the centre of mass.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.navigation.bridge import BRIDGE, arrive, bridge
-from edl6dof.fsw.navigation.parity import NONE, PARITY, look_at_parity, restart
+from edl6dof.fsw.navigation.parity_test import NONE, PARITY, parity_test, restart_parity_test
+from edl6dof.fsw.navigation.rate_bridging import RATE_BRIDGE, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.redundancy import (
     REDUNDANT,
     least_squares,
@@ -16,16 +16,15 @@ from edl6dof.fsw.navigation.redundancy import (
     usable,
     without_one,
 )
-from edl6dof.fsw.navigation.saturation import usable_gyros
-from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
+from edl6dof.fsw.navigation.saturation import exclude_stale_flags, usable_gyros
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
 
-#: Largest rate that is believed while it is bridged, over the range of the gyros.
+#: Largest rate while it is bridged, over the range of the gyros.
 MOST = 2.0
 
-#: What is remembered of the inertial unit.
+#: Memory of the processing of the inertial unit.
 INERTIAL_MEMORY = np.dtype(
     [
         ("t", "f8"),  # s, flight time of the last reading
@@ -35,7 +34,7 @@ INERTIAL_MEMORY = np.dtype(
         ("accelerometers", REDUNDANT),
         ("gyro_parity", PARITY),
         ("accelerometer_parity", PARITY),
-        ("bridge", BRIDGE),
+        ("rate_bridge", RATE_BRIDGE),
         ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
     ],
     align=True,
@@ -44,8 +43,8 @@ INERTIAL_MEMORY = np.dtype(
 
 @kernel
 def take_reading(instruments, t, inertial, memory):
-    """Difference the counts of the ``inertial`` unit that arrive at ``t``; returns the time (s) since the
-    last reading, 0 while there is no new one: the first one is handed out until an older one has arrived.
+    """Take the increments from the counts of the ``inertial`` unit that arrive at ``t``; returns the time (s)
+    between this reading and the last one: 0 at the start, while the delayed unit repeats its first reading.
     """
     if memory.begun == 0:
         memory.begun, memory.first, memory.t = 1, t, t
@@ -81,12 +80,20 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))
     arrived = known_before == 0 and motion.rate_known != 0
     if motion.rate_known == 0:
-        bridge(
-            body, lever, gain, most=MOST * instruments.gyro_range, dt=dt, memory=memory.bridge, motion=motion
+        bridge_rate(
+            body,
+            lever,
+            gain,
+            most=MOST * instruments.gyro_range,
+            dt=dt,
+            memory=memory.rate_bridge,
+            motion=motion,
         )
-    elif memory.bridge.push > 0.0:
+    elif memory.rate_bridge.push > 0.0:
         most = MOST * instruments.gyro_range
-        arrive(body, lever, gain, most, dt, rate_before=rate_before, memory=memory.bridge, motion=motion)
+        end_bridge(
+            body, lever, gain, most, dt, rate_before=rate_before, memory=memory.rate_bridge, motion=motion
+        )
     # from the unit to the centre of mass
     angle = scale(dt, take3(motion.rate, 0)) if arrived else take3(motion.angle, 0)
     turned = scale(1.0 / dt, cross(angle, cross(angle, lever)))
@@ -97,7 +104,7 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
 
 @kernel
 def _force(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Velocity gained at the unit (m/s, B); the one of the cycle before while too few accelerometers read."""
+    """Velocity gained at the unit (m/s, B); that of the cycle before while too few accelerometers work."""
     axis, number, redundant = (
         instruments.accelerometer_axis,
         instruments.n_accelerometers,
@@ -140,7 +147,9 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 
 @kernel
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Angle turned through and rate at the end into ``motion``; both stay while too few gyros read."""
+    """Write angle turned and rate at the end of the cycle into ``motion``; both keep their values while too
+    few gyros are usable.
+    """
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
     in_use = usable_gyros(
         params.saturation, instruments, dt, healthy=health.gyro, inertial=inertial, redundant=redundant
@@ -182,12 +191,13 @@ def _choose(params, axis, number, in_use, redundant, parity):
     """Use the set ``in_use`` of instruments."""
     if in_use != redundant.in_use:
         prepare(axis, number, in_use, redundant)
-        restart(params, redundant.n_parity, parity)
+        restart_parity_test(params, redundant.n_parity, parity)
 
 
 @kernel
 def _combine(params, axis, number, new, lasting, relative, dt, redundant, parity):
-    """What the increments say together, the instrument left out of it and the one found to have failed.
+    """Combine the increments by least squares. Returns the vector, the instrument left out of it and the one
+    found to have failed.
 
     ``new``, ``lasting``: variances of an increment, from noise and from what stays from cycle to cycle;
     ``relative``: standard deviation of the latter in proportion to the motion.
@@ -196,7 +206,7 @@ def _combine(params, axis, number, new, lasting, relative, dt, redundant, parity
     if params.enabled == 0:
         return vector, NONE, NONE
     lasting += (relative * norm(vector)) ** 2
-    left_out, failed = look_at_parity(params, new, lasting, dt, redundant, number=number, memory=parity)
+    left_out, failed = parity_test(params, new, lasting, dt, redundant, number=number, memory=parity)
     if left_out != NONE:
         vector = without_one(axis, redundant, left_out, redundant.increment, vector)
     return vector, left_out, failed

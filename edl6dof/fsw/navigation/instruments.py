@@ -1,13 +1,11 @@
-"""What the flight computer believes of its instruments: where they sit, where they look, how far to trust
-them.
-"""
+"""The flight computer's model of its instruments: places, directions and error statistics."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
-from edl6dof.interface.eyes import EYES
+from edl6dof.interface.sensed import IMAGERS
 
 #: Standard deviations are those of one instrument.
 INSTRUMENTS = np.dtype(
@@ -43,7 +41,7 @@ INSTRUMENTS = np.dtype(
             "f8",
             (3,),
         ),  # m, I: of the state sent up, about each axis
-        ("tracking_velocity_sigma", "f8", (3,)),  # m/s, I: likewise
+        ("tracking_velocity_sigma", "f8", (3,)),  # m/s, I: of the state sent up, about each axis
         # radar
         ("antenna_position", "f8", (3,)),  # m, B
         ("beam_axis", "f8", (MAX_BEAMS, 3)),  # B: unit vectors towards the ground
@@ -56,8 +54,8 @@ INSTRUMENTS = np.dtype(
         # what does not change from one reading of the radar to the next
         ("range_bias", "f8"),  # m, of each beam by itself
         ("range_scale", "f8"),  # of the range, of each beam by itself
-        ("speed_scale", "f8"),  # of the speed, likewise
-        ("eyes", EYES),  # landing camera, lidar and stereo cameras
+        ("speed_scale", "f8"),  # of the speed, of each beam by itself
+        ("imagers", IMAGERS),  # landing camera, lidar and stereo cameras
         # flow meter of a propellant branch; shares of the branch's full flow
         ("flow_scale_sigma", "f8"),  # of the flow
         ("flow_bias_share", "f8"),  # constant error of the flow

@@ -1,11 +1,11 @@
-"""Recovery of the vertical after the attitude was lost: from gravity and the velocity that the radar shows.
+"""Recovery of the vertical after the attitude was lost: from gravity and the velocity measured by the radar.
 
-The beams show the velocity in B whatever the attitude is.  Turned with the gyros into axes that do not turn,
+The beams give the velocity in B whatever the attitude is. Turned with the gyros into axes that do not rotate,
 which need not be the right ones, it changes by gravity and by the specific force, which the accelerometers
-show in the same axes: what is left of its change over some seconds is gravity.  Wind and swinging are in
-both, and drop out.  The attitude is turned until that gravity points down, and velocity and height become
-those that the radar shows.  The rotation about the vertical stays what it was.  Where the star tracker still
-sees stars its attitude is taken.
+measure in the same axes: the rest of its change over some seconds is gravity. Wind and swinging are in both,
+and cancel. The attitude is turned until that gravity points down, and velocity and height are set to those of
+the radar. The rotation about the vertical is kept. Where the star tracker still sees stars its attitude is
+used.
 
 Source: this project; gravity direction and velocity as references after a loss of attitude: Li et al., J.
 Astronautics 43(1), 2022.
@@ -16,10 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.navigation.alignment import adopt_attitude
-from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
-from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at, level_axes
-from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
+from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
+from edl6dof.fsw.navigation.strapdown import adopt_attitude, attitude_at, gravity_I, level_axes, turn_by
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import atan2
@@ -41,12 +39,12 @@ class RecoveryParams(Params):
 
 RECOVERY = np.dtype(
     [
-        ("lost", FLAG),  # whether the attitude is not to be trusted
-        ("gap", "f8"),  # s: for how long the rate has been bridged; 0 while it is known
-        ("begun", FLAG),  # whether the radar has shown a velocity since
-        ("since", "f8"),  # s: how long ago
-        ("velocity", "f8", (3,)),  # m/s: which, in the axes that are taken for I
-        ("gained", "f8", (3,)),  # m/s: by the specific force since, in the same axes
+        ("lost", FLAG),  # the attitude is not to be trusted
+        ("gap", "f8"),  # s: duration of the bridged rate; 0 while it is known
+        ("begun", FLAG),  # the radar has measured a velocity since
+        ("since", "f8"),  # s: time since then
+        ("velocity", "f8", (3,)),  # m/s: that velocity, in the axes used for I
+        ("gained", "f8", (3,)),  # m/s: integral of the specific force since, in the same axes
         ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
     ],
     align=True,
@@ -54,16 +52,16 @@ RECOVERY = np.dtype(
 
 
 @kernel
-def lose(memory):
-    """From now on the attitude is not to be trusted."""
+def declare_lost(memory):
+    """Distrust the attitude from now on."""
     if memory.lost == 0:
         memory.lost, memory.begun = 1, 0
 
 
 @kernel
 def recover(params, onboard, health, sensed, motion, memory, solution):
-    """Look for gravity after a cycle of ``motion`` while the attitude is lost, and set ``solution`` upright
-    when it is found.
+    """Find gravity after a cycle of ``motion`` while the attitude is lost, and then turn ``solution``
+    upright.
 
     Args:
         params: ``RecoveryParams`` record.
@@ -77,7 +75,7 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     if motion.rate_known == 0:
         memory.gap, memory.begun = memory.gap + motion.dt, 0
         if memory.gap > params.gap:
-            lose(memory)
+            declare_lost(memory)
         return
     memory.gap = 0.0
     if memory.lost == 0:
@@ -87,7 +85,7 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
 
 @kernel
 def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution):
-    """As :func:`recover`, while the attitude is lost and the rate is known."""
+    """Do the work of :func:`recover` while the attitude is lost and the rate is known."""
     if sensed.stars.valid != 0:
         adopt_attitude(sensed, motion, solution)
         memory.lost = 0
@@ -95,7 +93,7 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     memory.since += motion.dt
     put3(memory.gained, 0, add(take3(memory.gained, 0), from_frame(q, take3(motion.gain, 0))))
-    at_antenna, seen = velocity_by_echoes(onboard.instruments, health, sensed.radar)
+    at_antenna, seen = velocity_from_beams(onboard.instruments, health, sensed.radar)
     if not seen:
         return
     arm = sub(take3(onboard.instruments.antenna_position, 0), take3(motion.centre, 0))
@@ -109,13 +107,13 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
         gravity = sub(sub(velocity, take3(memory.velocity, 0)), take3(memory.gained, 0))
         turn = _set_upright(onboard.planet, gravity, solution)
         _take_over(onboard, health, sensed.radar, from_frame(turn, velocity), solution)
-        solution.turned_anew = params.found**2
+        solution.new_attitude_variance = params.found**2
         memory.lost, memory.found_t = 0, sensed.t
 
 
 @kernel
 def _set_upright(planet, gravity, solution):
-    """Turn the attitude until ``gravity`` (any length, the axes taken for I) is that of the planet; returns
+    """Turn the attitude until ``gravity`` (any length, in the axes used for I) is that of the planet; returns
     the rotation.
     """
     true = gravity_I(planet, take3(solution.r_I, 0))
@@ -130,13 +128,13 @@ def _set_upright(planet, gravity, solution):
 
 @kernel
 def _take_over(onboard, health, radar, velocity, solution):
-    """Make ``velocity`` (m/s, I, relative to the planet) that of the solution, and the height that of the
-    echoes.
+    """Set the velocity of the solution to ``velocity`` (m/s, I, relative to the planet), and the height to
+    that of the echoes.
     """
     r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
     put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))
     _, _, up, altitude = level_axes(onboard.planet, r, solution.t)
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
-    seen = height_by_echoes(onboard.instruments, health, radar, to_frame(q, scale(-1.0, up)))
+    seen = height_from_beams(onboard.instruments, health, radar, to_frame(q, scale(-1.0, up)))
     height = altitude - onboard.site.altitude - solution.terrain
     put3(solution.r_I, 0, add(r, scale(seen - height, up)))

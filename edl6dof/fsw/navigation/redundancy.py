@@ -1,9 +1,9 @@
-"""Several instruments of one kind along axes of their own: the vector that they read, by least squares, and
-what they say against each other.
+"""Redundant instruments along individual axes: the vector that they measure, by least squares, and their
+parity vector.
 
-The matrices belong to the set of instruments in use; they are kept, and made anew when the set changes.
-With axes as rows of H the vector is (H'H)^-1 H' z.  The parity vector p = V z holds what no vector explains:
-V H = 0, V V' = 1, and V upper triangular.
+The matrices belong to the set of instruments in use and are kept until the set changes. With axes as rows of
+H the vector is (H'H)^-1 H' z. The parity vector p = V z holds the part of z that no vector explains: V H = 0,
+V V' = 1, and V upper triangular.
 
 Source: Potter and Deckert, Minimax failure detection and identification in redundant gyro and accelerometer
 systems, J. Spacecraft 10(4), 1973: V is the Cholesky factor of 1 - H (H'H)^-1 H'.
@@ -33,10 +33,10 @@ REDUNDANT = np.dtype(
         ("solvable", FLAG),  # whether their axes span space
         ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
         ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
-        ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; likewise
-        ("count", "f8", (MAX_AXES,)),  # what each had counted when it was last read
-        ("increment", "f8", (MAX_AXES,)),  # how much it has counted since the time before
-        ("flagged", "f8", (MAX_AXES,)),  # s: for how long it has said, without need, that it is saturated
+        ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; zero but in columns of those in use
+        ("count", "f8", (MAX_AXES,)),  # of each at the last reading
+        ("increment", "f8", (MAX_AXES,)),  # count since the reading before
+        ("flagged", "f8", (MAX_AXES,)),  # s: duration of a flag of saturation that the motion contradicts
         # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
         ("end", "f8", (MAX_AXES,)),
     ],
@@ -64,8 +64,8 @@ def take_increments(counts, number, memory):
 
 @kernel
 def prepare(axis, number, in_use, memory):
-    """Make the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` of ``number`` instruments along
-    ``axis`` (rows of H).
+    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` of ``number`` instruments
+    along ``axis`` (rows of H).
     """
     memory.in_use, memory.n_parity, memory.solvable = in_use, 0, 0
     xx = yy = zz = xy = xz = yz = 0.0
@@ -128,7 +128,7 @@ def least_squares(memory, number, readings):
 
 @kernel
 def without_one(axis, memory, left_out, readings, vector):
-    """The least squares ``vector`` of ``readings`` as it is without the instrument ``left_out``."""
+    """Least squares without the instrument ``left_out``, from the ``vector`` that it took part in."""
     a = take3(axis[left_out], 0)
     column = (memory.inverse[0, left_out], memory.inverse[1, left_out], memory.inverse[2, left_out])
     excess = (readings[left_out] - dot(a, vector)) / (1.0 - dot(a, column))

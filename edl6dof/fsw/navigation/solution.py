@@ -1,5 +1,5 @@
-"""The records that pass through navigation: the motion that the inertial unit read, the navigation solution,
-and what the rest of the flight software is told.
+"""Records of navigation: motion read by the inertial unit, navigation solution, instrument health, and
+estimate.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ SOLUTION = np.dtype(
         ("r_I", "f8", (3,)),  # m, I: position of the centre of mass
         ("v_I", "f8", (3,)),  # m/s, I: inertial velocity
         ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
-        ("gyro_bias", "f8", (3,)),  # rad/s, B: what the rate read is too large by
-        ("accelerometer_bias", "f8", (3,)),  # m/s2, B: what the specific force read is too large by
+        ("gyro_bias", "f8", (3,)),  # rad/s, B: excess of the rate read
+        ("accelerometer_bias", "f8", (3,)),  # m/s2, B: excess of the specific force read
         ("terrain", "f8"),  # m: how much higher the ground below is than the landing site
         ("slope", "f8", (2,)),  # rise of the ground below per metre towards north and east
         (
-            "turned_anew",
+            "new_attitude_variance",
             "f8",
         ),  # rad2: variance about each axis of an attitude just found, for the filter to take up
         ("started", FLAG),  # ground tracking and star tracker have started it
-        ("sigma_r", "f8", (3,)),  # m, N: standard deviation claimed, north, east, down
-        # m/s, N: standard deviation claimed of the planet-relative velocity, north, east, down
+        ("sigma_r", "f8", (3,)),  # m, N: estimated standard deviation, north, east, down
+        # m/s, N: estimated standard deviation of the planet-relative velocity, north, east, down
         ("sigma_v", "f8", (3,)),
-        ("sigma_attitude", "f8", (3,)),  # rad, N: standard deviation claimed, about north, east, down
-        ("sigma_height", "f8"),  # m: standard deviation claimed of the height above the ground
+        ("sigma_attitude", "f8", (3,)),  # rad, N: estimated standard deviation, about north, east, down
+        ("sigma_height", "f8"),  # m: estimated standard deviation of the height above the ground
         # over its standard deviation, at the last use of the radar; 0 where there was none
         ("range_innovation", "f8", (MAX_BEAMS,)),
         # over its standard deviation, at the last use of the radar; 0 where there was none
@@ -73,7 +73,7 @@ INSTRUMENT_HEALTH = np.dtype(
     align=True,
 )
 
-#: What navigation tells the rest of the flight software, brought forward to the time of the cycle.
+#: Output of navigation to the rest of the flight software, extrapolated to the time of the cycle.
 ESTIMATE = np.dtype(
     [
         ("t", "f8"),  # s: flight time

@@ -1,7 +1,8 @@
-"""Strapdown integration: attitude, velocity and position from the increments of gyros and accelerometers.
+"""Strapdown navigation: alignment, and integration of gyro and accelerometer increments.
 
-Coning and sculling are allowed for with the increments of this cycle and the one before, the gravity model on
-board is the central field with J2, taken in the middle of the cycle.
+The solution starts from ground tracking (position, velocity) and the star tracker (attitude), in the cycle in
+which both have arrived.  Coning and sculling are compensated with the increments of this cycle and the one
+before; the gravity model is the central field with J2, taken in the middle of the cycle.
 Left out: higher harmonics of the field, which a filter has to allow for.
 
 Source: Savage, Strapdown inertial navigation integration algorithm design, J. Guidance, Control and Dynamics
@@ -15,8 +16,9 @@ from math import sqrt
 
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
+from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
-from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
 
 
 @kernel
@@ -67,7 +69,7 @@ def gain_in_first_axes(motion):
 
 @kernel
 def integrate(planet, motion, solution):
-    """Bring ``solution`` (``SOLUTION``) over the cycle of ``motion`` (``MOTION``)."""
+    """Propagate ``solution`` (``SOLUTION``) over the cycle of ``motion`` (``MOTION``)."""
     dt = motion.dt
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
@@ -79,3 +81,54 @@ def integrate(planet, motion, solution):
     for i in range(4):
         solution.q_I2B[i] = turned[i]
     solution.t += dt
+
+
+@kernel
+def align(planet, t, sensed, motion, solution):
+    """Start ``solution`` (``SOLUTION``) at ``t``, the time of the last reading of the inertial unit. The
+    tracked state is that of ``sensed.t``; it is propagated back in free fall.
+    """
+    r, v, age = take3(sensed.tracking.r_I, 0), take3(sensed.tracking.v_I, 0), sensed.t - t
+    fall = scale(age, gravity_I(planet, r))
+    put3(solution.r_I, 0, sub(r, scale(age, sub(v, scale(0.5, fall)))))
+    put3(solution.v_I, 0, sub(v, fall))
+    solution.t, solution.started = t, 1
+    adopt_attitude(sensed, motion, solution)
+
+
+@kernel
+def adopt_attitude(sensed, motion, solution):
+    """Set the attitude to that of the star tracker, turned back to the time of the solution."""
+    stars = sensed.stars.q_I2B
+    back = scale(solution.t - sensed.t, take3(motion.rate, 0))
+    q = turn_by((stars[0], stars[1], stars[2], stars[3]), back)
+    for i in range(4):
+        solution.q_I2B[i] = q[i]
+
+
+@kernel
+def level_axes(planet, r_I, t):
+    """North, east and up (I) at a position, and its height above the ellipsoid (m)."""
+    s, c = sincos(planet.rotation_rate * t)
+    r_F = rotate_z(c, s, r_I)
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
+    north = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (1.0, 0.0, 0.0)))
+    east = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 1.0, 0.0)))
+    up = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 0.0, -1.0)))
+    return north, east, up, altitude
+
+
+@kernel
+def central_gravity(planet, r_I):
+    """Central gravity, m/s2."""
+    distance = norm(r_I)
+    return scale(-planet.mu / (distance * distance * distance), r_I)
+
+
+@kernel
+def attitude_at(solution, motion, t):
+    """Attitude extrapolated from the last inertial reading to flight time ``t``."""
+    half = 0.5 * (t - solution.t)
+    w = take3(motion.rate, 0)
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    return normalise(multiply(q, (1.0, half * w[0], half * w[1], half * w[2])))

@@ -1,48 +1,43 @@
-"""One base cycle of navigation: from the readings of the instruments to the estimated state."""
+"""One base cycle of navigation: from the instrument readings to the estimated state."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.navigation.alignment import align
-from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, watch_beams
-from edl6dof.fsw.navigation.exclusions import EXCLUSIONS, note_changes
-from edl6dof.fsw.navigation.filters.registry import (
-    GIVEN,
-    NAVIGATION_FILTERS,
+from edl6dof.fsw.navigation.exclusions import (
+    BEAM_WATCH,
+    EXCLUSIONS,
+    STAR_WATCH,
+    note_changes,
+    watch_beams,
+    watch_stars,
 )
-from edl6dof.fsw.navigation.guard import (
-    GUARD,
-    check_solution,
-    guarded_height,
-    height_and_climb,
-    height_while_lost,
-)
-from edl6dof.fsw.navigation.hindsight import HINDSIGHT, look_back
+from edl6dof.fsw.navigation.filters.registry import GIVEN, NAVIGATION_FILTERS
+from edl6dof.fsw.navigation.gap_smoothing import GAP_SMOOTHING, smooth_gap
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
+from edl6dof.fsw.navigation.integrity import INTEGRITY
+from edl6dof.fsw.navigation.output import check_integrity, extrapolate, take_given
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.fsw.navigation.star_watch import STAR_WATCH, watch_stars
-from edl6dof.fsw.navigation.strapdown import integrate
-from edl6dof.fsw.navigation.tell import tell
+from edl6dof.fsw.navigation.strapdown import align, integrate
 from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
 
 #: Time between two readings (s) below which they are one.
 LEAST_TIME = 1e-9
 
-#: What navigation remembers.
+#: Memory of navigation.
 NAVIGATION = np.dtype(
     [
         ("estimate", ESTIMATE),
         ("inertial", INERTIAL_MEMORY),
         ("motion", MOTION),
         ("solution", SOLUTION),
-        ("hindsight", HINDSIGHT),
+        ("gap_smoothing", GAP_SMOOTHING),
         ("recovery", RECOVERY),
-        ("guard", GUARD),
-        ("centre", "f8", (3,)),  # m, B: centre of mass that the solution is of
+        ("integrity", INTEGRITY),
+        ("centre", "f8", (3,)),  # m, B: centre of mass that the solution refers to
         ("health", INSTRUMENT_HEALTH),
         ("beam_watch", BEAM_WATCH),
         ("star_watch", STAR_WATCH),
@@ -54,27 +49,13 @@ NAVIGATION = np.dtype(
 
 
 @kernel
-def take_given(sensed, estimate):
-    """Take the word of ideal instruments."""
-    for i in range(4):
-        estimate.q_I2B[i] = sensed.q_I2B[i]
-    put3(estimate.r_I, 0, take3(sensed.r_I, 0))
-    put3(estimate.v_I, 0, take3(sensed.v_I, 0))
-    put3(estimate.w_B, 0, take3(sensed.w_B, 0))
-    put3(estimate.specific_force_B, 0, take3(sensed.specific_force_B, 0))
-    put3(estimate.imu_rate_B, 0, take3(sensed.imu_rate_B, 0))
-    put3(estimate.imu_gain_B, 0, take3(sensed.imu_gain_B, 0))
-    estimate.height_above_ground = sensed.height_above_ground
-
-
-@kernel
 def estimate_state(filters, onboard, state, sensed, memory):
     """Bring ``memory.estimate`` up to the cycle of ``sensed``.
 
     Args:
-        filters: what starts the navigation filter that flies, and what corrects with it.
+        filters: functions that start the navigation filter that flies and correct with it.
         onboard: ``ONBOARD`` record.
-        state: ``VEHICLE_STATE`` record: which parts are gone.
+        state: ``VEHICLE_STATE`` record: parts that are gone.
         sensed: ``SENSED`` record.
         memory: ``NAVIGATION`` record, updated.
     """
@@ -86,8 +67,8 @@ def estimate_state(filters, onboard, state, sensed, memory):
         return
     navigate(filters, onboard, state, sensed, memory)
     if memory.solution.started != 0:
-        tell(onboard.planet, memory.motion, memory.solution, estimate)
-        guard(onboard, sensed, memory, estimate)
+        extrapolate(onboard.planet, memory.motion, memory.solution, estimate)
+        check_integrity(onboard, sensed, memory, estimate)
 
 
 @kernel
@@ -114,7 +95,7 @@ def navigate(filters, onboard, state, sensed, memory):
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
         lever = sub(take3(onboard.instruments.unit_position, 0), centre)
-        look_back(body, lever, memory.inertial, motion, memory=memory.hindsight, solution=solution)
+        smooth_gap(body, lever, memory.inertial, motion, memory=memory.gap_smoothing, solution=solution)
         recover(
             params.recovery, onboard, memory.health, sensed, motion, memory=memory.recovery, solution=solution
         )
@@ -134,7 +115,7 @@ def navigate(filters, onboard, state, sensed, memory):
 
 @kernel
 def watch(onboard, state, sensed, memory):
-    """Exclude beams and star tracker where they have failed, and note what is out of use."""
+    """Exclude beams and star tracker where they have failed, and log the exclusions."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     health, instruments = memory.health, onboard.instruments
     watch_beams(params.beam_watch, instruments, sensed.radar, solution, health, memory=memory.beam_watch)
@@ -154,8 +135,8 @@ def watch(onboard, state, sensed, memory):
 
 @kernel
 def follow_centre(centre, motion, solution, before):
-    """Let the solution be that of the new centre of mass (m, B) once a part has left; ``before``: the centre
-    it is of, updated.
+    """Refer the solution to the new centre of mass (m, B) once a part has left; ``before``: the centre that
+    it referred to, updated.
     """
     arm = sub(centre, take3(before, 0))
     if dot(arm, arm) == 0.0:
@@ -164,30 +145,3 @@ def follow_centre(centre, motion, solution, before):
     put3(solution.r_I, 0, add(take3(solution.r_I, 0), from_frame(q, arm)))
     put3(solution.v_I, 0, add(take3(solution.v_I, 0), from_frame(q, cross(take3(motion.rate, 0), arm))))
     put3(before, 0, centre)
-
-
-@kernel
-def guard(onboard, sensed, memory, estimate):
-    """Tell the height that the guards let pass, and have the vertical looked for where they find it wrong."""
-    params, solution, instruments = onboard.navigation.guards, memory.solution, onboard.instruments
-    r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
-    height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
-    height = guarded_height(
-        params,
-        height,
-        climb,
-        sigma=solution.sigma_height,
-        contact=sensed.footpad_contact,
-        dt=memory.motion.dt,
-        memory=memory.guard,
-    )
-    spin = onboard.planet.rotation_rate
-    speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
-    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
-    check_solution(
-        params, instruments, memory.health, sensed, speed, sigma=norm(take3(solution.sigma_v, 0)), q=q, up=up,
-        memory=memory.guard, recovery=memory.recovery,
-    )  # fmt: skip
-    if memory.recovery.lost != 0:
-        height = height_while_lost(instruments, memory.health, sensed.radar, memory.guard)
-    estimate.height_above_ground = height

@@ -80,7 +80,7 @@ def body(shape: Outline) -> Mesh:
 
 
 def trim_wing(vehicle: VehicleParams, shape: Outline) -> Mesh:
-    """The first surface about its hinge: x along its span, z the normal that faces the flow when open."""
+    """Mesh of the first surface: origin at its hinge, x along the span, z facing the flow when open."""
     surface = vehicle.surfaces[0]
     side = sqrt(surface.area_m2)
     span = abs(surface.position_z_m) - wing_hinge(vehicle, shape)[1]

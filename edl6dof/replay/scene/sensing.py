@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import SCAN_COLUMNS, SCAN_ROWS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import sunlight
@@ -93,7 +93,9 @@ class Hazards(Recorder):
         for row, line in zip(rows, shot.astype(int), strict=True):
             turn = self.motion.rotation[row]
             start = self.motion.nose[row] + turns.rotate(turn, np.array(lidar.position_m))
-            rays = turns.rotate(turn, np.array([look(tangent, SCAN_COLUMNS, line, j) for j in columns]))
+            rays = turns.rotate(
+                turn, np.array([cell_direction(tangent, SCAN_COLUMNS, line, j) for j in columns])
+            )
             ends = start + rays * ((self.motion.height[row] / -rays[:, 2])[:, None])
             # the ground where each ends, not the one straight below
             ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]
@@ -110,7 +112,7 @@ class Hazards(Recorder):
 
 
 class Beams(Recorder):
-    """Writes ``vehicle/beams``, in B, for a vehicle with a radar."""
+    """Writes the beams of the radar as lines in B to the entity ``vehicle/beams`` of the replay."""
 
     def motions(self) -> None:
         """Write the rays, as long as the measured range."""

@@ -13,7 +13,7 @@ from edl6dof.config.base import Hardware, Vec3, param
 from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import asin, atan2, log10, sin
-from edl6dof.spatial.lookups import cell_among
+from edl6dof.spatial.table_index import cell_among
 from edl6dof.spatial.vector import clamp, norm
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 

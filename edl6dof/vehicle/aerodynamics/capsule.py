@@ -11,7 +11,7 @@ from edl6dof.config.base import Hardware, param
 from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.spatial.elementary import atan2, log10, sin
-from edl6dof.spatial.lookups import cell, cell_among
+from edl6dof.spatial.table_index import cell, cell_among
 from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"

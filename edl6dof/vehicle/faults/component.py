@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
+from edl6dof.interface.effectors import ThrusterFailure
 from edl6dof.interface.events import Action
 from edl6dof.interface.roles import Role
-from edl6dof.interface.thrusters import ThrusterFailure
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Kinds of component; a fault names the one it acts on under the key of the same name.

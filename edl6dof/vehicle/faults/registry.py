@@ -10,9 +10,9 @@ the fault began, after the commands have reached valves and engines and before t
 from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
+from edl6dof.interface.effectors import ThrusterFailure
 from edl6dof.interface.events import Action
 from edl6dof.interface.roles import Role
-from edl6dof.interface.thrusters import ThrusterFailure
 from edl6dof.registry import Family
 from edl6dof.vehicle.faults import engine, instrument, parachute, surface, tank, thruster
 from edl6dof.vehicle.faults.component import Component, ComponentFault, FailingThrusters

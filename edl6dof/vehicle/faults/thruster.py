@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from edl6dof.config.base import param
-from edl6dof.interface.thrusters import DEGRADED, STUCK_OFF, STUCK_ON, ThrusterFailure
+from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, ThrusterFailure
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import BranchFault, RcsFault, ThrusterFault
@@ -56,7 +56,7 @@ def stuck_off(fault, case, since, command, plant):
     """Keep the valve shut."""
     i = fault.component
     plant.valves.fault[i] = STUCK_OFF
-    plant.valves.opens[i] = plant.valves.closes[i] = plant.t
+    plant.valves.open_time[i] = plant.valves.close_time[i] = plant.t
 
 
 @kernel
@@ -64,7 +64,7 @@ def stuck_on(fault, case, since, command, plant):
     """Keep the valve open."""
     i = fault.component
     plant.valves.fault[i] = STUCK_ON
-    plant.valves.opens[i], plant.valves.closes[i] = plant.t, plant.t + LONG
+    plant.valves.open_time[i], plant.valves.close_time[i] = plant.t, plant.t + LONG
 
 
 @kernel
@@ -83,7 +83,7 @@ def branch_dead(fault, case, since, command, plant):
     for i in range(case.vehicle.rcs.n_thrusters):
         if case.branches.of[i] == fault.component:
             plant.valves.fault[i] = STUCK_OFF
-            plant.valves.opens[i] = plant.valves.closes[i] = plant.t
+            plant.valves.open_time[i] = plant.valves.close_time[i] = plant.t
 
 
 @kernel

@@ -10,7 +10,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Capacity, Hardware, param
 from edl6dof.kernels import kernel
-from edl6dof.spatial.lookups import between, cell_among
+from edl6dof.spatial.table_index import between, cell_among
 
 MAX_MACH_POINTS = 16
 

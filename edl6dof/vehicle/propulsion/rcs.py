@@ -17,7 +17,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, 
 from edl6dof.config.dtype import dtype_of
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
-from edl6dof.interface.thrusters import ThrusterGroup
+from edl6dof.interface.effectors import ThrusterGroup
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
 from edl6dof.vehicle.propulsion.branches import Branch
@@ -123,13 +123,13 @@ def climb(level, duration, slope):
 
 
 @kernel
-def linear_level(level, rise, decay, start, step, opens, closes):
-    """Thrust level over [start, start + step] of a valve open during [opens, closes], as a line; returns
-    (mean, slope in 1/s, level at the end).
+def linear_level(level, rise, decay, start, step, open_time, close_time):
+    """Thrust level over [start, start + step] of a valve open during [open_time, close_time], as a line;
+    returns (mean, slope in 1/s, level at the end).
     """
     end = start + step
-    a = clamp(opens, start, end)
-    b = clamp(closes, a, end)
+    a = clamp(open_time, start, end)
+    b = clamp(close_time, a, end)
     before, before2, level = climb(level, a - start, -1.0 / decay)
     during, during2, level = climb(level, b - a, 1.0 / rise)
     after, after2, level = climb(level, end - b, -1.0 / decay)
@@ -160,7 +160,7 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0
     force = moment = force_slope = moment_slope = (0.0, 0.0, 0.0)
     for i in range(rcs.n_thrusters):
-        if valves.level[i] == 0.0 and (valves.closes[i] <= t or valves.opens[i] >= t + step):
+        if valves.level[i] == 0.0 and (valves.close_time[i] <= t or valves.open_time[i] >= t + step):
             valves.mean[i] = 0.0
             continue
         jet = rcs.thrusters[i]
@@ -170,8 +170,8 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
             jet.decay,
             start=t,
             step=step,
-            opens=valves.opens[i],
-            closes=valves.closes[i],
+            open_time=valves.open_time[i],
+            close_time=valves.close_time[i],
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)

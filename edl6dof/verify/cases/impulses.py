@@ -55,7 +55,7 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     delivered, speed, v0 = [], [], plant["y"][0, 3:6].copy()
     for k, length in enumerate(lengths):
         begin = k * CYCLE + rng.uniform(0.0, 0.01)
-        plant["valves"]["opens"][0, 0], plant["valves"]["closes"][0, 0] = begin, begin + length
+        plant["valves"]["open_time"][0, 0], plant["valves"]["close_time"][0, 0] = begin, begin + length
         for cut in [*np.sort(rng.uniform(k * CYCLE, (k + 1) * CYCLE, 9)), (k + 1) * CYCLE]:
             advance(*flown, cut)
         delivered.append(190.0 - plant["y"][0, PROPELLANT])

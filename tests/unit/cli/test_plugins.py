@@ -261,7 +261,7 @@ class LateParams(ThrusterFault):
 @kernel
 def inflict(fault, case, since, command, plant):
     "Open late."
-    plant.valves.opens[fault.component] += fault.params.late.delay
+    plant.valves.open_time[fault.component] += fault.params.late.delay
 
 FAMILY = "fault_kind"
 MEMBER = Member("late", LateParams, {"inflict": inflict}, "a made-up valve")

@@ -6,7 +6,7 @@ Vectors are tuples: with arrays it took three times as long to compile.
 
 import numpy as np
 
-from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
+from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp, sin
 from edl6dof.spatial.frames import from_geodetic

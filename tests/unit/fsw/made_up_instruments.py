@@ -7,7 +7,7 @@ to compile numpy's generator, and what is done with arrays of three; and long to
 import numpy as np
 from made_up_course import DT, RADIUS, SPIN, moving
 
-from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
+from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
 from edl6dof.spatial.vector import add, cross, dot, scale, sub, take3

@@ -19,9 +19,9 @@ from made_up_instruments import (
 )
 
 from edl6dof.fsw.navigation.filters import error_state
-from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE, STATES
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.interface.sensed import SENSED
 from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import (

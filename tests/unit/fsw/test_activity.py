@@ -7,8 +7,8 @@ import pytest
 from thruster_bench import expect, modulate, remember
 
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.effectors import BRANCHES
 from edl6dof.interface.sensed import SENSED
-from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.sensors.imu import READINGS, ImuParams, measure
 from edl6dof.vehicle.plant import OUTPUTS, RATE, STATE
 from edl6dof.vehicle.propulsion.rcs import linear_level
@@ -33,7 +33,7 @@ def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
         opens = t + rng.uniform(0.0, 0.02, 5)
         closes = np.minimum(opens + rng.choice([0.0, 0.01, 0.02], 5), t + CYCLE)
         history.append(list(zip(opens, closes, strict=True)))
-        fsw["modulation"]["opens"][0, :5], fsw["modulation"]["closes"][0, :5] = opens, closes
+        fsw["modulation"]["open_time"][0, :5], fsw["modulation"]["close_time"][0, :5] = opens, closes
         remember(5, fsw)
 
 
@@ -45,7 +45,7 @@ def test_share_is_what_the_valve_gives_of_pulses_that_go_on_over_several_cycles(
     rng, onboard, ramp, delay = np.random.default_rng(5), shared_onboard, 0.012, 0.02
     fsw, params, vehicle = np.zeros(1, FSW), onboard["modulation"], onboard[0]["vehicle"]
     memory, duty = fsw["estimation"]["activity"][0], fsw["allocation"]["duty"][0]
-    opens, closes = (fsw["modulation"][name][0] for name in ("opens", "closes"))
+    opens, closes = (fsw["modulation"][name][0] for name in ("open_time", "close_time"))
     fsw["effectiveness"]["matrix"] = 1.0
     level, halves, shares = 0.0, [0.0], []
     for k in range(3000):

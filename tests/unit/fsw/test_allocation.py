@@ -14,8 +14,7 @@ from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effective
 from edl6dof.fsw.allocation.least_squares import LeastSquaresParams
 from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, AllocationParams
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
-from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, THRUSTER_GROUPS
+from edl6dof.interface.effectors import ATTITUDE, AXIAL, ENGINE_FULL, ENGINE_THROTTLE, FINE, THRUSTER_GROUPS
 
 ALL = 0b1111
 HEALTHY = np.zeros(1, FSW["health"])[0]

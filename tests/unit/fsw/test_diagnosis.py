@@ -11,8 +11,8 @@ import pytest
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, WRITES, DiagnosisParams, DiagnosisSignals, diagnose
-from edl6dof.fsw.diagnosis.flow import NONE
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_stuck_on, weights
+from edl6dof.fsw.diagnosis.flow_evidence import NONE
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, stuck_on_evidence, weights
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
@@ -67,7 +67,7 @@ class Watch:
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory, self.activity = self.fsw["diagnosis"], self.fsw["estimation"]["activity"]
         self.memory["leak"]["branch"] = self.memory["hypotheses"]["meter"] = NONE
-        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.memory["leak"]["shut"][0]
+        self.healthy, self.shut = self.fsw["health"]["thruster"][0], self.memory["leak"]["latch_closed"][0]
         self.unexplained, self.used = self.fsw["disturbance"]["unexplained"][0], self.sensed["branch_used"][0]
         self.healthy[:] = 1
         self.t, self.asked = 0.0, np.zeros(32)
@@ -282,7 +282,7 @@ def test_a_meter_that_fails_within_a_cycle_of_use_costs_no_thruster(watch_of, br
     watch, used = watch_of(branch), int(np.flatnonzero(watch_of().branch == branch)[0])
     elsewhere = [int(np.flatnonzero(watch.branch == (branch + more) % 11)[0]) for more in (1, 2, 3)]
     for k in range(120):
-        asked = np.flatnonzero(watch.memory["flow"]["asked"][0])
+        asked = np.flatnonzero(watch.memory["flow"]["test_requested"][0])
         watch.dead_meters = [branch] if k > 50 else []
         part = held if k > 51 or held > 0.0 else 0.5
         watch.used[branch] += part * watch.flow[used] * DT * (k > 50)
@@ -511,7 +511,7 @@ def test_open_valve_is_dropped_when_less_than_half_of_its_thrust_is_found(size, 
     sums = np.zeros(1, SUMS)[0]
     for _ in range(10):
         collect(sums, 1.0, 1.0, size * 30.0, 30.0, size**2 * 30.0)
-    assert (for_stuck_on(sums, 0.0) > 0.0) == speaks_for_it
+    assert (stuck_on_evidence(sums, 0.0) > 0.0) == speaks_for_it
     assert (sums["cycles"] > 0.0) == speaks_for_it
 
 

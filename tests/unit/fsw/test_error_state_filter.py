@@ -13,18 +13,13 @@ from scipy.linalg import expm
 from textbook_filter import TextbookFilter, matrix, skew
 
 from edl6dof.fsw.navigation.filters.error_state import correct, start
-from edl6dof.fsw.navigation.filters.kalman.antenna import (
-    expected_range,
-    ground_normal,
-    level_axes,
-    place_antenna,
-)
-from edl6dof.fsw.navigation.filters.kalman.gate import median, refused_again, weighted_noise
-from edl6dof.fsw.navigation.filters.kalman.process_noise import spread_of
-from edl6dof.fsw.navigation.filters.kalman.ranges import range_row
-from edl6dof.fsw.navigation.filters.kalman.speeds import speed_row
+from edl6dof.fsw.navigation.filters.kalman.covariance import axes_covariance
+from edl6dof.fsw.navigation.filters.kalman.outlier_test import median, refused_again, weighted_noise
+from edl6dof.fsw.navigation.filters.kalman.radar_update import range_row, speed_row
 from edl6dof.fsw.navigation.filters.kalman.states import ACTING, MOVING, STATES, WIDTH
 from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
+from edl6dof.fsw.navigation.radar_beams import expected_range, ground_normal, place_antenna
+from edl6dof.fsw.navigation.strapdown import level_axes
 
 ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
 #: Every reading counts fully, as in the textbook.
@@ -193,9 +188,9 @@ def test_three_axes_spread_as_the_geometry_says():
     unit, out = ONBOARD[0]["instruments"], np.zeros((3, 3))
     for bits in (0b111111, 0b111110, 0b101101):
         used = unit["gyro_axis"][:6][[bool(bits >> k & 1) for k in range(6)]]
-        spread_of(unit["gyro_axis"], bits, 6, out)
+        axes_covariance(unit["gyro_axis"], bits, 6, out)
         assert out == pytest.approx(np.linalg.inv(used.T @ used))
-    spread_of(unit["gyro_axis"], 0b11, 6, out)
+    axes_covariance(unit["gyro_axis"], 0b11, 6, out)
     assert out == pytest.approx(np.linalg.inv(used.T @ used)), "two axes leave it as it was"
 
 

@@ -9,10 +9,10 @@ from thruster_bench import modulate, open_for_test, opposite, pair_to_test
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.exercise import ExerciseParams
-from edl6dof.fsw.diagnosis.flow import NONE
+from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.modulation import ModulationParams
 from edl6dof.fsw.onboard import FSW
-from edl6dof.interface.thrusters import STUCK_OFF
+from edl6dof.interface.effectors import STUCK_OFF
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 LANDER = 0b111
@@ -44,7 +44,9 @@ class Bench:
         self.memory, self.healthy = self.diagnosis["exercise"], self.fsw["health"]["thruster"][0]
         self.healthy[:], self.fsw["effectiveness"]["matrix"] = 1, effectiveness
         self.t, self.sideways, self.axial = 100.0, sideways, 1e4
-        self.opens, self.closes = (self.fsw["modulation"][name][0] for name in ("opens", "closes"))
+        self.open_time, self.close_time = (
+            self.fsw["modulation"][name][0] for name in ("open_time", "close_time")
+        )
         self.memory["used"] = self.memory["tested"] = 99.0
         self.on_time, self.last = np.zeros(32), (NONE, NONE)
 
@@ -59,7 +61,7 @@ class Bench:
         for i in tested:
             open_for_test(i, self.vehicle, self.t, DT, self.fsw)
         self.t += DT
-        self.on_time += self.closes - self.opens
+        self.on_time += self.close_time - self.open_time
         return tested
 
 

@@ -55,7 +55,7 @@ def modulate_each(p, vehicle, duties, t, cycle, memory, opens, closes):
     for k in range(len(duties)):
         modulate(p[0], vehicle[0], duties[k], t[k], cycle, memory[0])
         for i in range(opens.shape[1]):
-            opens[k, i], closes[k, i] = memory[0].opens[i], memory[0].closes[i]
+            opens[k, i], closes[k, i] = memory[0].open_time[i], memory[0].close_time[i]
 
 
 def merged(opens, closes):

@@ -28,7 +28,7 @@ from edl6dof.fsw.hazard.site_selection import LANDING_POINT
 from edl6dof.fsw.mission.phases import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
-from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_THROTTLE
 
 STILL = np.zeros(2)
 #: Nothing chosen by hazard detection.

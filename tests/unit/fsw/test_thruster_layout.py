@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import linprog
 from thruster_wrenches import ENTRY, LANDER, UNDER_CHUTE, wrenches
 
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.interface.effectors import THRUSTER_GROUPS
 
 CENTRES = {"entry": ENTRY, "under_chute": UNDER_CHUTE, "lander": LANDER}
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.fsw.navigation.filters.two_filter import TWO_FILTER, TwoFilterParams, correct, start
+from edl6dof.fsw.navigation.strapdown import level_axes
 
 ONBOARD = belief.onboard_record()
 

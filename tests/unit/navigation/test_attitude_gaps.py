@@ -9,20 +9,20 @@ from pyquaternion import Quaternion
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import in_si
-from edl6dof.fsw.navigation.bridge import BRIDGE, acceleration_of, arrive, bridge
-from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
-from edl6dof.fsw.navigation.guard import (
+from edl6dof.fsw.navigation.integrity import (
     ABOVE_HORIZON,
     BELOW_GROUND,
     CHECKS,
-    GUARD,
+    INTEGRITY,
     JUMP,
     SPEED,
     GuardParams,
     check_solution,
-    guarded_height,
     height_while_lost,
+    plausible_height,
 )
+from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
+from edl6dof.fsw.navigation.rate_bridging import RATE_BRIDGE, acceleration_of, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.recovery import RECOVERY, RecoveryParams, recover
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import CONFIGURATION, ONBOARD
@@ -105,16 +105,18 @@ def test_rate_without_torque_keeps_the_angular_momentum():
 def test_bridge_follows_a_capsule_under_its_riser(beside, bound_deg):
     """A second; with the believed centre millimetres off, the rate is degrees a second off at its end."""
     swing, cycles = Swing(1.1), 50
-    body, memory, motion = hanging_body(HUNG_AT + beside), np.zeros(1, BRIDGE), np.zeros(1, MOTION)
+    body, memory, motion = hanging_body(HUNG_AT + beside), np.zeros(1, RATE_BRIDGE), np.zeros(1, MOTION)
     motion["rate"] = swing.rate[0]
     q = held = swing.q[0]
     for k in range(cycles):
-        bridge(body[0], tuple(LEVER), tuple(swing.read(k)), MOST, DT, memory[0], motion[0])
+        bridge_rate(body[0], tuple(LEVER), tuple(swing.read(k)), MOST, DT, memory[0], motion[0])
         q = turned(q, motion["angle"][0])
         held = turned(held, DT * swing.rate[0])
     before = motion["rate"][0].copy()
     motion["angle"], motion["rate"] = swing.angle(cycles), swing.rate[cycles + 1]
-    arrive(body[0], tuple(LEVER), tuple(swing.read(cycles)), MOST, DT, tuple(before), memory[0], motion[0])
+    end_bridge(
+        body[0], tuple(LEVER), tuple(swing.read(cycles)), MOST, DT, tuple(before), memory[0], motion[0]
+    )
     q = turned(q, motion["angle"][0])
     true = swing.q[cycles + 1]
     assert abs((held.inverse * true).degrees) > 5.0
@@ -126,11 +128,11 @@ def test_a_bridged_rate_that_is_off_does_not_run_away():
     """A capsule that swings fast, its unit far off the centre, bridged for three seconds from a rate that is
     40 % off: without the bound the centripetal part makes it infinite.
     """
-    body, memory, motion = hanging_body(), np.zeros(1, BRIDGE), np.zeros(1, MOTION)
+    body, memory, motion = hanging_body(), np.zeros(1, RATE_BRIDGE), np.zeros(1, MOTION)
     motion["rate"] = (0.2, 7.0, -1.0)
     for k in range(150):
         gain = DT * np.array([-40.0, 6.0 * sin(5.0 * k * DT), 9.0 * cos(5.0 * k * DT)])
-        bridge(body[0], (-0.1, 0.6, 0.3), tuple(gain), MOST, DT, memory[0], motion[0])
+        bridge_rate(body[0], (-0.1, 0.6, 0.3), tuple(gain), MOST, DT, memory[0], motion[0])
     assert np.all(np.abs(motion["rate"][0]) <= MOST)
 
 
@@ -166,13 +168,13 @@ def in_use():
 def test_beams_tell_velocity_and_height_and_disagree_when_one_has_failed():
     velocity, down = np.array([80.0, 12.0, -7.0]), np.array([0.96, 0.28, 0.0])
     radar = radar_of(velocity, 1500.0, down)
-    found, seen = velocity_by_echoes(instruments()[0], in_use()[0], radar[0])
+    found, seen = velocity_from_beams(instruments()[0], in_use()[0], radar[0])
     assert seen and np.allclose(found, velocity)
-    assert height_by_echoes(instruments()[0], in_use()[0], radar[0], tuple(down)) == pytest.approx(1500.0)
+    assert height_from_beams(instruments()[0], in_use()[0], radar[0], tuple(down)) == pytest.approx(1500.0)
     radar["speed"][0, 1] = 0.0
-    assert not velocity_by_echoes(instruments()[0], in_use()[0], radar[0])[1]
+    assert not velocity_from_beams(instruments()[0], in_use()[0], radar[0])[1]
     radar["locked"][0, 1:3] = 0
-    assert not velocity_by_echoes(instruments()[0], in_use()[0], radar[0])[1]
+    assert not velocity_from_beams(instruments()[0], in_use()[0], radar[0])[1]
 
 
 class Descent:
@@ -253,10 +255,10 @@ def test_sound_attitude_is_left_alone_and_a_long_gap_loses_it():
 
 def told(heights, climb=-50.0, sigma=1.0, contact=0, **settings):
     """What is told of ``heights``, cycle by cycle, and the failed checks."""
-    params, memory = in_si(GuardParams(**settings)), np.zeros(1, GUARD)
+    params, memory = in_si(GuardParams(**settings)), np.zeros(1, INTEGRITY)
     found = []
     for height in heights:
-        height = guarded_height(params, height, climb, sigma, contact, DT, memory[0])
+        height = plausible_height(params, height, climb, sigma, contact, DT, memory[0])
         found.append((height, int(memory["failed"][0])))
     return found
 
@@ -305,7 +307,7 @@ def checked(failed=0, tilt=0.0, said=80.0, beams=4, looks=5, **settings):
     sensed["t"], sensed["radar"] = 7.0, radar_of(np.array([80.0, 0.0, 0.0]), 900.0, np.array([1.0, 0.0, 0.0]))
     sensed["radar"]["locked"][0, beams:] = 0
     down = Quaternion(axis=(0, 1, 0), radians=pi / 2 + tilt)  # x of B along -z of I, tilted
-    memory = np.zeros(1, GUARD)
+    memory = np.zeros(1, INTEGRITY)
     memory["height"] = 300.0
     for _ in range(looks):
         memory["failed"] = failed

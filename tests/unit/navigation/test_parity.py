@@ -7,8 +7,16 @@ from numba import njit
 from scipy.stats import chi2
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.navigation.chi_square import chi_square_limit, chi_square_tail
-from edl6dof.fsw.navigation.parity import NONE, PARITY, ParityParams, isolate, look_at_parity, restart
+from edl6dof.fsw.navigation.parity_test import (
+    NONE,
+    PARITY,
+    ParityParams,
+    chi_square_limit,
+    chi_square_tail,
+    isolate,
+    parity_test,
+    restart_parity_test,
+)
 
 ALL = 0b111111
 SIGMA = 3e-7
@@ -34,11 +42,11 @@ class Unit:
     def __init__(self, in_use=ALL, **settings):
         self.params = parity_params(**settings)
         self.set, self.memory = redundant(cone(), in_use), np.zeros(1, PARITY)
-        restart(self.params[0], self.set[0]["n_parity"], self.memory[0])
+        restart_parity_test(self.params[0], self.set[0]["n_parity"], self.memory[0])
 
     def look(self, increments, lasting=0.0):
         self.set["increment"][0, :6] = increments
-        return look_at_parity(self.params[0], SIGMA**2, lasting, DT, self.set[0], 6, self.memory[0])
+        return parity_test(self.params[0], SIGMA**2, lasting, DT, self.set[0], 6, self.memory[0])
 
     def alarms(self, increments):
         """Whether the fast and the slow look are beyond their limit after each, shape (looks, 2)."""
@@ -53,7 +61,7 @@ def look_each(params, units, memory, increments, alarms):
     for k in range(len(increments)):
         for i in range(6):
             units[0].increment[i] = increments[k, i]
-        look_at_parity(params[0], SIGMA**2, 0.0, DT, units[0], 6, memory[0])
+        parity_test(params[0], SIGMA**2, 0.0, DT, units[0], 6, memory[0])
         alarms[k, 0] = memory[0].fast.statistic > memory[0].limit
         alarms[k, 1] = memory[0].slow.statistic > memory[0].limit
 

@@ -4,12 +4,22 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, BeamWatchParams, watch_beams
-from edl6dof.fsw.navigation.exclusions import BEAMS, EXCLUSIONS, INERTIAL_UNIT, MAX_CHANGES, note_changes
+from edl6dof.fsw.navigation.exclusions import (
+    BEAM_WATCH,
+    BEAMS,
+    EXCLUSIONS,
+    INERTIAL_UNIT,
+    MAX_CHANGES,
+    STAR_WATCH,
+    BeamWatchParams,
+    StarWatchParams,
+    note_changes,
+    watch_beams,
+    watch_stars,
+)
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
+from edl6dof.fsw.navigation.saturation import exclude_stale_flags
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
-from edl6dof.fsw.navigation.star_watch import STAR_WATCH, StarWatchParams, watch_stars
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.sensed import RADAR, STARS
 from edl6dof.scenario.loading import load_scenario

@@ -9,8 +9,8 @@ import edl6dof
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
 from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.terrain import ground
-from edl6dof.interface.eyes import look
-from edl6dof.sensors.echo import antenna, over_ground
+from edl6dof.interface.sensed import cell_direction
+from edl6dof.sensors.ray_ground import height_over_ground, point_motion
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_axes, from_euler_321, from_frame, multiply
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER
@@ -56,29 +56,31 @@ class Hovering(Bench):
         v = np.array(ned_to_fixed(*corners, v_ned)) + spin * np.array([-r[1], r[0], 0.0])
         self.put(t=0.0, r=r, v=v, q=np.array(q), w=w)
         self.plant["shape"] = CONFIG_LANDER
-        self.plant["eyes"]["scan"] = self.plant["eyes"]["expose"] = 1
+        self.plant["imagers"]["scan"] = self.plant["imagers"]["camera_trigger"] = 1
 
     def scan(self):
         """All ranges of a lidar's scan, from where the vehicle is."""
         rows = []
         for k in range(64):
-            self.plant["eyes"]["scan"] = 1 if k == 0 else 0
+            self.plant["imagers"]["scan"] = 1 if k == 0 else 0
             rows.append(self.measure()["lidar"]["range"].copy())
         return np.vstack(rows)
 
     def eye(self):
         """Place of the eye in F, which coincides with I at t = 0."""
         place = tuple(map(float, self.params["position"]))
-        return np.array(antenna(self.case, self.plant, self.outputs, place, (1.0, 0.0))[0])
+        return np.array(point_motion(self.case, self.plant, self.outputs, place, (1.0, 0.0))[0])
 
     def looks(self, cells):
         """Direction in F of every cell, shape (cells, cells, 3)."""
         q = tuple(self.plant["y"][ATTITUDE : ATTITUDE + 4])
         tangent = float(np.tan(0.5 * self.params["field_of_view"]))
-        rows = [[from_frame(q, look(tangent, cells, i, j)) for j in range(cells)] for i in range(cells)]
+        rows = [
+            [from_frame(q, cell_direction(tangent, cells, i, j)) for j in range(cells)] for i in range(cells)
+        ]
         return np.array(rows)
 
     def clearance(self, point_F):
         """Height of a point above the ground below it, m."""
         areoid = self.plant["inputs"]["areoid"]
-        return over_ground(self.case, self.tables, areoid, tuple(map(float, point_F)))[0]
+        return height_over_ground(self.case, self.tables, areoid, tuple(map(float, point_F)))[0]

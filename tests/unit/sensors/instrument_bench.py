@@ -10,7 +10,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.sensed import SENSED
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.sensors.registry import SENSOR_FAMILY
-from edl6dof.spatial.stream import Stream
+from edl6dof.spatial.random_numbers import Stream
 from edl6dof.vehicle.plant import ATTITUDE, OUTPUTS, POSITION, RATE, VELOCITY
 
 LOADED = edl6dof.load("tianwen1")

@@ -7,7 +7,7 @@ from hovering import Hovering, area, bare
 from edl6dof.environment.landing_area.census import list_within
 from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.interface.capacities import CAMERA_CELLS
-from edl6dof.interface.eyes import look
+from edl6dof.interface.sensed import cell_direction
 from edl6dof.sensors.landing_camera import smeared
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.quaternion import from_frame
@@ -129,7 +129,7 @@ def test_corners_of_the_cells_lie_on_the_ground_where_they_look(slope):
             point = np.array(from_geodetic(*shape, lat, lon, altitude))
             assert abs(bench.clearance(point)) < 1e-2
             way = point - eye
-            direction = from_frame(q, look(TANGENT, CAMERA_CELLS, i - 0.5, j - 0.5))
+            direction = from_frame(q, cell_direction(TANGENT, CAMERA_CELLS, i - 0.5, j - 0.5))
             assert np.linalg.norm(np.cross(way / np.linalg.norm(way), direction)) < 1e-3
 
 
@@ -240,6 +240,6 @@ def test_past_the_horizon_and_beyond_its_range_it_sees_no_ground():
 def test_takes_an_image_when_told_alone_and_the_same_one_again():
     bench = Hovering("landing_camera", ROCKS, {})
     first = image(bench)[0]
-    bench.plant["eyes"]["expose"] = 0
+    bench.plant["imagers"]["camera_trigger"] = 0
     assert bench.measure()["camera"]["fresh"] == 0
     assert np.array_equal(first, image(Hovering("landing_camera", ROCKS, {}))[0])

@@ -88,7 +88,7 @@ def test_each_block_of_rows_is_shot_from_where_the_vehicle_is_then():
     up = bench.plant["y"][:3] / np.linalg.norm(bench.plant["y"][:3])
     moved = []
     for k in range(SCAN_ROWS // SCAN_BLOCK):
-        bench.plant["eyes"]["scan"] = 1 if k == 0 else 0
+        bench.plant["imagers"]["scan"] = 1 if k == 0 else 0
         told = bench.measure()["lidar"]
         assert (told["fresh"], told["row"]) == (1, SCAN_BLOCK * k)
         moved.append(told["range"].copy())
@@ -106,15 +106,15 @@ def test_each_block_of_rows_is_shot_from_where_the_vehicle_is_then():
 
 def test_a_scan_runs_once_and_begins_anew_when_told():
     bench = Hovering("lidar", PLAIN, EXACT)
-    bench.plant["eyes"]["scan"] = 0
+    bench.plant["imagers"]["scan"] = 0
     assert bench.measure()["lidar"]["fresh"] == 0
     bench.scan()
     assert bench.measure()["lidar"]["fresh"] == 0
-    bench.plant["eyes"]["scan"] = 1
+    bench.plant["imagers"]["scan"] = 1
     rows = [int(bench.measure()["lidar"]["row"])]
-    bench.plant["eyes"]["scan"] = 0
+    bench.plant["imagers"]["scan"] = 0
     rows += [int(bench.measure()["lidar"]["row"]) for _ in range(3)]
-    bench.plant["eyes"]["scan"] = 1
+    bench.plant["imagers"]["scan"] = 1
     rows.append(int(bench.measure()["lidar"]["row"]))
     assert rows == [0, 4, 8, 12, 0]
 

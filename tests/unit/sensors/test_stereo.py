@@ -19,7 +19,7 @@ FOCAL_PX = 1024.0 / np.tan(np.radians(14.0))
 
 
 def pair(bench):
-    bench.plant["eyes"]["scan"] = 1
+    bench.plant["imagers"]["scan"] = 1
     told = bench.measure()["stereo"]
     assert told["fresh"] == 1
     return told["range"].astype(float)
@@ -61,8 +61,8 @@ def test_ground_without_texture_lies_in_blocks_elsewhere_in_each_pair():
 
 def test_takes_a_pair_when_told_alone():
     bench = Hovering("stereo", PLAIN, EXACT)
-    bench.plant["eyes"]["scan"] = 0
+    bench.plant["imagers"]["scan"] = 0
     assert bench.measure()["stereo"]["fresh"] == 0
     pair(bench)
-    bench.plant["eyes"]["scan"] = 0
+    bench.plant["imagers"]["scan"] = 0
     assert bench.measure()["stereo"]["fresh"] == 0

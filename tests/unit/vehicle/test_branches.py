@@ -62,11 +62,11 @@ def test_latch_valve_shuts_every_thruster_of_its_branch_and_no_other():
     case = build_case(scenario, build_tables(scenario))
     for number, behind in enumerate(BRANCHES.values()):
         plant, command = initial_plant(scenario, case)[0], np.zeros(1, COMMAND)[0]
-        plant["t"], command["opens"], command["closes"] = 41.0, 41.0, 41.02
-        command["shut"][number] = 1
+        plant["t"], command["valve_open_time"], command["valve_close_time"] = 41.0, 41.0, 41.02
+        command["latch_closed"][number] = 1
         actuate(case[0], command, plant)
         valves = plant["valves"]
-        open_ = {name for i, name in enumerate(NAMES) if valves["closes"][i] > valves["opens"][i]}
+        open_ = {name for i, name in enumerate(NAMES) if valves["close_time"][i] > valves["open_time"][i]}
         assert open_ == set(NAMES) - set(behind)
 
 

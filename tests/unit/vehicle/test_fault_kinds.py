@@ -8,7 +8,7 @@ from given_functions import actuate
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.interface.thrusters import THRUSTER_FAILURES
+from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of, failure_of
 from edl6dof.vehicle.parachutes.parachute import INFLATING
 
@@ -48,7 +48,11 @@ def of_kind(tables, sound_vehicle):
 
 def put_to_use(command, *plants):
     """Mortar, parachute, engine, wing and thrusters, so that each kind finds something to break."""
-    command["closes"][:22], command["thrust"], command["request"][[MORTAR, IGNITION]] = 0.7, 3000.0, 1
+    command["valve_close_time"][:22], command["thrust"], command["request"][[MORTAR, IGNITION]] = (
+        0.7,
+        3000.0,
+        1,
+    )
     for plant in plants:
         plant["canopy"] = INFLATING
 

@@ -21,7 +21,7 @@ def impulse(case, plant, command, cycles, pulse=None):
     for k in range(cycles):
         plant["t"] = k * CYCLE
         if pulse is not None:
-            command["opens"][pulse[0]], command["closes"][pulse[0]] = pulse[1:]
+            command["valve_open_time"][pulse[0]], command["valve_close_time"][pulse[0]] = pulse[1:]
         actuate(case, command, plant)
         inputs, loads = plant["inputs"], case["feeds"]["thrusters"]
         inputs["filled"] = 1
@@ -47,7 +47,7 @@ def test_stuck_thruster_burns_from_its_time_on_until_its_branch_is_shut(tables):
     case, plant, command = broken(tables, "{thruster: D7, kind: stuck_on, at: {time_s: 0.2}}")
     # 12 ms rise, no decay yet
     assert impulse(case, plant, command, 25)[0][2] == pytest.approx(-250.0 * (0.3 - 0.006))
-    command["shut"][case["branches"]["of"][D7]] = 1
+    command["latch_closed"][case["branches"]["of"][D7]] = 1
     plant["valves"]["level"][:] = 0.0
     assert impulse(case, plant, command, 25)[0] == pytest.approx((0.0, 0.0, 0.0))
 
@@ -87,7 +87,7 @@ def test_latch_valve_that_fails_shut_stops_its_branch_and_no_other(tables):
     case, plant, command = broken(tables, "{kind: branch_dead, branch: D47, at: {time_s: 0.1}}")
     for name, pushed in (("D4", 0.0), ("D7", 0.0), ("D8", -250.0 * 0.4)):
         assert impulse(case, plant, command, 40, (names.index(name), 0.2, 0.6))[0][2] == pytest.approx(pushed)
-        command["closes"] = 0.0
+        command["valve_close_time"] = 0.0
     assert [names[i] for i in np.flatnonzero(plant["valves"]["fault"])] == ["D4", "D7"]
 
 

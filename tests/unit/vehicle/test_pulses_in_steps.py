@@ -51,7 +51,7 @@ def flown(step, opens, closes):
     y0, mass, inertia = plant["y"][0].copy(), float(body[3]["mass"]), float(body[3]["inertia"][1])
     for k in range(PULSES):
         valve = k % 2
-        plant["valves"]["opens"][0, valve], plant["valves"]["closes"][0, valve] = opens[k], closes[k]
+        plant["valves"]["open_time"][0, valve], plant["valves"]["close_time"][0, valve] = opens[k], closes[k]
         for j in range(round(CYCLE / step)):
             advance(*body, k * CYCLE + (j + 1) * step)
     y = plant["y"][0]

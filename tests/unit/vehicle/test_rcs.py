@@ -170,7 +170,7 @@ def run(rcs, valves, duration, step):
 @pytest.mark.parametrize("step", [0.002, 0.01, 0.02, 0.04])
 def test_propellant_used_is_impulse_over_exhaust_speed(step):
     rcs, valves = thrusters(jet(), jet("b", thrust=250.0))
-    valves.opens[:2], valves.closes[:2] = (0.013, 0.1), (0.077, 0.107)
+    valves.open_time[:2], valves.close_time[:2] = (0.013, 0.1), (0.077, 0.107)
     total = run(rcs, valves, 0.2, step)
     impulse = 25.0 * closed_form(0.064) + 250.0 * closed_form(0.007)
     assert total[2] == pytest.approx(impulse, rel=1e-12)
@@ -185,14 +185,14 @@ def test_a_couple_turns_without_pushing():
     rcs, valves = thrusters(
         jet("left", (-1.0, -1.2, 0.3), (0.0, 0.0, -1.0)), jet("right", (-1.0, 1.2, 0.3), (0.0, 0.0, 1.0))
     )
-    valves.level[:2], valves.opens[:2], valves.closes[:2] = 1.0, -1.0, 9.0
+    valves.level[:2], valves.open_time[:2], valves.close_time[:2] = 1.0, -1.0, 9.0
     assert fire(rcs, valves, 0.0, 0.01)[:6] == pytest.approx((0.0, 0.0, 0.0, 60.0, 0.0, 0.0), abs=1e-12)
 
 
 def test_moment_of_an_oblique_jet_is_arm_cross_force():
     position, direction = (-1.7, 0.4, -0.9), (0.48, -0.6, 0.64)
     rcs, valves = thrusters(jet(position=position, direction=direction))
-    valves.level[0], valves.opens[0], valves.closes[0] = 1.0, -1.0, 9.0
+    valves.level[0], valves.open_time[0], valves.close_time[0] = 1.0, -1.0, 9.0
     wrench = fire(rcs, valves, 0.0, 0.01)
     assert wrench[:3] == pytest.approx(25.0 * np.array(direction), rel=1e-12)
     assert wrench[3:6] == pytest.approx(np.cross(position, 25.0 * np.array(direction)), rel=1e-12)
@@ -205,7 +205,7 @@ def test_the_flow_takes_thrust_up_to_the_reference_pressure():
 
 def test_closed_valves_and_unused_slots_are_silent():
     rcs, valves = thrusters(jet())
-    valves.opens[1], valves.closes[1], valves.level[1] = 0.0, 9.0, 1.0  # slot without a thruster
+    valves.open_time[1], valves.close_time[1], valves.level[1] = 0.0, 9.0, 1.0  # slot without a thruster
     assert fire(rcs, valves, 1.0, 0.01) == (0.0,) * 7
 
 
@@ -221,7 +221,7 @@ def test_thruster_that_gives_more_than_is_believed_draws_more_propellant_too():
     wrenches = []
     for one in (jet(thrust_factor=1.03), jet(thrust=1.03 * THRUST), jet()):
         rcs, valves = thrusters(one)
-        valves["opens"][0], valves["closes"][0] = 0.0, 0.05
+        valves["open_time"][0], valves["close_time"][0] = 0.0, 0.05
         wrenches.append(np.array(fire(rcs, valves, 0.0, 0.1)))
     assert wrenches[0] == pytest.approx(wrenches[1], rel=1e-12)
     assert wrenches[0] == pytest.approx(1.03 * wrenches[2], rel=1e-12) and wrenches[2][6] > 0.0

@@ -53,7 +53,7 @@ class Flown:
         self.outputs = np.zeros(1, OUTPUTS)
         self.arrays = self.case, tables, self.plant, self.outputs, np.zeros(1, WORKSPACE)
         self.plant["valves"]["level"][0, :2] = 1.0
-        self.plant["valves"]["opens"][0, :2], self.plant["valves"]["closes"][0, :2] = -1.0, 1e9
+        self.plant["valves"]["open_time"][0, :2], self.plant["valves"]["close_time"][0, :2] = -1.0, 1e9
         evaluate(*self)
 
     def __iter__(self):

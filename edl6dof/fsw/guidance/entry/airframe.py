@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import log
-from edl6dof.spatial.lookups import between, held_cell
+from edl6dof.spatial.table_index import between, held_cell
 
 NODES = 64
 FIRST_MACH, LAST_MACH = 0.5, 30.0

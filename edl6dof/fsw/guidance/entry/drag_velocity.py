@@ -22,7 +22,7 @@ from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import product, pseudo_inverse
-from edl6dof.spatial.lookups import between, held_cell
+from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import clamp
 
 RANGE_NODES = 129

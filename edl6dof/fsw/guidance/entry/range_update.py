@@ -19,8 +19,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reference import NODES, node_of
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sin
-from edl6dof.spatial.interpolation import smooth
-from edl6dof.spatial.lookups import cell, held
+from edl6dof.spatial.table_index import catmull_rom, cell, held
 from edl6dof.spatial.vector import clamp
 
 
@@ -77,7 +76,7 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
     per_span = 1.0 / (top_of(reference) ** 2 - first2)
     edge = energy_speed - (reference.first + last * reference.spacing)
     here = (
-        smooth(reference.drag, NODES, last, edge / reference.spacing)
+        catmull_rom(reference.drag, NODES, last, edge / reference.spacing)
         if last < NODES - 1
         else reference.drag[last]
     )
@@ -136,15 +135,15 @@ def scaled(reference, scale, energy_speed, speed, along, drag, drag_rate):
     ``along`` is the gravity against the velocity, m/s2.
     """
     i, f = node_of(reference, energy_speed)
-    d = smooth(reference.drag, NODES, i, f)
+    d = catmull_rom(reference.drag, NODES, i, f)
     first2, top = reference.first * reference.first, top_of(reference)
     span = 0.5 * (top * top - first2)
     share = held(0.5 * (energy_speed * energy_speed - first2) / span)
     # by the energy: of the reference, whose rates belong to its own loss of energy, and of F
-    d_rate = smooth(reference.drag_rate, NODES, i, f)
+    d_rate = catmull_rom(reference.drag_rate, NODES, i, f)
     planned_rate, planned_acceleration = -speed * d, (d + along) * d - speed * d_rate
     slope = d_rate / planned_rate
-    bend = smooth(reference.drag_acceleration, NODES, i, f) - slope * planned_acceleration
+    bend = catmull_rom(reference.drag_acceleration, NODES, i, f) - slope * planned_acceleration
     bend /= planned_rate * planned_rate
     factor = 1.0 + scale * shape(share)
     factor_slope, factor_bend = scale * shape_slope(share) / span, scale * SHAPE_CURVATURE / (span * span)

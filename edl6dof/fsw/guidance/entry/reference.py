@@ -23,7 +23,7 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import acos, cos, sin
-from edl6dof.spatial.lookups import held_cell
+from edl6dof.spatial.table_index import held_cell
 from edl6dof.spatial.vector import clamp
 
 MAX_POINTS = 32

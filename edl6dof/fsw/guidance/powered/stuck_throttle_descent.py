@@ -22,8 +22,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.stopping import LEAST_DESCENT, stop_height
 from edl6dof.fsw.guidance.powered.terminal_descent import command_thrust, push_sideways
-from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
-from edl6dof.interface.thrusters import AXIAL
+from edl6dof.interface.effectors import AXIAL, ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
 
 

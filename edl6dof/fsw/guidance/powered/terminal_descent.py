@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.elementary import exp, tan

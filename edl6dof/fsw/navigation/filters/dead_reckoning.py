@@ -1,12 +1,10 @@
-"""Dead reckoning: the solution as inertial unit, star tracker and ground tracking give it, and how far it may
-be off.
+"""Dead reckoning: the solution by inertial unit, star tracker and ground tracking, with its covariance.
 
-Nothing corrects position and velocity.  The attitude is that of the star tracker while there is one.  The
+Nothing corrects position and velocity. The attitude is that of the star tracker while there is one. The
 covariance is that of 21 errors: position, velocity and attitude in I; bias of gyros and accelerometers, and
-the relative errors (scale factor and misalignment) of both, in B.  It goes on about once a second, with the
-change of velocity and roll angle of that time; instruments share their errors as a balanced set does, in
-which three of n carry the noise of one.
-Left out: relative errors of rotation about other axes than x of B.
+the relative errors (scale factor and misalignment) of both, in B. It is propagated about once a second, with
+the change of velocity and roll angle of that time; instruments share their errors as a balanced set does, in
+which three of n carry the noise of one. Left out: relative errors of rotation about other axes than x of B.
 
 Source: Zanetti, Advanced navigation algorithms for precision landing, thesis, The University of Texas at
 Austin (2007), dead reckoning of Mars entry; error equations as Titterton and Weston, Strapdown Inertial
@@ -20,9 +18,8 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.navigation.alignment import adopt_attitude
-from edl6dof.fsw.navigation.filters.kalman.claim import deviation
-from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
+from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
+from edl6dof.fsw.navigation.strapdown import adopt_attitude, gravity_I, turn_by
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
@@ -72,7 +69,7 @@ DEAD_RECKONING = np.dtype(
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Begin with what tracking, star tracker and instruments are believed to be off."""
+    """Start the covariance with the expected errors of tracking, star tracker and instruments."""
     P, known = memory.covariance, onboard.instruments
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     for i in range(ERRORS):
@@ -88,12 +85,12 @@ def start(params, onboard, sensed, solution, memory):
         P[FORCE_RELATIVE + i, FORCE_RELATIVE + i] = forces * known.accelerometer_scale**2
     memory.time = memory.age = memory.roll = memory.rate_gap = memory.force_gap = 0.0
     put3(memory.v_I, 0, take3(solution.v_I, 0))
-    tell_sigmas(onboard.planet, P, solution)
+    report_covariance(onboard.planet, P, solution)
 
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Take the attitude of the star tracker, and step the covariance when it is time."""
+    """Adopt the attitude of the star tracker, and propagate the covariance when it is time."""
     P = memory.covariance
     memory.time += motion.dt
     memory.roll += motion.angle[0]
@@ -110,13 +107,13 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
         _step(params.gravity, onboard, motion, solution, memory)
         if adopted:
             _forget(P, TURN, onboard.instruments.star_sigma**2)
-        tell_sigmas(onboard.planet, P, solution)
+        report_covariance(onboard.planet, P, solution)
 
 
 @kernel
 def _widen(P, first, sigma, known, dt, gap):
-    """Let three errors grow by ``sigma`` times the duration of a gap in which their rate is not known;
-    returns that duration.
+    """Add the variance of three errors in a gap in which their rate is not known (standard deviation
+    ``sigma``); returns the duration of the gap.
     """
     if known != 0:
         return 0.0
@@ -127,7 +124,7 @@ def _widen(P, first, sigma, known, dt, gap):
 
 @kernel
 def _forget(P, first, variance):
-    """Make three errors new ones, that no other is correlated with."""
+    """Reset three errors to a ``variance`` without correlations."""
     for i in range(first, first + 3):
         for j in range(ERRORS):
             P[i, j] = P[j, i] = 0.0
@@ -136,8 +133,8 @@ def _forget(P, first, variance):
 
 @kernel
 def _step(gravity, onboard, motion, solution, memory):
-    """Carry the covariance over the time since its last step; ``gravity``: standard deviation (m/s2) of the
-    model, whose error lasts.
+    """Propagate the covariance over the time since its last step; ``gravity``: standard deviation (m/s2) of
+    the model, whose error is constant.
     """
     P, known, time = memory.covariance, onboard.instruments, memory.time
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
@@ -186,7 +183,7 @@ def _carry(mu, r, q, gained, roll, time, P):
 
 
 @kernel
-def tell_sigmas(planet, P, solution):
+def report_covariance(planet, P, solution):
     """Write the standard deviations north, east and down of ``P`` into ``solution``."""
     s_lat, c_lat, s_lon, c_lon, _ = geodetic(
         planet.equatorial_radius, planet.flattening, take3(solution.r_I, 0)

@@ -12,13 +12,15 @@ Systems 3 (1966); weights: Karlgaard and Schaub, JGCD 30 (2007).
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
-from edl6dof.fsw.navigation.filters.kalman.beams import count_usable
-from edl6dof.fsw.navigation.filters.kalman.claim import apply_correction, claim
-from edl6dof.fsw.navigation.filters.kalman.process_noise import add_process_noise, mind_exclusions
-from edl6dof.fsw.navigation.filters.kalman.radar import look_at_radar
-from edl6dof.fsw.navigation.filters.kalman.stars import look_at_stars
-from edl6dof.fsw.navigation.filters.kalman.start import begin
+from edl6dof.fsw.navigation.filters.kalman.covariance import (
+    add_process_noise,
+    follow_exclusions,
+    report_covariance,
+    start_covariance,
+)
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction
+from edl6dof.fsw.navigation.filters.kalman.radar_update import update_by_radar
+from edl6dof.fsw.navigation.filters.kalman.star_update import update_by_stars
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE
 from edl6dof.fsw.navigation.filters.kalman.transition import (
     accumulate,
@@ -27,6 +29,8 @@ from edl6dof.fsw.navigation.filters.kalman.transition import (
     follow_slope,
     move_covariance,
 )
+from edl6dof.fsw.navigation.radar_beams import count_usable_beams
+from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import dot, scale, take3
@@ -102,41 +106,41 @@ class ErrorStateParams(Params):
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Begin with what ground tracking, star tracker and the sheets of the instruments promise."""
-    begin(params, onboard.instruments, solution, memory)
-    claim(onboard.planet, memory.covariance, solution)
+    """Start with the errors of ground tracking, star tracker and the data sheets of the instruments."""
+    start_covariance(params, onboard.instruments, solution, memory)
+    report_covariance(onboard.planet, memory.covariance, solution)
 
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Follow the motion; where it is time to, bring the covariance up to date and take in what star tracker
-    and radar say.
+    """Accumulate the motion; where it is time to, propagate the covariance and update with star tracker and
+    radar.
     """
     accumulate(params, motion, solution, memory)
     early = 0.5 * motion.dt
     stars = sensed.stars.valid != 0 and health.star_tracker != 0
     stars = stars and sensed.t - memory.stars_t > params.star_interval - early
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
-    echoes = count_usable(health, sensed.radar, onboard.instruments.n_beams)
+    echoes = count_usable_beams(health, sensed.radar, onboard.instruments.n_beams)
     radar = radar and echoes > 0
     if stars or radar or memory.interval.dt > params.covariance_interval - early:
         # one echo alone may be of something else
         _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory=memory)
         if stars:
-            look_at_stars(params, onboard, sensed, motion, solution, memory=memory)
+            update_by_stars(params, onboard, sensed, motion, solution, memory=memory)
         if radar:
-            look_at_radar(params, onboard, health, sensed, motion, solution=solution, memory=memory)
+            update_by_radar(params, onboard, health, sensed, motion, solution=solution, memory=memory)
         apply_correction(memory, solution)
-        claim(onboard.planet, memory.covariance, solution)
+        report_covariance(onboard.planet, memory.covariance, solution)
 
 
 @kernel
 def _carry_forward(params, onboard, health, ground_seen, solution, memory):
-    """Bring the covariance up to the time of the solution, and the height of the ground with it while the
-    radar sees it (``ground_seen``): the slope between the beams says nothing of ground that no beam has seen.
+    """Propagate the covariance to the time of the solution, and the height of the ground with it while the
+    radar sees it (``ground_seen``): the slope between the beams is not that of ground that no beam has seen.
     """
     planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
-    mind_exclusions(instruments, health, memory)
+    follow_exclusions(instruments, health, memory)
     fill_transition(planet.mu, r_I, memory.interval, memory.transition)
     move_covariance(memory.transition, memory.considered, memory.moved, memory.covariance)
     north, east, up, altitude = level_axes(planet, r_I, solution.t)

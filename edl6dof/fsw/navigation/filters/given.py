@@ -1,4 +1,4 @@
-"""No filter: navigation takes the word of ideal instruments.
+"""No filter: navigation copies the readings of ideal instruments.
 
 Source: none, this is the null member of the family.
 """
@@ -11,17 +11,17 @@ from edl6dof.registry import Member
 
 
 class GivenParams(Params):
-    """The state that ideal instruments tell."""
+    """The state measured by ideal instruments."""
 
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Nothing to start."""
+    """Start nothing."""
 
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Nothing to correct."""
+    """Correct nothing."""
 
 
 MEMBER = Member(

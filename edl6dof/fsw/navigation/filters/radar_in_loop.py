@@ -1,10 +1,10 @@
-"""Inertial solution with the radar in the loop: height and velocity become those that the radar shows, and
-follow them, projected with the attitude of the inertial unit, which nothing corrects.
+"""Inertial solution with the radar in the loop: height and velocity are drawn to those of the radar,
+projected with the attitude of the inertial unit, which nothing corrects.
 
-The radar is compared with the inertial solution first.  It comes into the loop when both have agreed for a
-while; and when they have contradicted each other for long, too, as without it there is no landing.  The
-height is the mean of the slant ranges times the cosine of each beam to the believed vertical.  Nobody asks
-whether that can be: with an attitude that is upside down the cosine, and the height, is negative.
+The radar is compared with the inertial solution first. It enters the loop when both have agreed for a while;
+and, too, when they have contradicted each other for long, as without it there is no landing. The height is
+the mean of the slant ranges times the cosine of each beam to the believed vertical. Its plausibility is not
+checked: with an attitude that is upside down the cosine, and the height, is negative.
 
 Source: the landing of Schiaparelli, T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA
 DG-I/2017/546/TTN (2017): consistency check of radar and inertial unit, time-out, projection of the ranges.
@@ -17,9 +17,13 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
-from edl6dof.fsw.navigation.filters.kalman.antenna import place_antenna
-from edl6dof.fsw.navigation.filters.kalman.beams import count_usable, locked_beams
+from edl6dof.fsw.navigation.radar_beams import (
+    count_usable_beams,
+    height_from_beams,
+    locked_beams,
+    place_antenna,
+    velocity_from_beams,
+)
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
@@ -59,11 +63,11 @@ class RadarInLoopParams(Params):
 RADAR_IN_LOOP = np.dtype(
     [
         ("started_t", "f8"),  # s, flight time
-        ("age", "f8"),  # s: since the last look at the radar
+        ("age", "f8"),  # s: since the last use of the radar
         ("begun", FLAG),  # whether there was an echo
-        ("seen", "f8"),  # s: for how long there have been echoes
-        ("agreed", "f8"),  # s: for how long radar and inertial solution have agreed on end
-        ("against", "f8"),  # s: for how long they have contradicted each other on end
+        ("seen", "f8"),  # s: duration of echoes
+        ("agreed", "f8"),  # s: duration of the present agreement of radar and inertial solution
+        ("against", "f8"),  # s: duration of their present contradiction
         ("in_loop", FLAG),
         ("forced", FLAG),  # by patience, against the comparison
     ],
@@ -73,41 +77,41 @@ RADAR_IN_LOOP = np.dtype(
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Nothing seen yet."""
+    """Start without any echo."""
     memory.started_t = solution.t
     memory.age = memory.seen = memory.agreed = memory.against = 0.0
     memory.begun = memory.in_loop = memory.forced = 0
-    _claim(onboard, solution, memory)
+    _report_covariance(onboard, solution, memory)
 
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Look at the radar where there are echoes: compare it, or follow it."""
+    """Compare the radar with the solution, or correct the solution by it, where there are echoes."""
     memory.age += motion.dt
     n_beams = onboard.instruments.n_beams
-    if sensed.radar.fresh == 0 or count_usable(health, sensed.radar, n_beams) == 0:
+    if sensed.radar.fresh == 0 or count_usable_beams(health, sensed.radar, n_beams) == 0:
         return
     dt = memory.age if memory.begun != 0 else 0.0
     memory.begun, memory.age, memory.seen = 1, 0.0, memory.seen + dt
     q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
-    at_antenna, moving = velocity_by_echoes(onboard.instruments, health, sensed.radar)
-    below = height_by_echoes(onboard.instruments, health, sensed.radar, to_frame(q, scale(-1.0, up)))
+    at_antenna, moving = velocity_from_beams(onboard.instruments, health, sensed.radar)
+    below = height_from_beams(onboard.instruments, health, sensed.radar, to_frame(q, scale(-1.0, up)))
     higher = below - height
     faster = sub(sub(from_frame(q, at_antenna), swing), velocity) if moving else (0.0, 0.0, 0.0)
     share = 1.0 - exp(-dt / params.lag)
     if memory.in_loop == 0 and memory.seen > params.settle:
         _compare(params, abs(higher), norm(faster), dt, memory)
-        share = 1.0  # what it shows is taken over as it comes into the loop
+        share = 1.0  # its values are adopted as it enters the loop
     if memory.in_loop != 0:
         put3(solution.r_I, 0, add(take3(solution.r_I, 0), scale(share * higher, up)))
         put3(solution.v_I, 0, add(take3(solution.v_I, 0), scale(share, faster)))
         solution.beams_used, solution.looked = locked_beams(sensed.radar, n_beams), 1
-    _claim(onboard, solution, memory)
+    _report_covariance(onboard, solution, memory)
 
 
 @kernel
 def _compare(params, height_off, speed_off, dt, memory):
-    """Bring the radar into the loop after it has agreed for a while, or after patience is over."""
+    """Bring the radar into the loop after it has agreed for a while, or when the patience is over."""
     if height_off < params.height_margin and speed_off < params.speed_margin:
         memory.agreed, memory.against = memory.agreed + dt, 0.0
     else:
@@ -118,8 +122,8 @@ def _compare(params, height_off, speed_off, dt, memory):
 
 
 @kernel
-def _claim(onboard, solution, memory):
-    """Fill the standard deviations: what dead reckoning leaves of the start, and in the loop those of the
+def _report_covariance(onboard, solution, memory):
+    """Fill the standard deviations: those of dead reckoning from the start, and in the loop those of the
     radar.
     """
     known, t = onboard.instruments, solution.t - memory.started_t

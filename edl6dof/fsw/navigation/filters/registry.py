@@ -3,9 +3,9 @@
 A member has two kernels.  ``start(params, onboard, sensed, solution, memory)`` runs once, when ground
 tracking and star tracker have started the ``solution`` (``SOLUTION``).  ``correct(params, onboard, health,
 sensed, motion, solution, memory)`` runs in every base cycle after the solution was propagated by ``motion``
-(``MOTION``), and corrects it by what ``sensed`` (``SENSED``) says of stars and radar, as far as ``health``
-(``INSTRUMENT_HEALTH``) trusts them; it also says how sure it is, and which
-beams it refused.  ``params`` and ``memory`` are its own.
+(``MOTION``), and corrects it by star tracker and radar of ``sensed`` (``SENSED``), as far as ``health``
+(``INSTRUMENT_HEALTH``) trusts them; it also writes its standard deviations, and
+the beams that it refused.  ``params`` and ``memory`` are its own.
 ``reads`` names the fields of the sensed record that a member cannot do without.
 """
 
@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import group
-from edl6dof.fsw.navigation.beam_watch import BeamWatchParams
 from edl6dof.fsw.navigation.drag_filter import DragFilterParams
+from edl6dof.fsw.navigation.exclusions import BeamWatchParams, StarWatchParams
 from edl6dof.fsw.navigation.filters import (
     dead_reckoning,
     error_state,
@@ -23,11 +23,10 @@ from edl6dof.fsw.navigation.filters import (
     radar_in_loop,
     two_filter,
 )
-from edl6dof.fsw.navigation.guard import GuardParams
-from edl6dof.fsw.navigation.parity import ParityParams
+from edl6dof.fsw.navigation.integrity import GuardParams
+from edl6dof.fsw.navigation.parity_test import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.saturation import SaturationParams
-from edl6dof.fsw.navigation.star_watch import StarWatchParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
@@ -35,7 +34,7 @@ NAVIGATION_FILTERS = Family(
     (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER, two_filter.MEMBER, radar_in_loop.MEMBER),
 )
 
-#: Index of the member that takes the word of ideal instruments.
+#: Index of the member that copies ideal instruments.
 GIVEN = NAVIGATION_FILTERS.names.index("given")
 
 _Filters: Any = NAVIGATION_FILTERS.params_model("Filters", "filter", "given", "Navigation.")

@@ -1,8 +1,9 @@
-"""Two filters side by side, as on the Mars Science Laboratory: velocity by least squares over the beams, with
-data editing, and height as the mean of buffered beam heights; each corrects the solution once it converged.
+"""Two independent filters, as on the Mars Science Laboratory: velocity by least squares over the beams, with
+data editing, and height as the mean of buffered beam heights; each corrects the solution once it has
+converged.
 
-The velocity filter fits errors of velocity and acceleration (6 states) to the speeds along the beams, older
-ones counting less.  Position and attitude stay those of the inertial unit.
+The velocity filter fits errors of velocity and acceleration (6 states) to the speeds along the beams, with
+fading weights. Position and attitude stay those of the inertial unit.
 
 Source: C. W. Chen and B. D. Pollard, "Radar terminal descent sensor performance during Mars Science
 Laboratory landing", Journal of Spacecraft and Rockets 51 (2014); the fit: Bierman, Factorization Methods for
@@ -16,21 +17,23 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.navigation.filters.kalman.antenna import (
+from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
+    apply_gain,
+    explained_by,
+    optimal_gain,
+    predicted_variance,
+)
+from edl6dof.fsw.navigation.filters.kalman.outlier_test import median
+from edl6dof.fsw.navigation.radar_beams import (
     STEEPEST,
+    beam_usable,
+    count_usable_beams,
     expected_range,
-    level_axes,
+    locked_beams,
     place_antenna,
 )
-from edl6dof.fsw.navigation.filters.kalman.beams import count_usable, locked_beams, usable
-from edl6dof.fsw.navigation.filters.kalman.claim import deviation
-from edl6dof.fsw.navigation.filters.kalman.gate import median
-from edl6dof.fsw.navigation.filters.kalman.scalar_update import (
-    expected_by,
-    fold_in,
-    predicted_variance,
-    weigh,
-)
+from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
@@ -48,7 +51,7 @@ TWO_FILTER = np.dtype(
         ("covariance", "f8", (6, 6)),
         ("correction", "f8", (6,)),
         ("converged", FLAG),  # whether velocity is corrected
-        ("age", "f8"),  # s: since the last look at the radar
+        ("age", "f8"),  # s: since the last use of the radar
         ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
         ("heights", COUNT),  # how many have come yet
         ("started_t", "f8"),  # s, flight time
@@ -57,7 +60,7 @@ TWO_FILTER = np.dtype(
         ("row", "f8", (6,)),
         ("product", "f8", (6,)),
         ("gain", "f8", (6,)),
-        ("look", "f8", (MAX_BEAMS,)),
+        ("beam_errors", "f8", (MAX_BEAMS,)),
         ("ordered", "f8", (MAX_BEAMS,)),
     ],
     align=True,
@@ -86,7 +89,7 @@ class TwoFilterParams(Params):
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Nothing fitted yet."""
+    """Start both filters empty."""
     for i in range(6):
         memory.correction[i] = 0.0
         for j in range(6):
@@ -96,16 +99,16 @@ def start(params, onboard, sensed, solution, memory):
         memory.covariance[3 + i, 3 + i] = params.acceleration_sigma**2
     memory.converged, memory.heights, memory.age = 0, 0, 0.0
     memory.started_t = solution.t
-    _claim(params, onboard, solution, memory)
+    _report_covariance(params, onboard, solution, memory)
 
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Take a look at the radar where it is time to, and correct what has converged."""
+    """Process a radar measurement when it is time to, and correct the quantities that have converged."""
     memory.age += motion.dt
     due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
     n_beams = onboard.instruments.n_beams
-    if due and count_usable(health, sensed.radar, n_beams) > 0:
+    if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
         _carry_forward(params, memory)
         q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
         speeds = _fit_speeds(
@@ -135,13 +138,13 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
         solution.looked = 1
         _correct_velocity(params, solution, memory)
         _correct_height(params, solution, memory)
-        _claim(params, onboard, solution, memory)
+        _report_covariance(params, onboard, solution, memory)
 
 
 @kernel
 def _carry_forward(params, memory):
-    """Bring the fit up to the time of a look: the velocity error grows by that of the acceleration, and what
-    was known fades.
+    """Propagate the fit to the time of a measurement: the velocity error grows by that of the acceleration,
+    and the information fades.
     """
     P, T = memory.covariance, memory.age
     fade = exp(min(T / params.window, 2.0))
@@ -161,23 +164,23 @@ def _carry_forward(params, memory):
 
 @kernel
 def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
-    """Take in the speeds whose residuals are not too large; a bit for each."""
+    """Update with the speeds whose residuals are not too large; returns a bit for each."""
     instruments, used, row = onboard.instruments, 0, memory.row
     put3(row, 3, (0.0, 0.0, 0.0))
     for beam in range(instruments.n_beams):
         solution.speed_innovation[beam] = 0.0
-        if usable(health.beam_speed, radar, beam):
+        if beam_usable(health.beam_speed, radar, beam):
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
             speed = dot(u, velocity)
             put3(row, 0, u)
             own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
             variance = own**2
             variance += predicted_variance(memory.covariance, memory.considered, row, memory.product)
-            residual = radar.speed[beam] - speed - expected_by(row, memory.correction)
+            residual = radar.speed[beam] - speed - explained_by(row, memory.correction)
             solution.speed_innovation[beam] = residual / sqrt(variance)
             if residual**2 <= params.edit**2 * variance:
-                weigh(memory.product, variance, memory.gain)
-                fold_in(
+                optimal_gain(memory.product, variance, memory.gain)
+                apply_gain(
                     memory.covariance,
                     memory.product,
                     memory.gain,
@@ -192,21 +195,21 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
 @kernel
 def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solution, memory):
     """Put the heights of the beams whose speed was used (bits ``speeds``) and that agree with their median
-    into the buffer; a bit for each.
+    into the buffer; returns a bit for each.
     """
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
     used, count = 0, 0
     for step in range(2):  # the median first
-        common = median(memory.look, count, memory.ordered) if count > 0 else 0.0
+        common = median(memory.beam_errors, count, memory.ordered) if count > 0 else 0.0
         for beam in range(instruments.n_beams):
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
-            sound = speeds >> beam & 1 and usable(health.beam_range, radar, beam)
+            sound = speeds >> beam & 1 and beam_usable(health.beam_range, radar, beam)
             if sound and -dot(u, up) > STEEPEST:
                 reach, slope, _ = expected_range(u, up, up, height, radius)
                 error = (reach - radar.range[beam]) * slope
                 sigma = slope * (instruments.range_sigma + instruments.range_sigma_relative * abs(reach))
                 if step == 0:
-                    memory.look[count] = error
+                    memory.beam_errors[count] = error
                     count += 1
                 elif abs(error - common) <= params.edit * 1.5 * sigma:
                     memory.height_error[memory.heights % params.heights] = error
@@ -218,8 +221,8 @@ def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solut
 
 @kernel
 def _correct_velocity(params, solution, memory):
-    """Take the velocity error out of the solution once it is known well enough; that of the acceleration goes
-    on to be expected.
+    """Take the velocity error out of the solution once it is known well enough; the acceleration error is
+    kept for the prediction.
     """
     worst = max(memory.covariance[0, 0], memory.covariance[1, 1], memory.covariance[2, 2])
     if worst < params.converged**2:
@@ -243,9 +246,9 @@ def _correct_height(params, solution, memory):
 
 
 @kernel
-def _claim(params, onboard, solution, memory):
-    """Fill the standard deviations of the solution: of the fit and the mean, and what dead reckoning leaves
-    of the start.
+def _report_covariance(params, onboard, solution, memory):
+    """Fill the standard deviations of the solution: of the fit and the mean, and those of dead reckoning from
+    the start.
     """
     instruments, t = onboard.instruments, solution.t - memory.started_t
     r_I = take3(solution.r_I, 0)

@@ -13,8 +13,7 @@ from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, HazardParams
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
-from edl6dof.interface.eyes import look
-from edl6dof.interface.sensed import SENSED
+from edl6dof.interface.sensed import SENSED, cell_direction
 
 TANGENT, EYE = np.tan(np.radians(14.0)), np.array([-0.5, 0.6, 0.0])
 SITE = np.array([5.0, -3.0])
@@ -33,7 +32,7 @@ class Lander:
         fill(self.onboard["hazard"], HazardParams(detection=detection))
         self.onboard["site"]["frame"]["cos_lat"] = self.onboard["site"]["frame"]["cos_lon"] = 1.0
         self.onboard["vehicle"]["configuration"]["centre"] = (-0.9, 0.0, 0.0)
-        eye = self.onboard["instruments"]["eyes"]["lidar"]
+        eye = self.onboard["instruments"]["imagers"]["lidar"]
         eye["place"], eye["tangent"], eye["sigma"] = EYE, TANGENT, 0.03
         terminal = self.onboard["guidance"]["powered"]["terminal"]
         terminal["lateral_speed"], terminal["avoidance_rate"], terminal["avoidance_height"] = 2.0, 3.3, 20.0
@@ -71,7 +70,7 @@ class Lander:
         self.t += 0.02
         north, east, down = VELOCITY
         self.place += 0.02 * np.array([east, north, -down])
-        return int(command["expose"]), int(command["scan"])
+        return int(command["camera_trigger"]), int(command["scan"])
 
     def shoot(self, axes):
         """The next block of rows: ray against ground by bisection."""
@@ -80,7 +79,7 @@ class Lander:
         lidar["fresh"] = 1
         eye = self.place + (EYE - (-0.9, 0.0, 0.0)) @ axes
         cells = [(lidar["row"] + i, j) for i in range(SCAN_BLOCK) for j in range(SCAN_COLUMNS)]
-        rays = np.array([look(TANGENT, SCAN_COLUMNS, i, j) for i, j in cells]) @ axes
+        rays = np.array([cell_direction(TANGENT, SCAN_COLUMNS, i, j) for i, j in cells]) @ axes
         near, far = np.full(len(rays), 60.0), np.full(len(rays), 160.0)
         for _ in range(24):
             middle = 0.5 * (near + far)
@@ -118,7 +117,7 @@ def test_pair_of_images_weighs_by_variance_against_a_lidar_of_at_least_a_millime
     """Points of 2 mm beside a lidar without noise weigh (1/2)^2, those of 0.5 mm hardly less than its own."""
     for sigma, weight in ((2e-3, 0.25), (0.5e-3, 1.001**-2)):
         lander = Lander()
-        eyes, stereo = lander.onboard["instruments"]["eyes"], lander.sensed["stereo"]
+        eyes, stereo = lander.onboard["instruments"]["imagers"], lander.sensed["stereo"]
         eyes["lidar"]["sigma"] = 0.0
         eyes["stereo"]["place"], eyes["stereo"]["tangent"], eyes["stereo"]["sigma"] = EYE, TANGENT, sigma
         lander.step()
@@ -174,7 +173,7 @@ def test_without_a_return_the_point_below_is_taken():
 
 def test_image_is_asked_for_once_and_sets_the_coarse_point():
     lander = Lander()
-    lander.onboard["instruments"]["eyes"]["camera"]["tangent"] = 0.5
+    lander.onboard["instruments"]["imagers"]["camera"]["tangent"] = 0.5
     lander.fsw["nav"]["v_N"] = (0.0, 0.0, 60.0)
     assert [lander.step(G_POWERED, 0.0)[0] for _ in range(3)] == [1, 0, 0]
     camera = lander.sensed["camera"]

@@ -24,7 +24,7 @@ from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, sin
-from edl6dof.spatial.lookups import between, held_cell
+from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import clamp
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG
-from edl6dof.spatial.lookups import cell
+from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import put3, take3
 
 #: Controls of a plan, each held constant.

@@ -1,1 +1,1 @@
-"""The parts of the error-state Kalman filter; scalar updates and antenna serve other filters too."""
+"""Parts of the error-state Kalman filter; other filters share the measurement update and outlier test."""

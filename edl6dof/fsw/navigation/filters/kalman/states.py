@@ -1,9 +1,9 @@
-"""The error state, what is considered beside it, and what the filter remembers.
+"""State vector, considered errors and memory of the error-state filter.
 
-The error is what the solution lacks: truth = solution + error, and for the attitude C_true = (1 + [psi x]) C
-with C from B to I, psi in I.  The covariance is kept as one array of the states against the states and
-against the considered errors: constants of the instruments, which all readings share, and which the filter
-does not estimate but does not forget either.
+The error is truth less solution: truth = solution + error, and for the attitude C_true = (1 + [psi x]) C with
+C from B to I, psi in I. The covariance is one array of the states against the states and the considered
+errors: constants of the instruments, which all readings share; the filter allows for them but does not
+estimate them.
 
 Source: S. F. Schmidt, "Application of state-space methods to navigation problems", Advances in Control
 Systems 3 (1966); Farrell, Aided Navigation (2008), chapter 11.
@@ -21,16 +21,16 @@ from edl6dof.records import COUNT, FLAG, whole
 POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN, SLOPE = 0, 3, 6, 9, 12, 15, 16
 STATES = 18
 #: First place of the considered errors.  Scale and misalignment: what a rate of one about each axis of B in
-#: turn adds to the measured one, B; likewise of the specific force.  Bias of the star tracker (rad, B).
+#: turn adds to the measured one, B; the same for the specific force.  Bias of the star tracker (rad, B).
 #: Scale of the range of each beam, and of its speed; bias of its range (m).
 GYRO_SCALE, ACCELEROMETER_SCALE = STATES, STATES + 9
 STAR_BIAS, RANGE_SCALE = STATES + 18, STATES + 21
 SPEED_SCALE, RANGE_BIAS = RANGE_SCALE + MAX_BEAMS, RANGE_SCALE + 2 * MAX_BEAMS
 WIDTH = RANGE_BIAS + MAX_BEAMS
-#: How many of the states move within an interval, and how many errors may act on them: the first of each.
+#: Number of states that change within an interval, and of errors that may act on them: the first of each.
 MOVING, ACTING = 9, STAR_BIAS
 
-#: What moved since the covariance was last brought up to date.
+#: Integrals since the last propagation of the covariance.
 INTERVAL = np.dtype(
     [
         ("dt", "f8"),  # s
@@ -40,8 +40,8 @@ INTERVAL = np.dtype(
         # of that matrix times the rate about each axis of B in turn (rad), and times the force (m/s)
         ("turned", "f8", (3, 3, 3)),
         ("pushed", "f8", (3, 3, 3)),
-        ("unknown_turn", "f8"),  # rad2: variance of a turn that no gyro followed, about each axis
-        ("unknown_gain", "f8"),  # m2/s2: likewise of the velocity
+        ("unknown_turn", "f8"),  # rad2: variance about each axis of a rotation that no gyro measured
+        ("unknown_gain", "f8"),  # m2/s2: variance of a velocity gain that no accelerometer measured
     ],
     align=True,
 )

@@ -1,11 +1,11 @@
-"""How the error state moves between updates: position, velocity, gravity gradient, the specific force that a
-wrong attitude turns, biases, scale and misalignment of the instruments.
+"""Propagation of the error covariance between updates: position, velocity, gravity gradient, the specific
+force turned by a wrong attitude, biases, scale and misalignment of the instruments.
 
 Over an interval the specific force and the attitude enter through their integrals alone, which are summed in
-every base cycle, so that the covariance may follow at a low rate.
+every base cycle, so that the covariance may be propagated at a low rate.
 
-Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), 12.3; Farrell, Aided
-Navigation (2008), 11.4.
+Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), 12.3; Farrell, Aided Navigation
+(2008), 11.4.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
 
 @kernel
 def accumulate(params, motion, solution, memory):
-    """Take the cycle of ``motion`` into ``memory.interval``."""
+    """Add the cycle of ``motion`` to the integrals of ``memory.interval``."""
     interval, dt = memory.interval, motion.dt
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     gained, before = from_frame(q, take3(motion.gain, 0)), take3(interval.gain, 0)
@@ -51,15 +51,15 @@ def accumulate(params, motion, solution, memory):
     # an error that lasts: its variance grows with the square of the time
     memory.unknown_rate_time = 0.0 if motion.rate_known != 0 else memory.unknown_rate_time + dt
     interval.unknown_turn += params.unknown_rate**2 * 2.0 * memory.unknown_rate_time * dt
-    interval.unknown_turn += solution.turned_anew
-    solution.turned_anew = 0.0
+    interval.unknown_turn += solution.new_attitude_variance
+    solution.new_attitude_variance = 0.0
     memory.unknown_force_time = 0.0 if motion.force_known != 0 else memory.unknown_force_time + dt
     interval.unknown_gain += params.unknown_force**2 * 2.0 * memory.unknown_force_time * dt
 
 
 @kernel
 def begin_interval(interval):
-    """Nothing has moved yet."""
+    """Set the integrals to zero."""
     interval.dt, interval.unknown_turn, interval.unknown_gain = 0.0, 0.0, 0.0
     for i in range(3):
         interval.gain[i] = 0.0
@@ -82,7 +82,7 @@ def _turned(transition, to, of, v, factor):
 
 @kernel
 def fill_transition(mu, r_I, interval, transition):
-    """Write the rows of the moving states of the transition matrix of an ``interval``.
+    """Write the rows of the changing states of the transition matrix of an ``interval``.
 
     To second order in its length, with the mean of attitude and force over it where they meet each other.
     """
@@ -113,8 +113,8 @@ def fill_transition(mu, r_I, interval, transition):
 
 @kernel
 def _act_on_attitude(turned, gain, path, of, transition):
-    """Write what a wrong turn, less ``turned`` times three errors from place ``of``, does to attitude,
-    velocity and position.
+    """Write the effect of a rotation error, minus ``turned`` times three errors from place ``of``, on
+    attitude, velocity and position.
     """
     for j in range(3):
         column = (turned[0, j], turned[1, j], turned[2, j])
@@ -125,8 +125,8 @@ def _act_on_attitude(turned, gain, path, of, transition):
 
 @kernel
 def _act_on_velocity(pushed, dt, of, transition):
-    """Write what a wrong gain, less ``pushed`` times three errors from place ``of``, does to velocity and
-    position.
+    """Write the effect of a velocity error, minus ``pushed`` times three errors from place ``of``, on
+    velocity and position.
     """
     for i in range(3):
         for j in range(3):
@@ -142,7 +142,9 @@ def _put_column(a, row, column, v):
 
 @kernel
 def move_covariance(transition, considered, moved, covariance):
-    """Covariance after the transition: F P F', of which only the rows of the moving states differ from P."""
+    """Covariance after the transition: F P F', in which only the rows of the changing states differ
+    from P.
+    """
     for i in range(MOVING):
         for k in range(WIDTH):
             moved[i, k] = 0.0
@@ -171,8 +173,8 @@ def move_covariance(transition, considered, moved, covariance):
 
 @kernel
 def follow_slope(north, east, solution, covariance):
-    """Bring the height of the ground, and its covariance, from the ground below to that some metres ``north``
-    and ``east`` of it.
+    """Move the height of the ground, and its covariance, from the ground below to a point some metres
+    ``north`` and ``east`` of it.
     """
     solution.terrain += solution.slope[0] * north + solution.slope[1] * east
     for j in range(WIDTH):

@@ -1,0 +1,381 @@
+"""Evidence of the flow meters of the propellant branches for faults of each thruster.
+
+A thruster i that was to fire for the share e of a cycle lets the flow e f_i through its branch. The reading
+of a meter less the expected flow of the branch is
+
+    - L e f_i         it lets the fraction L less through than it should (L = 1: stuck off)
+    + (1 - e) f_i     its valve stays open
+
+whatever air, riser and engine do to the vehicle, and for as long as the fault lasts. The errors of a meter
+are known, so the evidence is the plain log likelihood ratio against "healthy": a running sum that never falls
+below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss. A
+cycle with another loss than those before it restarts the regression: the fault is younger than they are. Flow
+missing while several thrusters of a branch fire makes each of them doubtful; each is then tested alone.
+
+A loss that all branches show is the propellant's and no thruster's: only the excess over it counts. So before
+a thruster is called degraded, other branches have to be seen in use since the first sign of it; one without
+flow is dead, whatever the others do.
+
+A meter that has failed shows a loss in every thruster of its branch, so the others are fired too. Only its
+readings of them count, after the loss has shown in two cycles: the flow of the cycle in which a meter or a
+thruster fails is a fraction of the expected one, and a reading that stands still is the flow of whichever
+fires. A meter that reads their flow works; if they show the same loss, the meter or the latch valve has
+failed. The thrusters of the branch are then tested alone until force and torque distinguish the two, and stay
+in use until then. No valve makes a meter read a negative flow, or at rest less than an open valve lets
+through: a meter that does has failed, and while it is suspected, its readings give no loss.
+
+Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
+torque alone.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.config.units import G0
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
+from edl6dof.kernels import kernel
+from edl6dof.records import COUNT, FLAG, whole
+
+LEAST_USE = 0.1  # share of a cycle from which a prediction counts
+LARGEST = 200.0  # evidence beyond which nothing changes any more
+MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone is not enough
+STEADY = 0.15  # losses of two cycles that differ by less are one loss, if their noise allows
+POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a branch
+ALONE = 0.1  # flow of others in the branch, over its own, up to which a loss is a thruster's own
+DOUBT = 4.0  # standard deviations of a meter from which something is missing
+LEAST_CYCLES = 2  # of use before a loss is confirmed: the fault may have begun within the first
+SURE = 900.0  # inverse variance of the loss of a branch from which it counts: good for 3 %
+LEAST_BRANCHES = 3  # branches that must show a loss before it is the propellant's
+METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
+LEAST_OPEN = 0.5  # of the flow of the smallest thruster of a branch, which an open valve lets through
+MOST_UNEXPLAINED = 3  # cycles of rest in a row with less than that, after which the meter has failed
+NONE = -1
+#: Reading of a meter of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
+#: the same loss.
+UNCHECKED, CONFIRMED, CONTRADICTED = range(3)
+LEAST_CHECK_FLOW = 0.15  # flow of the others, over the full flow of the branch, from which that is known
+SHARED = 0.6  # of its loss, from which the others show the same loss
+
+
+class FlowParams(Params):
+    """Evidence of the flow meters."""
+
+    model_error: float = param(
+        0.03,
+        "fraction by which the believed flow of a thruster may be wrong within a cycle, valve times among it",
+        status="estimate",
+        ge=0.0,
+        le=1.0,
+    )
+    loss_least: float = param(
+        0.12, "fraction of flow lost from which a thruster is named", status="estimate", gt=0.0, le=1.0
+    )
+    common_least: float = param(
+        0.03, "loss in all branches from which it is the propellant's", status="estimate", gt=0.0, le=1.0
+    )
+
+
+#: Sums over cycles: residual times prediction and prediction squared, weighted; number of cycles.
+LOSS = np.dtype([("cross", "f8"), ("own", "f8"), ("cycles", COUNT)], align=True)
+
+FLOW = np.dtype(
+    [
+        ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
+        ("started", FLAG),
+        ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
+        ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
+        ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
+        ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
+        # loss of each branch, since the first sign of a loss if there is one
+        ("pool", LOSS, (MAX_BRANCHES,)),
+        ("seen", COUNT),  # branches in use since then
+        ("suspecting", FLAG),  # whether there is one
+        ("common", "f8"),  # loss of all branches
+        ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+        ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
+        # reading of the others since a thruster of its branch shows a loss
+        ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
+        ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
+        ("meter_failed", FLAG, (MAX_BRANCHES,)),
+        ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
+        ("off", LOSS, (MAX_THRUSTERS,)),
+        ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
+        # whether something was missing while others of its branch fired, or its meter may have failed
+        ("doubtful", FLAG, (MAX_THRUSTERS,)),
+    ],
+    align=True,
+)
+
+
+@kernel
+def full_flow(thruster):
+    """Propellant flow at full thrust, kg/s."""
+    return thruster.thrust / (thruster.specific_impulse * G0)
+
+
+@kernel
+def is_read(metered, b, memory):
+    """Test whether branch ``b`` has a meter that is trusted."""
+    return metered and memory.meter_failed[b] == 0
+
+
+@kernel
+def forget_loss(loss):
+    """Reset a loss."""
+    loss.cross = loss.own = 0.0
+    loss.cycles = 0
+
+
+@kernel
+def read_meters(params, instruments, vehicle, used, share, dt, memory):
+    """Residual and weight of each branch for the measured cycle; returns whether there was one before it.
+
+    Args:
+        params: flow record.
+        instruments: ``INSTRUMENTS`` record (errors of the meters).
+        vehicle: believed vehicle (thrusters, branches).
+        used: counts of the meters, kg, of the end of the measured cycle.
+        share: share of that cycle in which each thruster should have given thrust.
+        dt: control cycle, s.
+        memory: ``FLOW`` record, updated.
+    """
+    branches = vehicle.branches
+    idle = instruments.flow_noise_share**2 / dt + instruments.flow_bias_share**2
+    running = instruments.flow_scale_sigma**2 + params.model_error**2
+    for b in range(branches.count):
+        memory.residual[b] = (used[b] - memory.used[b]) / dt
+        memory.used[b] = used[b]
+        memory.expected[b] = 0.0
+    for i in range(vehicle.n_thrusters):
+        memory.expected[branches.of[i]] += (
+            share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
+        )
+    for b in range(branches.count):
+        expected, full = memory.expected[b], branches.full_flow[b]
+        memory.weight[b] = 1.0 / (idle * full * full + running * expected * expected)
+        memory.residual[b] -= expected
+    monitor_rest(vehicle, memory)
+    started = memory.started != 0
+    memory.started = 1
+    return started
+
+
+@kernel
+def monitor_rest(vehicle, memory):
+    """Count for each meter the cycles of rest in a row, in which no thruster of its branch was to fire, with
+    a flow that is less than an open valve lets through.
+    """
+    for b in range(vehicle.branches.count):
+        if memory.expected[b] > 0.0:
+            continue
+        flow = memory.residual[b]
+        unexplained_rest = is_impossible(b, flow, memory) and flow < LEAST_OPEN * least_flow(vehicle, b)
+        memory.unexplained_rest[b] = memory.unexplained_rest[b] + 1 if unexplained_rest else 0
+
+
+@kernel
+def least_flow(vehicle, b):
+    """Flow of the smallest thruster of branch ``b``, kg/s."""
+    least = vehicle.branches.full_flow[b]
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            least = min(least, full_flow(vehicle.thrusters[i]))
+    return least
+
+
+@kernel
+def impossible_meter(metered, branches, memory):
+    """First branch whose trusted meter reads a negative flow, or for some cycles one that no valve explains;
+    ``NONE`` if there is none.
+    """
+    for b in range(branches.count):
+        flow = memory.residual[b] + memory.expected[b]
+        backwards = flow < 0.0 and is_impossible(b, flow, memory)
+        if is_read(metered, b, memory) and (backwards or memory.unexplained_rest[b] >= MOST_UNEXPLAINED):
+            return b
+    return NONE
+
+
+@kernel
+def is_impossible(b, flow, memory):
+    """Test whether ``flow`` (kg/s) exceeds any error of the meter of branch ``b`` at zero flow."""
+    return flow * flow * memory.weight[b] > METER_ERROR * METER_ERROR
+
+
+@kernel
+def find_common_loss(params, branches, memory):
+    """Find the loss that all branches in use share."""
+    memory.seen, least = 0, 1.0
+    for b in range(branches.count):
+        pool, expected = memory.pool[b], memory.expected[b]
+        if memory.meter_failed[b] == 0 and expected > 0.0:
+            pool.cross = POOLED * pool.cross - expected * memory.residual[b] * memory.weight[b]
+            pool.own = POOLED * pool.own + expected * expected * memory.weight[b]
+            pool.cycles += 1
+        if pool.own > SURE:
+            memory.seen += 1
+            least = min(least, pool.cross / pool.own)
+    if memory.seen >= min(LEAST_BRANCHES, branches.count):
+        memory.common = least if least > params.common_least else 0.0
+
+
+@kernel
+def restart_pools(count, branches, memory):
+    """Restart the losses of the branches at the first sign of a loss."""
+    signs = 0
+    for i in range(count):
+        signs += memory.off[i].cycles
+    if signs > 0 and memory.suspecting == 0:
+        for b in range(branches.count):
+            forget_loss(memory.pool[b])
+        memory.seen = 0
+    memory.suspecting = 1 if signs > 0 else 0
+
+
+@kernel
+def cross_check(params, vehicle, share, memory):
+    """Record each meter's reading of the other thrusters once one of its branch shows a loss, and request
+    their firing until it has been read.
+    """
+    of, count = vehicle.branches.of, vehicle.n_thrusters
+    for i in range(count):
+        memory.test_requested[i] = 0
+    for b in range(vehicle.branches.count):
+        most, least = 0, LEAST_CHECK_FLOW * vehicle.branches.full_flow[b]
+        for i in range(count if memory.suspecting != 0 else 0):
+            if of[i] == b:
+                most = max(most, memory.off[i].cycles)
+        memory.shows_loss[b] = 1 if most > 0 else 0
+        if most < LEAST_CYCLES:
+            memory.meter_check[b] = UNCHECKED
+            continue
+        for i in range(count):
+            if of[i] == b and memory.off[i].cycles >= LEAST_CYCLES:
+                loss = memory.off[i].cross / memory.off[i].own
+                given = share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
+                others = memory.expected[b] - given
+                lost = -memory.residual[b] - memory.common * others
+                shared = SHARED * (loss - memory.common) * others
+                # a fault that began within a pulse shows too small a loss at first: the others are impeached
+                # only by what the thruster does not explain even if it lets nothing through
+                if others > least and lost - given > shared:
+                    memory.meter_check[b] = CONTRADICTED
+                elif others > least and lost - loss * given <= shared:
+                    memory.meter_check[b] = CONFIRMED
+        for i in range(count):
+            if of[i] == b:
+                asked = memory.meter_check[b] == UNCHECKED and memory.off[i].cycles == 0
+                memory.test_requested[i] = 1 if asked else 0
+                memory.doubtful[i] = 1 if memory.meter_check[b] == CONTRADICTED else memory.doubtful[i]
+
+
+@kernel
+def is_waiting(branches, memory):
+    """Test whether a loss is suspected and too few branches have been in use to attribute it."""
+    return memory.suspecting != 0 and memory.seen < min(LEAST_BRANCHES, branches.count)
+
+
+@kernel
+def fires_alone(expected, given):
+    """Test whether nearly all of the ``expected`` flow of a branch is that of the thruster which is to let
+    ``given`` through.
+    """
+    return expected - given < ALONE * given
+
+
+@kernel
+def add_loss_cycle(params, residual, prediction, weight, keep, common, loss):
+    """Add to its loss a cycle in which a healthy thruster would let ``-prediction`` (kg/s) through."""
+    cross, own = residual * prediction * weight, prediction * prediction * weight
+    now = cross / own
+    before = loss.cross / loss.own if loss.cycles > 0 else now
+    if now - common < params.loss_least:
+        forget_loss(loss)
+        return
+    if abs(now - before) > max(STEADY, 3.0 / sqrt(own)):
+        forget_loss(loss)
+    loss.cross = keep * loss.cross + cross
+    loss.own = keep * loss.own + own
+    loss.cycles += 1
+
+
+@kernel
+def update_flow_evidence(params, keep, vehicle, share, closed, memory):
+    """Add one cycle to the evidence for every thruster whose meter is trusted and whose branch is open.
+
+    Args:
+        params: flow record.
+        keep: what a cycle leaves of those before it.
+        vehicle: believed vehicle (thrusters, branches).
+        share: share of the measured cycle in which each thruster should have given thrust.
+        closed: branches whose latch valve is closed.
+        memory: ``FLOW`` record, updated.
+    """
+    find_common_loss(params, vehicle.branches, memory)
+    for i in range(vehicle.n_thrusters):
+        b = vehicle.branches.of[i]
+        if memory.meter_failed[b] != 0 or closed[b] != 0:
+            memory.on[i] = 0.0
+            forget_loss(memory.off[i])
+            continue
+        residual, weight, flow = memory.residual[b], memory.weight[b], full_flow(vehicle.thrusters[i])
+        if share[i] > LEAST_USE:
+            given = share[i] * (1.0 - memory.known_loss[i]) * flow
+            if fires_alone(memory.expected[b], given):
+                add_loss_cycle(
+                    params,
+                    residual,
+                    prediction=-given,
+                    weight=weight,
+                    keep=keep,
+                    common=memory.common,
+                    loss=memory.off[i],
+                )
+                memory.doubtful[i] = 0
+            elif (
+                -residual > (params.loss_least + memory.common) * given
+                and residual * residual * weight > DOUBT * DOUBT
+            ):
+                memory.doubtful[i] = 1
+        idle = (1.0 - share[i]) * flow
+        gained = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
+        memory.on[i] = min(max(memory.on[i] + gained, 0.0), LARGEST)
+    restart_pools(vehicle.n_thrusters, vehicle.branches, memory)
+    cross_check(params, vehicle, share, memory)
+
+
+@kernel
+def forget_branch(vehicle, named, memory):
+    """Reset the flow evidence of a branch: it was about the thruster now ``named``. A loss that another
+    showed when it fired alone is its own.
+    """
+    b = vehicle.branches.of[named]
+    memory.meter_check[b] = UNCHECKED
+    forget_loss(memory.off[named])
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            memory.on[i] = 0.0
+            memory.doubtful[i] = 0
+
+
+@kernel
+def needs_trial(i, memory):
+    """Test whether thruster ``i`` has to be tested alone before a loss can be confirmed or refuted."""
+    return memory.doubtful[i] != 0 or 0 < memory.off[i].cycles < LEAST_CYCLES
+
+
+@kernel
+def confirmed_loss(params, common, loss):
+    """Fraction of flow lost beyond the ``common`` loss and the evidence for it; zeros before enough cycles
+    confirm it, and for too small a one.
+    """
+    if loss.cycles < LEAST_CYCLES:
+        return 0.0, 0.0
+    beyond = min(loss.cross / loss.own, 1.0) - common
+    if beyond < params.loss_least:
+        return 0.0, 0.0
+    return beyond / (1.0 - common), min(0.5 * beyond * beyond * loss.own, LARGEST)

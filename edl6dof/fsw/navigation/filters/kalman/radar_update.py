@@ -1,0 +1,287 @@
+"""Radar update of the filter: the speed and the range of each beam, one scalar after the other.
+
+The speeds come first: no ground explains a wrong one, so the beam looks at something else, and its range is
+not used.  A speed is that of the antenna along the beam, u . (v_rel + w x l).  A range is measured along the
+beam to a plane, as high as the elevation of the site and the terrain state give, with the slope of the slope
+state.  Excluded readings are still compared with their expected values, so that they can be used again.
+
+``memory.rows``, ``innovation`` and ``noise`` (variance) hold the sensitivity of each reading, its difference
+from the expected value, and its noise; ``present`` has a bit for each beam of which they do.
+
+Sources: Farrell, Aided Navigation (2008), chapter 12; Busnardo, Aitken, Tolson, Pierrottet and Amzajerdian,
+"LIDAR-aided inertial navigation with extended Kalman filtering for pinpoint landing", AIAA 2011-6428.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from edl6dof.fsw.navigation.filters.kalman.covariance import reopen_slope
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
+    clear_row,
+    explained_by,
+    predicted_variance,
+    update_by_reading,
+)
+from edl6dof.fsw.navigation.filters.kalman.outlier_test import outlier, refused_again
+from edl6dof.fsw.navigation.filters.kalman.states import (
+    ATTITUDE_ERROR,
+    POSITION,
+    RANGE_BIAS,
+    RANGE_SCALE,
+    SLOPE,
+    SPEED_SCALE,
+    TERRAIN,
+    VELOCITY,
+    WIDTH,
+)
+from edl6dof.fsw.navigation.radar_beams import (
+    STEEPEST,
+    expected_range,
+    ground_normal,
+    horizontal,
+    locked_beams,
+    place_antenna,
+)
+from edl6dof.kernels import kernel
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
+
+
+@kernel
+def find_outlier(gate, n_beams, present, healthy, memory):
+    """Trusted reading that agrees least with the others and the solution, or ``NONE``.
+
+    A missing reading is uncorrelated in the covariance, with a zero innovation.
+    """
+    spread, rest = memory.spread, memory.rest
+    for i in range(n_beams):
+        for j in range(i + 1):
+            spread[i, j] = spread[j, i] = 0.0
+        rest[i], spread[i, i] = 0.0, 1.0
+        if present >> i & 1 and healthy[i] != 0:
+            row = memory.rows[i]
+            own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
+            rest[i] = memory.innovation[i] - explained_by(row, memory.correction)
+            spread[i, i] = own + memory.noise[i]
+            for j in range(i):
+                if present >> j & 1 and healthy[j] != 0:
+                    common = 0.0
+                    for k in range(WIDTH):
+                        common += memory.product[k] * memory.rows[j, k]
+                    spread[i, j] = spread[j, i] = common
+    return outlier(gate, n_beams, spread, rest)
+
+
+@kernel
+def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
+    """Update with the readings that are trusted (``healthy``: flags) and agree.
+
+    Writes the innovation of each over its standard deviation into ``deviations``.  Returns bits of the beams
+    that were used, and of those refused; how many trusted readings there were, how many of them were refused,
+    and the least square of their innovations.
+    """
+    left_out = find_outlier(params.gate, n_beams, present, healthy, memory)
+    used, refused, tried, against, least = 0, 0, 0, 0, 0.0
+    for beam in range(n_beams):
+        deviations[beam] = 0.0
+        if present >> beam & 1 == 0:
+            continue
+        trusted, innovation, row = healthy[beam] != 0, memory.innovation[beam], memory.rows[beam]
+        believed = trusted and beam != left_out
+        deviation, agrees = update_by_reading(
+            params,
+            noise=memory.noise[beam],
+            innovation=innovation,
+            up=up,
+            trusted=believed,
+            row=row,
+            memory=memory,
+        )
+        agrees = agrees and beam != left_out
+        if not agrees:
+            refused |= 1 << beam
+        if trusted:
+            deviations[beam] = deviation
+            tried += 1
+            if agrees:
+                used |= 1 << beam
+            else:
+                against += 1
+                least = innovation**2 if against == 1 else min(least, innovation**2)
+    return used, refused, tried, against, least
+
+
+@kernel
+def speed_row(u, spin, velocity, speed, beam, row):
+    """Write the sensitivity of the speed of a ``beam`` along ``u`` to the errors; ``velocity`` is that of the
+    centre of mass relative to a planet that rotates at ``spin``.
+    """
+    clear_row(row)
+    put3(row, POSITION, (-spin * u[1], spin * u[0], 0.0))
+    put3(row, VELOCITY, u)
+    put3(row, ATTITUDE_ERROR, cross(u, velocity))
+    row[SPEED_SCALE + beam] = speed
+
+
+@kernel
+def expect_speeds(onboard, radar, q, velocity, swing, memory):
+    """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory`` for every beam with an echo."""
+    instruments, spin = onboard.instruments, onboard.planet.rotation_rate
+    for beam in range(instruments.n_beams):
+        if radar.locked[beam] != 0:
+            u = from_frame(q, take3(instruments.beam_axis[beam], 0))
+            speed = dot(u, add(velocity, swing))
+            memory.innovation[beam] = radar.speed[beam] - speed
+            own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
+            memory.noise[beam] = own**2
+            speed_row(u, spin, velocity, speed, beam, row=memory.rows[beam])
+
+
+@kernel
+def update_by_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
+    """Update with the speeds along the beams. Returns bits of the beams that were used, and of those that
+    were refused.
+    """
+    n_beams = onboard.instruments.n_beams
+    expect_speeds(onboard, radar, q, velocity, swing, memory=memory)
+    used, refused, tried, against, least = update_by_beams(
+        params,
+        n_beams,
+        present=locked_beams(radar, n_beams),
+        healthy=health.beam_speed,
+        up=up,
+        memory=memory,
+        deviations=solution.speed_innovation,
+    )
+    if tried > 1:  # a beam alone may be wrong itself
+        memory.speeds_refused = refused_again(memory.speeds_refused, against, tried)
+    if memory.speeds_refused >= params.patience:
+        for i in range(VELOCITY, VELOCITY + 3):
+            memory.covariance[i, i] += least
+        memory.speeds_refused = 0
+    return used, refused
+
+
+#: Number of ranges that some plane always fits: its height and two slopes.
+PLANE = 3
+
+
+@kernel
+def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
+    """Write the sensitivity of the range of a ``beam`` along ``u`` to the errors; ``reach`` is the expected
+    range.
+
+    At a horizontal distance the vertical differs, too.
+    """
+    clear_row(row)
+    spot = add(lever, scale(reach, u))
+    level = scale(reach / (steepness * radius), sub(u, scale(dot(u, up), up)))
+    put3(row, POSITION, add(scale(1.0 / steepness, up), level))
+    put3(row, ATTITUDE_ERROR, scale(1.0 / steepness, cross(spot, normal)))
+    row[TERRAIN] = -1.0 / steepness
+    for i, axis in enumerate(horizontal(up)):
+        row[SLOPE + i] = -dot(spot, axis) / steepness
+    row[RANGE_SCALE + beam] = reach
+    row[RANGE_BIAS + beam] = 1.0
+
+
+@kernel
+def range_noise(params, instruments, reach, steepness, off):
+    """Noise variance of a range: of the instrument, and of uneven ground between the vehicle and the spot
+    that the beam meets.
+    """
+    own = instruments.range_sigma + instruments.range_sigma_relative * reach
+    return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)
+
+
+@kernel
+def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
+    """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory``. Returns bits of the beams with an
+    echo that are not too flat, and of those whose spot lies farther off the plane than uneven ground does.
+    ``height``: of the antenna, m.
+    """
+    instruments, radius, present, off_ground = onboard.instruments, onboard.planet.equatorial_radius, 0, 0
+    for beam in range(instruments.n_beams):
+        u = from_frame(q, take3(instruments.beam_axis[beam], 0))
+        if radar.locked[beam] != 0 and -dot(u, normal) > STEEPEST:
+            reach, steepness, off = expected_range(u, up, normal, height, radius)
+            memory.innovation[beam] = radar.range[beam] - reach
+            memory.noise[beam] = range_noise(params, instruments, reach, steepness, off)
+            range_row(
+                u, up, normal, lever, steepness, reach=reach, radius=radius, beam=beam, row=memory.rows[beam]
+            )
+            present |= 1 << beam
+            if abs(memory.innovation[beam]) * steepness > params.unevenness * sqrt(off / 1000.0):
+                off_ground |= 1 << beam
+    return present, off_ground
+
+
+@kernel
+def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, height, solution, memory):
+    """Update with the ranges of the beams whose speed was used (bits ``speeds``). Returns bits of the beams
+    used, and of the one whose range no ground explains.
+
+    Several refused ranges at once are not wrong, nor is one of three, since a plane fits any three ranges:
+    the variance of the slope is raised, and that of the height, too, unless three have agreed before and most
+    do now.
+    """
+    normal = ground_normal(up, solution.slope)
+    above = height - dot(lever, sub(up, normal))
+    present, off_ground = expect_ranges(
+        params, onboard, radar, q, lever, up=up, normal=normal, height=above, memory=memory
+    )
+    used, refused, tried, against, least = update_by_beams(
+        params,
+        onboard.instruments.n_beams,
+        present=present & speeds,
+        healthy=health.beam_range,
+        up=up,
+        memory=memory,
+        deviations=solution.range_innovation,
+    )
+    if tried >= PLANE and against == 0:
+        memory.plane_seen = 1
+    other_ground = against > 1 or against == 1 and tried <= PLANE
+    memory.ranges_refused = memory.ranges_refused + 1 if other_ground else 0
+    if memory.ranges_refused >= params.patience:
+        reopen_slope(params, memory.covariance)
+        if 2 * against > tried or memory.plane_seen == 0:
+            memory.covariance[TERRAIN, TERRAIN] += least
+        memory.ranges_refused = 0
+    return used, 0 if other_ground else refused & off_ground
+
+
+@kernel
+def update_by_radar(params, onboard, health, sensed, motion, solution, memory):
+    """Update covariance and correction with a new radar measurement."""
+    q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
+    radar = sensed.radar
+    speeds, off_speeds = update_by_speeds(
+        params,
+        onboard,
+        health,
+        radar,
+        q,
+        up=up,
+        velocity=velocity,
+        swing=swing,
+        solution=solution,
+        memory=memory,
+    )
+    ranges, off_ranges = update_by_ranges(
+        params,
+        onboard,
+        health,
+        radar,
+        speeds,
+        q=q,
+        lever=lever,
+        up=up,
+        height=height,
+        solution=solution,
+        memory=memory,
+    )
+    solution.beams_used, solution.looked = ranges | speeds, 1
+    solution.ranges_refused, solution.speeds_refused = off_ranges, off_speeds
+    memory.radar_t = sensed.t

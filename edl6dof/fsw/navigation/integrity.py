@@ -1,0 +1,166 @@
+"""Integrity checks: whether height, velocity and vertical of the solution can be true.
+
+There are four checks, each with a switch. The height lies below the ground though no footpad touches it; the
+height jumps by more than its own uncertainty against the velocity; the speed contradicts the beams of the
+radar; beams have an echo although, by the attitude, they point above the horizon. A height that jumps is
+withheld for a while: the output is the last plausible one, propagated with the vertical velocity. By the
+other checks the attitude counts as lost until the vertical is found again (:mod:`.recovery`); meanwhile the
+output is the height by the echoes with x of B straight down, or, as long as there is none, at least the
+height from which the radar sees the ground.
+
+Source: T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017): a
+saturated gyro turned the attitude over, a negative height followed, and the parachute was released in 3.7 km.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
+from edl6dof.fsw.navigation.recovery import declare_lost
+from edl6dof.kernels import kernel
+from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.spatial.elementary import sin
+from edl6dof.spatial.frames import geodetic, ned_to_fixed
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import dot, norm, take3
+
+#: The checks, a bit for each.
+BELOW_GROUND, JUMP, SPEED, ABOVE_HORIZON = 1, 2, 4, 8
+#: Message of each failed check, in the order of the bits.
+CHECKS = ("height below ground", "height jumps", "speed against the beams", "echo from above the horizon")
+#: Straight down for a vehicle that hangs upright, B.
+_HANGING = (1.0, 0.0, 0.0)
+
+
+class GuardParams(Params):
+    """Integrity checks of height, velocity and vertical."""
+
+    below_ground: bool = param(True, "whether a height below the ground starts the recovery of the vertical")
+    jump: bool = param(True, "whether a height that jumps against the velocity is withheld")
+    speed: bool = param(True, "whether a speed that contradicts the beams starts it")
+    vertical: bool = param(True, "whether an echo from above the horizon starts it")
+    margin_m: float = param(
+        10.0, "margin of the height: below the ground, and against the expected height", gt=0.0, le=1e4
+    )
+    speed_margin_m_s: float = param(20.0, "margin of the speed against that of the beams", gt=0.0, le=1e4)
+    sigmas: float = param(5.0, "further margin of both, in standard deviations", gt=0.0, le=100.0)
+    patience_s: float = param(3.0, "time for which a height that jumps is withheld", ge=0.0, le=100.0)
+    looks: int = param(5, "looks of the radar in a row that must contradict the speed", ge=1, le=1000)
+    horizon_deg: float = param(10.0, "least angle of a beam below the horizon", ge=0.0, le=90.0)
+
+
+INTEGRITY = np.dtype(
+    [
+        ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # checks failed in this cycle
+        ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
+        ("begun", FLAG),  # a height was output
+        ("height", "f8"),  # m: last output
+        ("sigma", "f8"),  # m: standard deviation of it by the filter
+        ("withheld", "f8"),  # s: duration of a withheld height
+        ("held", "f8"),  # m: output while the attitude is lost
+        ("looks", COUNT),  # looks of the radar in a row that contradicted the speed
+    ],
+    align=True,
+)
+
+
+@kernel
+def height_and_climb(planet, site, r, v, terrain):
+    """Height above the ground (m) that lies ``terrain`` higher than the landing site, its rate (m/s), and the
+    unit vector up (I).
+    """
+    s_lat, c_lat, s_lon, c_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
+    up = ned_to_fixed(s_lat, c_lat, s_lon, c_lon, (0.0, 0.0, -1.0))
+    spin = planet.rotation_rate
+    return altitude - site.altitude - terrain, dot((v[0] + spin * r[1], v[1] - spin * r[0], v[2]), up), up
+
+
+@kernel
+def plausible_height(params, height, climb, sigma, contact, dt, memory):
+    """Height (m) to output in a cycle of ``dt`` seconds in which the solution gives ``height``, ``climb``
+    (m/s) and ``sigma`` (m); ``contact``: whether a footpad touches the ground.
+    """
+    memory.failed = 0
+    expected = memory.height + climb * dt if memory.begun != 0 else height
+    off = params.margin + params.sigmas * max(sigma, memory.sigma)
+    if height < -params.margin and contact == 0:
+        memory.failed |= BELOW_GROUND
+    if abs(height - expected) > off:
+        memory.failed |= JUMP
+    if params.jump != 0 and memory.failed & JUMP and memory.withheld < params.patience:
+        memory.withheld += dt
+        height = expected
+    else:
+        memory.withheld = 0.0
+        memory.sigma = sigma
+    memory.begun, memory.height = 1, height
+    return height
+
+
+@kernel
+def beams_contradict_speed(params, instruments, health, radar, speed, sigma, memory):
+    """Test whether the beams have contradicted ``speed`` (m/s, relative to the planet; ``sigma``: its
+    standard deviation) for several looks in a row.
+    """
+    velocity, seen = velocity_from_beams(instruments, health, radar)
+    if seen:
+        off = abs(norm(velocity) - speed) > params.speed_margin + params.sigmas * sigma
+        memory.looks = memory.looks + 1 if off else 0
+    return memory.looks >= params.looks
+
+
+@kernel
+def beams_contradict_vertical(params, instruments, radar, q, up):
+    """Test whether at least two beams have an echo although, by the attitude ``q``, they point less than
+    ``params.horizon`` below the horizon; ``up``: unit vector, I. A single such beam may have failed.
+    """
+    if radar.fresh == 0:
+        return False
+    least, seen = sin(params.horizon), 0
+    for i in range(instruments.n_beams):
+        if radar.locked[i] != 0 and -dot(from_frame(q, take3(instruments.beam_axis[i], 0)), up) < least:
+            seen += 1
+    return seen > 1
+
+
+@kernel
+def check_solution(params, instruments, health, sensed, speed, sigma, q, up, memory, recovery):
+    """Complete the checks, note the first failure of each, and declare the attitude lost where one fails.
+
+    Args:
+        params: ``GuardParams`` record.
+        instruments: ``INSTRUMENTS`` record.
+        health: ``INSTRUMENT_HEALTH`` record.
+        sensed: ``SENSED`` record.
+        speed, sigma: relative to the planet and its standard deviation, m/s.
+        q: attitude ``q_I2B``.
+        up: unit vector, I.
+        memory: ``INTEGRITY`` record, updated.
+        recovery: ``RECOVERY`` record, updated.
+    """
+    if beams_contradict_speed(params, instruments, health, sensed.radar, speed, sigma=sigma, memory=memory):
+        memory.failed |= SPEED
+    if beams_contradict_vertical(params, instruments, sensed.radar, q, up):
+        memory.failed |= ABOVE_HORIZON
+    if recovery.lost != 0:
+        return
+    for k in range(len(CHECKS)):
+        if memory.failed >> k & 1 and memory.first_t[k] == 0.0:
+            memory.first_t[k] = sensed.t
+    switched_on = BELOW_GROUND * params.below_ground + SPEED * params.speed + ABOVE_HORIZON * params.vertical
+    if memory.failed & switched_on and instruments.n_beams > 2:
+        declare_lost(recovery)
+        memory.held = max(memory.height, instruments.radar_ceiling)
+
+
+@kernel
+def height_while_lost(instruments, health, radar, memory):
+    """Height (m) to output while the attitude is lost."""
+    if radar.fresh != 0:
+        seen = height_from_beams(instruments, health, radar, _HANGING)
+        if seen > 0.0:
+            memory.held = seen
+    memory.height = memory.held
+    return memory.held

@@ -1,0 +1,179 @@
+"""Parity-space test of redundant instruments: detects that one has failed, and isolates it.
+
+Two tests run in every cycle.  The fast one compares the parity vector p of the cycle: p'p / sigma^2 against
+the chi-square limit.  The slow one does the same with its low-passed rate, in which noise is small and a
+small bias or drift is not.  Sigma is the expected error of one instrument: noise, and what stays from cycle
+to cycle (bias, and scale factor and misalignment in proportion to the motion, so that a fast turn raises no
+alarm; the vibration of the whole unit is motion that all axes read, and does not show in p).
+The suspect is the instrument with the largest (p.v)^2 / |v|^2, v its column of V.  It is left out of the
+cycle at once, and excluded for good when the test has pointed at it for several cycles in a row.  With one
+instrument beyond three a fault is detected but not isolated: isolation takes two.
+
+Sources: Potter and Deckert 1973 (see :mod:`.redundancy`); isolation as Daly, Gai and Harrison, Generalized
+likelihood test for FDI in redundant sensor configurations, J. Guidance and Control 2(1), 1979; chi-square:
+Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 26.4.4 and 26.4.5.
+"""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.redundancy import MAX_AXES, MAX_PARITY
+from edl6dof.kernels import kernel
+from edl6dof.records import COUNT, whole
+from edl6dof.spatial.elementary import erfc, exp
+
+#: No instrument.
+NONE = -1
+
+
+class ParityParams(Params):
+    """Fault detection of redundant gyros and accelerometers."""
+
+    enabled: bool = param(True, "whether they are tested and excluded")
+    false_alarm: float = param(
+        1e-10, "probability that one test of healthy instruments exceeds its limit", gt=1e-100, lt=0.5
+    )
+    persistence_cycles: int = param(
+        5, "tests of one cycle in a row that must point at the same instrument", ge=1, le=1000
+    )
+    window_s: float = param(10.0, "time constant of the low-passed parity vector", gt=0.0, le=1000.0)
+    slow_persistence_cycles: int = param(
+        25, "tests of the low-passed vector in a row that must point at the same instrument", ge=1, le=10000
+    )
+    flag_patience_s: float = param(
+        2.0, "time for which the flag of saturation of one may contradict the motion", ge=0.0, le=1000.0
+    )
+
+
+#: Fast or slow test: the suspect, and for how many cycles in a row.
+PARITY_STATE = np.dtype(
+    [
+        ("statistic", "f8"),  # p'p / sigma^2
+        ("suspect", whole(NONE, MAX_AXES - 1)),  # index of the instrument
+        ("seen", COUNT),  # cycles in a row
+    ],
+    align=True,
+)
+PARITY = np.dtype(
+    [
+        ("limit", "f8"),  # of both statistics
+        ("vector", "f8", (MAX_PARITY,)),  # p of this cycle, in the unit of a count
+        ("mean", "f8", (MAX_PARITY,)),  # p by time, low-passed, in that unit a second
+        ("mean_variance", "f8"),  # of it, for one instrument: from noise
+        ("mean_lasting", "f8"),  # standard deviation from what stays from cycle to cycle
+        ("fast", PARITY_STATE),  # at the vector of the cycle
+        ("slow", PARITY_STATE),  # at its mean
+    ],
+    align=True,
+)
+
+
+@kernel
+def restart_parity_test(params, n_parity, memory):
+    """Restart both tests for another set of instruments."""
+    memory.limit = chi_square_limit(max(n_parity, 1), params.false_alarm)
+    memory.mean_variance = memory.mean_lasting = 0.0
+    for k in range(MAX_PARITY):
+        memory.vector[k] = memory.mean[k] = 0.0
+    for test in (memory.fast, memory.slow):
+        test.statistic, test.suspect, test.seen = 0.0, NONE, 0
+
+
+@kernel
+def parity_test(params, new, lasting, dt, redundant, number, memory):
+    """Run both tests on the increments of a cycle of ``dt`` seconds. Returns the instrument to leave out of
+    the cycle and the one to exclude for good (``NONE``: none).
+
+    ``new`` and ``lasting``: variances of an increment, from noise and from errors that stay.
+    """
+    if redundant.n_parity == 0:
+        return NONE, NONE
+    share = min(dt / params.window, 1.0)
+    square = mean_square = 0.0
+    for k in range(redundant.n_parity):
+        p = 0.0
+        for i in range(number):
+            p += redundant.parity[k, i] * redundant.increment[i]
+        memory.vector[k] = p
+        memory.mean[k] += share * (p / dt - memory.mean[k])
+        square += p * p
+        mean_square += memory.mean[k] * memory.mean[k]
+    memory.mean_variance = (1.0 - share) ** 2 * memory.mean_variance + (share / dt) ** 2 * new
+    memory.mean_lasting += share * (sqrt(lasting) / dt - memory.mean_lasting)
+    memory.fast.statistic = square / (new + lasting)
+    memory.slow.statistic = mean_square / (memory.mean_variance + memory.mean_lasting**2)
+    _point_at(memory.limit, memory.vector, redundant, number, memory.fast)
+    _point_at(memory.limit, memory.mean, redundant, number, memory.slow)
+    failed = NONE
+    if memory.slow.seen >= params.slow_persistence_cycles:
+        failed = memory.slow.suspect
+    if memory.fast.seen >= params.persistence_cycles:
+        failed = memory.fast.suspect
+    return memory.fast.suspect, failed
+
+
+@kernel
+def _point_at(limit, vector, redundant, number, test):
+    """Update the suspect of the fast or slow test from its ``vector``."""
+    before = test.suspect
+    test.suspect = NONE
+    if test.statistic > limit and redundant.n_parity > 1:
+        test.suspect = isolate(vector, redundant, number)
+    test.seen = 0 if test.suspect == NONE else (test.seen + 1 if test.suspect == before else 1)
+
+
+@kernel
+def isolate(vector, redundant, number):
+    """Instrument whose failure alone explains most of a parity vector."""
+    found, most = NONE, 0.0
+    for i in range(number):
+        along, square = _along(vector, redundant, i)
+        if square > 1e-6 and along * along > most * square:
+            found, most = i, along * along / square
+    return found
+
+
+@kernel
+def _along(vector, redundant, i):
+    """Scalar product of a parity vector with column ``i`` of V, and the square of the column."""
+    along = square = 0.0
+    for k in range(redundant.n_parity):
+        v = redundant.parity[k, i]
+        along += vector[k] * v
+        square += v * v
+    return along, square
+
+
+_BISECTIONS = 60
+_LARGEST = 700.0
+
+
+@kernel
+def chi_square_tail(degrees, value):
+    """Probability that chi-square of ``degrees`` degrees of freedom (1 or more) exceeds ``value``."""
+    half = 0.5 * value
+    if degrees % 2 == 1:
+        tail, term, first = erfc(sqrt(half)), 2.0 * sqrt(half / pi) * exp(-half), 1
+    else:
+        tail, term, first = exp(-half), half * exp(-half), 2
+    for k in range(first, degrees, 2):
+        tail += term
+        term *= value / (k + 2)
+    return tail
+
+
+@kernel
+def chi_square_limit(degrees, tail):
+    """Value that chi-square of ``degrees`` degrees of freedom exceeds with probability ``tail``."""
+    low, high = 0.0, _LARGEST
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if chi_square_tail(degrees, middle) > tail:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,146 @@
+"""Imagers (landing camera, lidar, stereo cameras): misalignment, line of sight, and the ground in view.
+
+The unit that flies looks along directions turned by a small rotation from those that the flight computer
+believes.  Places on the ground are those of the landing area: metres north and east of the site, and metres
+above its elevation.  They are straight over the hundred metres that an imager sees at once; the curvature of
+the planet makes less than a tenth of a millimetre there.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Hardware, param
+from edl6dof.config.dtype import in_si
+from edl6dof.environment.landing_area.plane import place_of
+from edl6dof.environment.terrain import ground
+from edl6dof.kernels import kernel
+from edl6dof.sensors.ground_tile import LEVEL, clear_tile, lay_tile
+from edl6dof.sensors.ray_ground import point_motion
+from edl6dof.spatial.elementary import atan2
+from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z
+from edl6dof.spatial.quaternion import from_frame, multiply, normalise
+from edl6dof.spatial.random_numbers import Stream
+from edl6dof.spatial.vector import cross, dot, scale, take3
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
+from edl6dof.vehicle.plant import ATTITUDE
+from edl6dof.vehicle.surroundings import planet_rotation
+
+
+@kernel
+def imager_attitude(plant, turn):
+    """Attitude in I of the axes of an imager that is turned relative to B by ``turn`` (rad, B, small)."""
+    y = plant.y
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    return normalise(multiply(q, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])))
+
+
+@kernel
+def imager_pose(case, tables, plant, outputs, position, turn):
+    """Place and axes over the ground of an imager at ``position`` (m, B) that is turned relative to B by
+    ``turn`` (rad, B, small).
+
+    Returns:
+        origin: m north and east of the site, and above it.
+        axes: of the imager (those of B but for the turn), each in m north, east and up for a metre along it.
+        height: m above the ground below.
+    """
+    planet, areoid = case.planet, plant.inputs.areoid
+    c, s = planet_rotation(planet, plant.t)
+    r, _ = point_motion(case, plant, outputs, position, (c, s))
+    vertical = geodetic(planet.equatorial_radius, planet.flattening, r)
+    lat, lon = atan2(vertical[0], vertical[1]), atan2(vertical[2], vertical[3])
+    north, east = place_of(case.terrain, lat, lon)
+    above = vertical[4] - dot(take3(areoid, 0), r) - areoid[3]
+    height = above - ground(case.terrain, tables.terrain, lat, lon)[0]
+    # half way down, where a metre is as long as on the mean of a ray
+    stretch = places_per_metre(case.terrain, planet, vertical[0], vertical[1], vertical[4] - 0.5 * height)
+    q = imager_attitude(plant, turn)
+    axes = (
+        _axis(rotate_z(c, s, from_frame(q, (1.0, 0.0, 0.0))), vertical, areoid, stretch),
+        _axis(rotate_z(c, s, from_frame(q, (0.0, 1.0, 0.0))), vertical, areoid, stretch),
+        _axis(rotate_z(c, s, from_frame(q, (0.0, 0.0, 1.0))), vertical, areoid, stretch),
+    )
+    return (north, east, above - case.terrain.site_elevation), axes, height
+
+
+@kernel
+def _axis(axis_F, vertical, areoid, stretch):
+    """A unit vector (F) as m north, east and above the areoid for a metre along it."""
+    north, east, down = fixed_to_ned(vertical[0], vertical[1], vertical[2], vertical[3], axis_F)
+    return stretch[0] * north, stretch[1] * east, -down - dot(take3(areoid, 0), axis_F)
+
+
+@kernel
+def ground_direction(axes, look_B):
+    """Direction of B in m north, east and up for a metre along it."""
+    x, y, z = axes
+    return (
+        look_B[0] * x[0] + look_B[1] * y[0] + look_B[2] * z[0],
+        look_B[0] * x[1] + look_B[1] * y[1] + look_B[2] * z[1],
+        look_B[0] * x[2] + look_B[1] * y[2] + look_B[2] * z[2],
+    )
+
+
+@kernel
+def reciprocal_axes(axes):
+    """Vectors whose products with a displacement (m north, east and up) are its components along the axes:
+    places are slightly skewed relative to the axes where the areoid is no sphere.
+    """
+    x, y, z = axes
+    inverse = 1.0 / dot(x, cross(y, z))
+    return scale(inverse, cross(y, z)), scale(inverse, cross(z, x)), scale(inverse, cross(x, y))
+
+
+@kernel
+def places_per_metre(terrain, planet, sin_lat, cos_lat, altitude):
+    """Metres of place, which are true at the site, for a metre north and a metre east at an altitude (m)."""
+    e2 = planet.flattening * (2.0 - planet.flattening)
+    root = sqrt(1.0 - e2 * sin_lat * sin_lat)
+    prime = planet.equatorial_radius / root
+    meridian = prime * (1.0 - e2) / (root * root)
+    return terrain.metres_north / (meridian + altitude), terrain.metres_east / ((prime + altitude) * cos_lat)
+
+
+class ImagerParams(Hardware):
+    """Imager."""
+
+    misalignment_deg: float = param(
+        0.02,
+        "error of its direction about each axis, drawn for each case",
+        status="estimate",
+        ge=0.0,
+        le=10.0,
+    )
+
+
+#: The unit that flies: misalignment, a small rotation in B (rad); constant error of its ranges (m); key of
+#: its noise.
+IMAGER_UNIT = np.dtype([("turn", "f8", (3,)), ("bias", "f8"), ("key", "i8")], align=True)
+
+
+def draw_imager(params: ImagerParams, rng: Stream, unit: np.void) -> None:
+    """Draw the misalignment of the unit that flies, and the key of its noise."""
+    unit["turn"] = in_si(params)["misalignment"] * rng.standard_normal(3)
+    unit["key"] = rng.keys()
+
+
+@kernel
+def view_range(params, plant):
+    """Distance (m) up to which an imager sees: 0 behind the heat shield."""
+    return params.longest if plant.shape != CONFIG_CAPSULE else 0.0
+
+
+@kernel
+def lay_tile_in_view(case, tables, origin, axes, height, reach, tile):
+    """Lay the ground around the point in view of an imager that sees up to ``reach`` (m); origin, axes and
+    height are those of :func:`imager_pose`.
+    """
+    ahead = axes[0]
+    way = height / max(-ahead[2], LEVEL)
+    if way <= reach:
+        lay_tile(case, tables, origin[0] + way * ahead[0], origin[1] + way * ahead[1], tile)
+    else:
+        clear_tile(tile)
