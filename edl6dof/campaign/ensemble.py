@@ -9,14 +9,15 @@ standard deviation is its spread.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import nan
+from math import nan, sqrt
 from typing import Any, NamedTuple, Self
 
 import numpy as np
+from scipy.special import stdtrit
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import Progress, Row, fly_rows
-from edl6dof.metrics.figures import FIGURES
+from edl6dof.metrics.figures import BALANCES, FIGURES
 from edl6dof.metrics.published import Published, published_figures
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
@@ -78,6 +79,36 @@ def sample_means(rows: Sequence[Row], published: Published) -> dict[str, SampleM
         if values:
             found[name] = SampleMean.of(values)
     return found
+
+
+def clear_differences(
+    spreads: Mapping[str, SampleMean], one: Mapping[str, Any], two: Mapping[str, Any]
+) -> dict[str, float]:
+    """Figures in which two flights differ by more than neighbours do, the largest relative difference first.
+
+    Args:
+        spreads: of figures over neighbours of one of the flights.
+        one, two: figures of the flights by name.
+
+    Returns:
+        The largest difference of two neighbours by name, at 95 % for all figures together (Student's t of the
+        difference of two draws, Bonferroni).
+    """
+    known = {
+        name: (spread, one[name], two[name])
+        for name, spread in spreads.items()
+        if spread.flights > 1 and None not in (one.get(name), two.get(name)) and name not in _BALANCES
+    }
+    found: dict[str, tuple[float, float]] = {}
+    for name, (spread, a, b) in known.items():
+        variation = stdtrit(spread.flights - 1, 1.0 - 0.025 / len(known)) * sqrt(2.0) * spread.deviation
+        if abs(b - a) > variation:
+            found[name] = abs(b - a) / max(abs(a), abs(b)), float(variation)
+    return {name: found[name][1] for name in sorted(found, key=lambda name: -found[name][0])}
+
+
+#: They judge the simulator, and are noise where it is right.
+_BALANCES = frozenset(figure.name for figure in BALANCES)
 
 
 def _faster(initial: InitialState, by: float) -> dict[str, Any]:

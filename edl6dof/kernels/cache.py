@@ -252,13 +252,18 @@ class Locator:
     def from_function(cls, function: Callable[..., Any], file: str) -> Locator | None:
         """The locator of a variant of a kernel; ``None`` where its code cannot be kept."""
         place = folder()
-        return None if place is None else cls(function, file, place)._without_damage()
+        return None if place is None else cls(function, file, place)._examined()
 
-    def _without_damage(self) -> Locator:
-        """Itself, once damaged files of its function are removed."""
-        for name in _left_behind(self._folder).get(self._name, ()):
-            if self._stamp in name and not _is_sound(self._folder / name):
+    def _examined(self) -> Locator:
+        """Itself, once damaged files of its function are removed, and it is said that it has none."""
+        own = [name for name in _left_behind(self._folder).get(self._name, ()) if self._stamp in name]
+        for name in own:
+            if not _is_sound(self._folder / name):
                 _drop(self._folder / name)
+        if not own and sys.stderr.isatty():
+            say_once(
+                "compiling, which takes a minute where nothing is compiled yet; it is kept for later ..."
+            )
         return self
 
     def ensure_cache_path(self) -> None:

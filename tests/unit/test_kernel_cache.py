@@ -70,6 +70,25 @@ def call(root, **environment):
     return float(result), int(hits)
 
 
+TERMINAL = """
+import io, sys
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+sys.stderr = Terminal()
+{}
+print(sys.stderr.getvalue())
+"""
+
+
+def test_a_terminal_is_told_of_code_that_is_compiled_and_not_of_code_that_is_kept(package):
+    program = TERMINAL.format(CALL.format(root=str(package)))
+    assert run(program, package).count("edl6dof: compiling") == 1, "once, of two kernels"
+    assert "compiling" not in run(program, package)
+    write(package, "fsw/caller.py", CALLER + "# edited\n")
+    assert "edl6dof: compiling" in run(program, package)
+
+
 def test_edited_helper_recompiles_its_caller_and_a_room_that_it_cannot_see_does_not(package):
     assert call(package) == (6.0, 0)
     write(package, "vehicle/other.py", "x = 1\n")

@@ -178,12 +178,13 @@ def test_a_published_figure_says_one_thing(given, message):
 
 
 def test_a_broken_requirement_is_called_so_on_the_terminal_and_in_the_report(tmp_path):
-    flight = edl6dof.fly(
-        "msl", ["published={parachute_mach: {at_most: 0.5}}", "limits.parachute_mach_max=0.5"]
-    )
-    console = Console(record=True, width=100, file=StringIO())
-    show_flight(console, flight)
-    assert console.export_text().count(" violated") == 2
+    bounds = "published: {parachute_altitude_m: {at_most: 0.5}}\nlimits: {parachute_mach_max: 0.5}"
+    (tmp_path / "low.yaml").write_text(f"extends: msl\n{bounds}\n")
+    flight = edl6dof.fly(tmp_path / "low.yaml")
+    for verbose, violated in ((True, 2), (False, 1)):
+        console = Console(record=True, width=100, file=StringIO())
+        show_flight(console, flight, verbose)
+        assert console.export_text().count(" violated") == violated
     with atomic_folder(tmp_path / "run", "flight", False) as folder:
         write_run(flight, folder)
     tables = limits_and_published(Run(tmp_path / "run"))
