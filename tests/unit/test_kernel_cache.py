@@ -122,6 +122,15 @@ def test_edited_member_recompiles_itself_alone(package):
     assert found == [["1.0", "6.0 0 True"], ["1.0 1", "6.0 1 True"], ["2.0", "6.0 1 True"]]
 
 
+def test_a_file_that_moves_with_its_content_is_another_source(tmp_path):
+    """A module that calls it by a list of functions does not name its place, but its machine code does."""
+    places = [tmp_path / name for name in ("here.py", "there.py")]
+    for place in places:
+        place.write_text("x = 1\n")
+        os.utime(place, (1e9, 1e9))
+    assert len({cache.stamp(str(place)) for place in places}) == 2
+
+
 def test_code_of_a_source_that_is_edited_while_the_program_runs_is_not_kept(package):
     edit = (
         "from pathlib import Path\nhelper = Path('probe/spatial/helper.py')\n"
