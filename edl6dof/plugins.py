@@ -275,7 +275,8 @@ def said_family(content: bytes) -> str:
 def _run(plugin: _Plugin) -> dict[str, Any]:
     """Run the bytes that were checked as a module: no file beside them, such as a ``.pyc``, takes part."""
     path = plugin.path
-    name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
+    # machine code names the module: that of a plugin which has moved, or a copy of it, is the same
+    name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(plugin.content).hexdigest()[:8]}"
     module = ModuleType(name)
     module.__file__ = str(path)
     sys.modules[name] = module  # compiled code finds its globals by this name

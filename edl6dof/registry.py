@@ -8,7 +8,7 @@ code calls the member of that integer through :meth:`Family.switch`, or a flight
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha256
@@ -23,8 +23,6 @@ from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.kernels.functions import Given, Passed, choice, function_type
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
-#: Arguments that hold a section for each member of a family.
-OWN = ("params", "plan", "unit", "memory")
 
 #: Members from outside the package by title of their family, and the titles of the families that exist
 #: already.
@@ -129,38 +127,46 @@ class Family:
         """Record with the planned tables of every member."""
         return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
-    def switch(self, role: str, *arguments: str) -> Callable[..., Any]:
+    def switch(self, role: str, *arguments: str, own: Collection[str] = ()) -> Callable[..., Any]:
         """Function ``f(index, *arguments)`` that calls the ``role`` kernel of member ``index``, from Python
         and from kernels: every member is compiled with the caller.
 
-        Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
+        ``own``: those of the arguments that hold a section for each member; a member is passed its section.
         """
-        return self._choice(role, range(len(self.members)), arguments)
+        return self._choice(Role(self, role, arguments, own), range(len(self.members)))
 
-    def role(self, role: str, *arguments: str) -> Role:
+    def role(self, role: str, *arguments: str, own: Collection[str] = ()) -> Role:
         """The ``role`` kernels of the members that a flight carries, as one function of an index and
         ``arguments`` that is passed to the loop.
 
-        Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
+        ``own``: those of the arguments that hold a section for each member; a member is passed its section.
         """
-        return Role(self, role, arguments)
+        return Role(self, role, arguments, own)
 
-    def _choice(self, role: str, indices: Collection[int], arguments: Sequence[str]) -> Any:
+    def _choice(self, role: Role, indices: Collection[int]) -> Any:
         """Kernel that calls one of these members."""
         names = {index: self.members[index].name for index in sorted(indices)}
-        label = f"{role}_of_{sha256(repr((self.title, names)).encode()).hexdigest()[:12]}"
-        kernels = {index: self.members[index].kernels[role] for index in names}
+        label = f"{role.role}_of_{sha256(repr((self.title, names)).encode()).hexdigest()[:12]}"
+        kernels = {index: self.members[index].kernels[role.role] for index in names}
         return choice(
-            label, kernels, arguments, {index: _own(name, arguments) for index, name in names.items()}
+            label, kernels, role.arguments, {index: role.passed(name) for index, name in names.items()}
         )
 
 
 class Role(NamedTuple):
-    """Kernels of one role of a family's members."""
+    """Kernels of one role of a family's members.
+
+    Attributes:
+        family: it.
+        role: key of the kernels in each member.
+        arguments: of the kernels.
+        own: those of the arguments that hold a section for each member.
+    """
 
     family: Family
     role: str
     arguments: tuple[str, ...]
+    own: Collection[str] = ()
 
     def __call__(self, index: int, *given: Any) -> Any:
         """Call the kernel of member ``index`` from Python."""
@@ -170,10 +176,14 @@ class Role(NamedTuple):
         """Kernel that calls one of these members by its index; of the first one if there are none."""
         return _choice_of(self, indices or frozenset((0,)))
 
+    def passed(self, section: str) -> list[str]:
+        """Expressions that the member with this section is passed for the arguments."""
+        return [f"{name}['{section}']" if name in self.own else name for name in self.arguments]
+
 
 @cache
 def _choice_of(role: Role, indices: frozenset[int]) -> Any:
-    return role.family._choice(role.role, indices, role.arguments)
+    return role.family._choice(role, indices)
 
 
 class Place(NamedTuple):
@@ -207,8 +217,3 @@ def place(
     """Place whose function takes the index of a member and these arguments, which the role names."""
     names = "index", *role.arguments
     return Place(role, function_type(title, names, returns, types.int64, *arguments), path)
-
-
-def _own(section: str, arguments: Sequence[str]) -> list[str]:
-    """Return the arguments of a member for those of its family."""
-    return [f"{name}['{section}']" if name in OWN else name for name in arguments]

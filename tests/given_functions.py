@@ -11,7 +11,6 @@ from edl6dof.kernels import kernel
 from edl6dof.sensors import registry as sensing
 from edl6dof.sim.functions import PLACES
 from edl6dof.vehicle import actuate as actuation
-from edl6dof.vehicle.faults import fault
 
 
 def breaking(case):
@@ -27,8 +26,8 @@ def actuate(case, command, plant):
 
 
 def inflict(case, command, plant):
-    """:func:`edl6dof.vehicle.faults.fault.inflict`."""
-    fault.inflict(breaking(case), case, command, plant)
+    """:func:`edl6dof.vehicle.actuate.inflict`."""
+    actuation.inflict(breaking(case), case, command, plant)
 
 
 def sense(case, *given):

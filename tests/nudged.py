@@ -6,7 +6,7 @@ from functools import wraps
 
 import numpy as np
 
-from edl6dof.sim import underway
+from edl6dof.sim import flight_state
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 #: How far the flights of this process begin beside their initial states.
@@ -20,7 +20,7 @@ def nudge_initial_states(by: float) -> None:
         by: share of position and velocity; angle (rad) and rate (rad/s) about each body axis.
     """
     global nudged_by
-    nudged_by, exact = by, underway.beginning
+    nudged_by, exact = by, flight_state.beginning
 
     @wraps(exact)
     def beginning(loaded, *given, **named):
@@ -28,7 +28,7 @@ def nudge_initial_states(by: float) -> None:
         nudge(moment.plant["y"][0], by, turns)
         return moment
 
-    underway.beginning = beginning
+    flight_state.beginning = beginning
 
 
 def nudge(y: np.ndarray, by: float, turns: bool) -> None:

@@ -88,9 +88,9 @@ def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
     flies.
     """
     import edl6dof.sim.flight as flight
-    import edl6dof.sim.underway as underway
+    import edl6dof.sim.flight_state as flight_state
 
-    calls, compiled, chunk = Calls(), underway.fly_cycles, flight.QUIET_CHUNK_S
+    calls, compiled, chunk = Calls(), flight_state.fly_cycles, flight.QUIET_CHUNK_S
 
     def timed(*arguments: Any) -> Any:
         phase = _phase_in(arguments)
@@ -102,11 +102,11 @@ def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
         calls.by_phase[phase][1] += result[1]
         return result
 
-    underway.fly_cycles, flight.QUIET_CHUNK_S = timed, chunk_s or chunk
+    flight_state.fly_cycles, flight.QUIET_CHUNK_S = timed, chunk_s or chunk
     try:
         yield calls
     finally:
-        underway.fly_cycles, flight.QUIET_CHUNK_S = compiled, chunk
+        flight_state.fly_cycles, flight.QUIET_CHUNK_S = compiled, chunk
 
 
 def _phase_in(arguments: tuple[Any, ...]) -> int:

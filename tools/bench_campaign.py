@@ -39,7 +39,7 @@ from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.executor import CaseRunner, available_cores
 from edl6dof.campaign.store import Store
-from edl6dof.sim import flight, underway
+from edl6dof.sim import flight, flight_state
 
 CAMPAIGN = "tianwen1_mc"
 ROUNDS = 5
@@ -170,8 +170,8 @@ def has_jsbsim() -> bool:
 def measure(cases: int, console: Console) -> dict[str, Cost]:
     """Fly everything in rounds."""
     plan, cores = load_plan(CAMPAIGN, cases=cases), available_cores()
-    clock = LoopClock(underway.fly_cycles)
-    underway.fly_cycles = clock
+    clock = LoopClock(flight_state.fly_cycles)
+    flight_state.fly_cycles = clock
     figures = FigureClock(flight.Flight.metrics.func)
     flight.Flight.metrics.func = figures
     one, every = "1 thread", f"{cores} threads"
@@ -188,7 +188,7 @@ def measure(cases: int, console: Console) -> dict[str, Cost]:
         fly(plan, runner, first + share, first + 2 * share, cores, costs[every], clock, figures)
         if peer:
             fly_jsbsim(costs.setdefault(f"JSBSim {peers_jsbsim.version()}", Cost()))
-    underway.fly_cycles, flight.Flight.metrics.func = clock.compiled, figures.form
+    flight_state.fly_cycles, flight.Flight.metrics.func = clock.compiled, figures.form
     return costs
 
 

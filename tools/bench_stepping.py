@@ -48,7 +48,7 @@ def fleet(loaded: edl6dof.LoadedScenario, count: int, workers: int, cycles: int)
     """Fly many flights whole, in portions."""
     records = build_records(loaded)
     flight = SteppedFlight(loaded, records, telemetry=False)
-    start = Start.of(records, flight.underway.moment())
+    start = Start.of(records, flight.running.snapshot())
     flights = Fleet(count, records.tables, loaded.scenario.steps_per_cycle, workers)
     for index in range(count):
         flights.put(index, start)

@@ -16,8 +16,8 @@ import numpy as np
 from scipy import integrate, stats
 
 import edl6dof
-from edl6dof.environment.landing_area.census import within
-from edl6dof.metrics.touchdown_terrain import COUNTED, FOOTPRINT
+from edl6dof.environment.landing_area.population import within
+from edl6dof.metrics.touchdown import COUNTED, FOOTPRINT
 from edl6dof.scenario.records import build_records
 
 SCENARIO = "tianwen1_hazards"

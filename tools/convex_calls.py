@@ -19,8 +19,8 @@ from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.interface.roles import POWERED_DECELERATION
 from edl6dof.kernels import kernel
+from edl6dof.sim.flight_state import RunningFlight
 from edl6dof.sim.outcome import FLYING
-from edl6dof.sim.underway import Underway
 from edl6dof.studies.landing import dispersed, with_law
 
 LAW = "convex"
@@ -35,7 +35,7 @@ def call(law, onboards, states, navs, targets, memories, outs):
     law(powered.law, powered, onboards[0].vehicle, states[0], navs[0], targets[0], memories[0], outs[0])
 
 
-def milliseconds(flight: Underway, remembered: np.ndarray) -> float:
+def milliseconds(flight: RunningFlight, remembered: np.ndarray) -> float:
     """Least time (ms) of the present call, from what the law remembered before."""
     least, law = np.inf, chosen("powered_law", flight.onboard[0])
     fsw = flight.fsw
@@ -48,7 +48,7 @@ def milliseconds(flight: Underway, remembered: np.ndarray) -> float:
     return least
 
 
-def plans(flight: Underway, braking: int) -> Iterator[float]:
+def plans(flight: RunningFlight, braking: int) -> Iterator[float]:
     """Time (ms) of each call of a flight that makes a plan."""
     while flight.code == FLYING and flight.fsw["mission"]["phase"][0] != braking:
         flight.advance(STRIDE)
@@ -77,7 +77,7 @@ def main() -> None:
     later: list[float] = []
     for case in dispersed(int(sys.argv[1]) if len(sys.argv) > 1 else 200):
         variant = variants.build(case)
-        times = list(plans(Underway(variant.loaded, None, variant.parts), braking))
+        times = list(plans(RunningFlight(variant.loaded, None, variant.parts), braking))
         first += times[:1]
         later += times[1:]
     tell("first plans", first)

@@ -9,7 +9,7 @@ from pathlib import Path
 from edl6dof.calibration.findings import Findings, find, overlay_text, plain, rounded
 from edl6dof.calibration.fit import DESIGNS, TooFew
 from edl6dof.calibration.problem import Calibration
-from edl6dof.campaign.neighbours import FLIGHTS
+from edl6dof.campaign.ensemble import FLIGHTS
 from edl6dof.config.dump import json_text
 from edl6dof.config.errors import refusal
 from edl6dof.report.numbers import significant

@@ -25,6 +25,8 @@ from edl6dof.campaign.run import case_scenario, differences
 from edl6dof.campaign.statistics import SHARES, Quantile, Until, quantile
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import UnknownName, refusal
+from edl6dof.config.wording import unknown
+from edl6dof.metrics.figures import DECLARED, figure_of_merit
 from edl6dof.sim.compile_ahead import is_compiled
 from edl6dof.sim.flight import fly
 
@@ -120,6 +122,14 @@ class CampaignResult:
         found = (self.quantile(column, share) for share in SHARES)
         return [one for one in found if one is not None]
 
+    def worst(self, figure: str) -> int:
+        """Number of the case in which a figure is worst: largest in size, or of a clearance, smallest.
+
+        Raises:
+            ConfigError: there is no such figure, or no case has come to it.
+        """
+        return worst_case(self.table, figure)
+
     def to_pandas(self) -> pandas.DataFrame:
         """Return the rows as a data frame indexed by case.
 
@@ -158,6 +168,18 @@ def _array(column: Any) -> np.ndarray:
             return np.array(values)
         return np.array([np.nan if value is None else value for value in values], dtype=float)
     return np.array(values)
+
+
+def worst_case(table: pa.Table, figure: str) -> int:
+    """Number of the case in which a figure is worst; see :meth:`CampaignResult.worst`."""
+    names = [name for name in table.column_names if name in DECLARED]
+    if figure not in names:
+        raise refusal("--worst", unknown("figure", figure, names))
+    values = np.abs(_array(table[figure]).astype(float))
+    if np.isnan(values).all():
+        raise refusal("--worst", f"no case has come to {figure}")
+    choose = np.nanargmin if figure_of_merit(figure).clearance else np.nanargmax
+    return int(_array(table["case"])[choose(values)])
 
 
 def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Flight:
@@ -216,7 +238,7 @@ def check_until(until: str | None, plan: Plan | None = None) -> None:
         Until.parse(until)
     except ValueError as error:
         raise refusal("--until", str(error)) from None
-    if plan is not None and plan.swaps is not None:
+    if plan is not None and plan.saltelli is not None:
         raise refusal("--until", "sobol_indices flies its whole design: its flights are not independent")
 
 

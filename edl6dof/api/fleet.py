@@ -10,8 +10,7 @@ import numpy as np
 from edl6dof.api.simulation import Starts
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import checks
-from edl6dof.metrics.touchdown import touchdown_state
-from edl6dof.metrics.touchdown_terrain import footing_figures
+from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
 from edl6dof.scenario.schema import LimitParams
 from edl6dof.sim import fleet as sim
 from edl6dof.sim.fleet import Start
@@ -37,7 +36,7 @@ class Fleet(sim.Fleet):
             one = slice(index, index + 1)
             case, plant, outputs = self.cases[one], self.plants[one], self.outputs[one]
             figures = touchdown_state(case, plant)
-            figures |= footing_figures(case, self.tables, plant, outputs)
+            figures |= touchdown_terrain_figures(case, self.tables, plant, outputs)
             landed[index] = all(check.ok for check in checks(limits, figures))
         return landed
 
@@ -75,9 +74,9 @@ class DispersedFlights:
         if variant.parts.tables is not self._starts.base.parts.tables:
             raise refusal(self._name, "disperses the tables of the world, which a fleet shares")
         flight = SteppedFlight(variant.loaded, variant.parts, telemetry=False)
-        roles, phase = variant.loaded.scenario.phase_roles, flight.underway.fsw["mission"]["phase"]
+        roles, phase = variant.loaded.scenario.phase_roles, flight.running.fsw["mission"]["phase"]
         while roles[int(phase[0])] != role:
             if not flight.step(cycles=_LOOK):
                 return None
         flies = flight.step(cycles=max(round(later_s / flight.cycle_s), 1))
-        return Start.of(variant.parts, flight.underway.moment()) if flies else None
+        return Start.of(variant.parts, flight.running.snapshot()) if flies else None

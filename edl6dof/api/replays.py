@@ -28,6 +28,7 @@ from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.tracks import Ensemble, Trajectory
 from edl6dof.replay.views.pages import TITLES
 from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.runs.folder import distinct_names
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
 
@@ -111,7 +112,7 @@ def show_replay(
     if video.file is not None:
         film.encoder()  # or the flight would be drawn in vain
     with _ended_by_signals(), _recording(runs, page) as recording:
-        title = f"edl6dof replay: {', '.join(_labels(runs))}"
+        title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
                 viewer.screenshot(recording, partial, _time(recording, "--at", at_s))
@@ -167,7 +168,7 @@ def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
         flights = [history(fly(plan.loaded))]
     if not all(len(flight.t) for flight in flights):
         raise refusal(alone, "no row of the telemetry can be drawn")
-    labels = _labels(named)
+    labels = distinct_names(named)
     ensemble = None
     if plan is not None:
         followed = f"{labels[0]}, the first run named after the campaign." if labels else NOMINAL
@@ -177,12 +178,6 @@ def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
     with TemporaryDirectory(prefix="edl6dof-") as folder:
         write_replay(flights, Path(folder) / REPLAY, labels, page or "Flight", ensemble)
         yield Path(folder) / REPLAY
-
-
-def _labels(runs: Sequence[Path]) -> list[str]:
-    """Return the names of the folders; equal names include their parents."""
-    names = [run.resolve().name for run in runs]
-    return names if len(set(names)) == len(names) else ["/".join(run.resolve().parts[-2:]) for run in runs]
 
 
 def _time(recording: Path, option: str, asked_s: float | None) -> float:

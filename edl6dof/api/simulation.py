@@ -20,7 +20,7 @@ from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.units import split_unit
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, load_scenario
-from edl6dof.sim.commanding import ESTIMATE
+from edl6dof.sim.commands import ESTIMATE
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.

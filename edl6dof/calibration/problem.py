@@ -12,8 +12,8 @@ from edl6dof.calibration.fit import Data
 from edl6dof.calibration.section import CalibrationFile, CalibrationParams
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
+from edl6dof.campaign.ensemble import fly_neighbours
 from edl6dof.campaign.executor import Progress, Row, fly_rows
-from edl6dof.campaign.neighbours import fly_neighbours
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem

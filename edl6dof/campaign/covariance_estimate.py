@@ -160,8 +160,8 @@ class Covariance:
 
         It is at most that of the figure: a budget below zero, which chance can cause, counts as zero.
         """
-        told = np.maximum(self.budget.sum(axis=0), 0.0)
-        return np.sqrt(np.maximum(self.spread.deviation**2 - told, 0.0))
+        explained = np.maximum(self.budget.sum(axis=0), 0.0)
+        return np.sqrt(np.maximum(self.spread.deviation**2 - explained, 0.0))
 
     @property
     def _slopes(self) -> np.ndarray:

@@ -17,8 +17,7 @@ from edl6dof.metrics.out_of_use import failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.fault import FaultParams
-from edl6dof.vehicle.faults.registry import failure_of
+from edl6dof.vehicle.faults.fault import FaultParams, failure_of
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 #: Until the backshell is released, and from then on; of a fault that did not begin before touchdown.
@@ -111,14 +110,13 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     """Return what happened to a flight with faults that begin at one moment.
 
     ``fault_s``: time of the fault, null if the flight was over before.  ``first_use_s``: time from which all
-    that failed has fired, leaked or been read since the fault, null if some was not: nobody can know of it.
-    ``used_s``: for how long, of the one that was used least.  ``isolation_s`` and ``isolation_from_use_s``:
-    time from the fault, and from the first use, to the isolation of the last of them, null if one was not
-    named.
-    ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
-    they failed, and those named with a wrong kind; ``sound_named`` without the last.  ``regime``: air or
-    powered, at the first use, or else at the fault, if that began.  ``peak_attitude_error_deg``: largest
-    error of pitch and yaw control between fault and touchdown.
+    that failed has fired, leaked or been read since the fault, null if some was not, since nothing can reveal
+    it. ``used_s``: for how long, of the one that was used least.  ``isolation_s`` and
+    ``isolation_from_use_s``: time from the fault, and from the first use, to the isolation of the last of
+    them, null if one was not named. ``kind_right``: all named with the right kind.  ``wrongly_named``: sound
+    components, those named before they failed, and those named with a wrong kind; ``sound_named`` without the
+    last.  ``regime``: air or powered, at the first use, or else at the fault, if that began.
+    ``peak_attitude_error_deg``: largest error of pitch and yaw control between fault and touchdown.
     """
     truth, named = flight.loaded.truth, isolations(flight)
     begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))

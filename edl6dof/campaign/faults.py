@@ -31,7 +31,7 @@ from edl6dof.interface.roles import (
 )
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of, happens_in
+from edl6dof.vehicle.faults.fault import FAULT_KINDS, components_of, happens_in
 
 #: Kinds of fault of instruments, and of all else that are about one kind of component; of the latter those of
 #: a thruster.

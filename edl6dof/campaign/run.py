@@ -132,7 +132,7 @@ def _require_unchanged(store: Store, recorded: Identity) -> None:
 def _summary(plan: Plan, tally: Tally, table: pa.Table, engine: str) -> Summary:
     """Outcome of a campaign; of Sobol designs, of those flights that share nothing with another."""
     success = tally.success
-    if plan.swaps is not None:
+    if plan.saltelli is not None:
         success = Proportion.of(
             table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))["success"].to_pylist()
         )

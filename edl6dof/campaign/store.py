@@ -5,7 +5,7 @@
     runs/tianwen1_mc/
       campaign.json     identity of the campaign: hashes of plan, sources, plugins and tables, versions
       campaign.yaml     the plan, every default written out
-      parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 beside it
+      parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 next to it
       cases.parquet     all rows, when it is complete
       summary.json      success probability, causes, speed, and the SHA-256 of the rows
 

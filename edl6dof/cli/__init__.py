@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+from collections.abc import Callable
 
 from edl6dof.cli.campaigns import campaign, covariance, faults, refly
 from edl6dof.cli.designs import design
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
 from edl6dof.cli.group import Command, app, examples
+from edl6dof.cli.machine_code import cache
+from edl6dof.cli.new import new
 from edl6dof.cli.run_outputs import compare, export, plot, replay, report
-from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, trust
+from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, show, trust
 
 
 def version() -> int:
@@ -23,14 +26,19 @@ def version() -> int:
     return 0
 
 
-#: In the order of the help.
-COMMANDS = (
-    *(fly, check, trust, scenarios, params, schema, replay, report, plot, compare, export),
-    *(verify, validate, figures, calibrate, study, campaign, covariance, refly, faults, serve, version),
-)
-for command in COMMANDS:
-    app.command(cls=Command, epilog=examples(command.__name__))(command)
-app.add_typer(design, name="design")
+#: By the title of their part of the help.
+COMMANDS: dict[str, tuple[Callable[..., int], ...]] = {
+    "Fly": (fly, campaign, refly, faults, covariance),
+    "Look at results": (report, replay, plot, compare, export),
+    "Scenarios": (scenarios, show, check, params, schema, trust),
+    "Compare with references and papers": (verify, validate, figures, calibrate, study),
+    "Other": (serve, cache, version),
+}
+for title, commands in COMMANDS.items():
+    for command in commands:
+        app.command(cls=Command, epilog=examples(command.__name__), rich_help_panel=title)(command)
+app.add_typer(new, name="new", rich_help_panel="Scenarios")
+app.add_typer(design, name="design", rich_help_panel="Scenarios")
 
 
 def main() -> None:

@@ -162,7 +162,8 @@ def show(store: Store, quiet: bool, as_json: bool) -> None:
         console.print(
             f"{summary.flights_per_second:.1f} flights per second on {summary.engine}", markup=False
         )
-    console.print(f"next: edl6dof report {store.folder}, edl6dof refly {store.folder} CASE", markup=False)
+    again = f"edl6dof refly {store.folder} CASE (or --worst FIGURE)"
+    console.print(f"next: edl6dof report {store.folder}, {again}", markup=False)
 
 
 def limits_table(results: Results) -> Table:

@@ -99,7 +99,11 @@ def _keeping(command: str, scenario: str, out: Path | None, resume: bool) -> Ite
 
 def refly(
     folder: Annotated[Path, argument("FOLDER", "Folder of a campaign.")],
-    case: Annotated[int, argument("CASE", "Number of the case, as the report names it.")],
+    case: Annotated[int | None, argument("CASE", "Number of the case, as the report names it.")] = None,
+    worst: Annotated[
+        str | None,
+        option("FIGURE", "The case in which this figure is worst, such as landing_distance_m, instead."),
+    ] = None,
     out: Annotated[
         Path | None, option("FOLDER", "Run folder; runs/<name>_case<number> if not given.")
     ] = None,
@@ -111,23 +115,32 @@ def refly(
     Exit status: 0 identical to its row, 1 not, 2 bad input.
     """
     activate(folder)
-    from edl6dof.api.campaign import refly_case
+    from edl6dof.api.campaign import refly_case, worst_case
     from edl6dof.api.flight import flown_into
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.store import Store
+    from edl6dof.metrics.figures import figure_of_merit
+    from edl6dof.report.numbers import significant
     from edl6dof.runs.folder import default_folder
 
-    target = out or default_folder(f"{folder.resolve().name}_case{case}", force)
+    if (case is None) == (worst is None):
+        raise refusal(folder, "name one case: its number, or --worst FIGURE")
     store = Store(folder)
     plan = resumed_plan(store)
+    table = store.table()
+    number = worst_case(table, worst) if worst is not None else case or 0
+    target = out or default_folder(f"{folder.resolve().name}_case{number}", force)
     flight = flown_into(
         target,
-        lambda: refly_case(plan, store.table(), folder, case),
+        lambda: refly_case(plan, table, folder, number),
         replay=replay,
         force=force,
         release=True,
     )
-    print(f"{target}: case {case}, {flight.outcome}")
+    print(f"{target}: case {number}, {flight.outcome}")
+    if worst is not None and (value := flight.metrics.get(worst)) is not None:
+        figure = figure_of_merit(worst)
+        print(f"{figure.meaning}: {significant(value)} {figure.unit.label}".rstrip())
     if not flight.differences:
         print("identical to its row")
         return 0
@@ -216,7 +229,6 @@ def faults(
         from edl6dof.campaign.faults import matrix_plan
         from edl6dof.campaign.store import Store
         from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
-        from edl6dof.cli.progress import announce_compiling
         from edl6dof.scenario.loading import load_scenario
 
         flying, folder = EngineChoice(workers=workers), Path(scenario)
@@ -226,7 +238,6 @@ def faults(
             )
             return fly_campaign(Store(folder), flying, command="faults", as_json=as_json)
         loaded = load_scenario(scenario, sets or ())
-        announce_compiling(not as_json)
         request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
         matrix = matrix_of(loaded, request)
         plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)

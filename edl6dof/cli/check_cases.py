@@ -15,7 +15,6 @@ from rich.table import Table
 from rich.text import Text
 
 from edl6dof.cli.exit_status import refuse
-from edl6dof.cli.progress import announce_compiling
 from edl6dof.config.wording import counted, did_you_mean
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.verify.case import Result
@@ -49,7 +48,6 @@ def run_cases(names: Sequence[str], as_json: bool, plots: Path | None, force: bo
 
 
 def _run(names: Sequence[str], quiet: bool) -> list[Report]:
-    announce_compiling(not quiet)
     console, reports = Console(stderr=True, quiet=quiet or not sys.stderr.isatty()), []
     for number, name in enumerate(names, 1):
         console.print(f"{number}/{len(names)} {name}", end="\r", highlight=False)
@@ -118,7 +116,6 @@ def fly_golden(names: Sequence[str], as_json: bool) -> int:
     if unknown := [name for name in names if name not in known]:
         hint = did_you_mean(unknown[0], known)
         return refuse(f"{unknown[0]}: no golden flight{hint} (flights: {', '.join(known)})")
-    announce_compiling(not as_json)
     golden, found = read_golden(), {}
     for name in names or known:
         found[name] = difference(golden[name], traced(name))

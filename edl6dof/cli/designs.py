@@ -21,7 +21,7 @@ design = typer.Typer(
 )
 
 
-@design.command("entry", cls=Command, epilog=examples("entry"))
+@design.command("entry", cls=Command, epilog=examples("design entry"))
 def design_entry(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     sets: Sets = None,
@@ -84,7 +84,7 @@ def _refuse_file(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
     refuse_existing_file(path, force)
 
 
-@design.command("landing", cls=Command, epilog=examples("landing"))
+@design.command("landing", cls=Command, epilog=examples("design landing"))
 def design_landing(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     sets: Sets = None,

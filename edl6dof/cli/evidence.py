@@ -51,7 +51,7 @@ def figures(
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
     """
     activate(scenario)
-    from edl6dof.campaign.neighbours import FLIGHTS, fly_neighbours, sample_means
+    from edl6dof.campaign.ensemble import FLIGHTS, fly_neighbours, sample_means
     from edl6dof.cli.evidence_tables import plain_means, show_figures
     from edl6dof.cli.progress import count_runs
     from edl6dof.config.dump import json_text

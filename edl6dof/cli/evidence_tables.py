@@ -15,8 +15,8 @@ from rich.text import Text
 
 from edl6dof.calibration.findings import Findings, remarks
 from edl6dof.calibration.fit import Fit
+from edl6dof.campaign.ensemble import SPEED_STEP_M_S, SampleMean
 from edl6dof.campaign.executor import Row
-from edl6dof.campaign.neighbours import SPEED_STEP_M_S, SampleMean
 from edl6dof.config.wording import counted
 from edl6dof.manifest import listed
 from edl6dof.metrics.figures import figure_of_merit

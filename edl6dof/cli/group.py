@@ -39,6 +39,7 @@ Sets = Annotated[
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "fly": (
         "edl6dof fly tianwen1",
+        "edl6dof fly tianwen1 -v",
         "edl6dof fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350",
         "edl6dof fly tianwen1 --out runs/first --save-state 300",
         "edl6dof fly --from runs/first/state.npz --out runs/second",
@@ -46,6 +47,11 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "check": ("edl6dof check my.yaml", "edl6dof check my.yaml my_mc.yaml --set seed=3"),
     "trust": ("edl6dof trust my_law.py", "edl6dof trust received/scenario.yaml"),
     "scenarios": ("edl6dof scenarios", "edl6dof scenarios tianwen1 > mine.yaml"),
+    "show": (
+        "edl6dof show tianwen1 vehicle.parachutes.main",
+        "edl6dof show tianwen1 --diff tianwen1_hazards",
+        "edl6dof show tianwen1 --set vehicle.mass.entry_kg=1350 --diff tianwen1",
+    ),
     "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),
     "schema": ("edl6dof schema > edl6dof.schema.json",),
     "replay": (
@@ -57,6 +63,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),
     "plot": (
         "edl6dof plot runs/tianwen1 truth.mach truth.height_m",
+        "edl6dof plot runs/tianwen1 runs/heavy truth.mach",
         "edl6dof plot runs/tianwen1 'truth.rate_*' --from 60 --to 280",
         "edl6dof plot runs/tianwen1 truth.height_m --against truth.mach --out x.pdf",
     ),
@@ -79,19 +86,30 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'",
     ),
     "covariance": ("edl6dof covariance tianwen1_mc", "edl6dof covariance tianwen1_mc --at touchdown"),
-    "refly": ("edl6dof refly runs/tianwen1_mc 17",),
+    "refly": (
+        "edl6dof refly runs/tianwen1_mc 17",
+        "edl6dof refly runs/tianwen1_mc --worst landing_distance_m",
+    ),
     "faults": (
         "edl6dof faults tianwen1",
         "edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'",
         "edl6dof faults tianwen1 --out runs/sensors --sensors",
     ),
     "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
+    "cache": ("edl6dof cache", "edl6dof cache --clear"),
     "version": ("edl6dof version",),
-    "entry": (
+    "new capsule": (
+        "edl6dof new capsule lander --mass 300 --diameter 1.8 --rcs 8",
+        "edl6dof fly lander.yaml",
+    ),
+    "new law": ("edl6dof new law my_law", "edl6dof fly my_law.yaml"),
+    "new controller": ("edl6dof new controller my_controller", "edl6dof fly my_controller.yaml"),
+    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign tianwen1_mc.yaml -n 100"),
+    "design entry": (
         "edl6dof design entry msl --out plan.yaml",
         "edl6dof design entry msl --minimise dispersion",
     ),
-    "landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
+    "design landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
 }
 
 
@@ -146,6 +164,17 @@ def _called(argument: Any) -> str:
 class Commands(TyperGroup):
     """Group of all commands; bad input ends with status 2 and a line for each problem, Ctrl-C with 130."""
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands under the titles that they are declared with."""
+        titled: dict[str, list[tuple[str, str]]] = {}
+        width = max(map(len, self.commands))
+        for name, command in self.commands.items():
+            line = f"{name:<{width}}", command.get_short_help_str(formatter.width - width - 6)
+            titled.setdefault(getattr(command, "rich_help_panel", None) or "Commands", []).append(line)
+        for title, lines in titled.items():
+            with formatter.section(title):
+                formatter.write_dl(lines)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the given command; the number that it returns is the exit status."""
         try:
@@ -170,6 +199,7 @@ app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
     add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     epilog=EXIT_STATUS,

@@ -19,7 +19,7 @@ from edl6dof.config.accepted import accept, accepted_file, is_accepted
 from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipped_names, shown
 from edl6dof.config.document.source import parse_document, read_document
 from edl6dof.config.errors import ConfigError, refusal
-from edl6dof.config.parameter_table import Row, rows
+from edl6dof.config.parameter_table import Value, rows, values
 from edl6dof.config.wording import did_you_mean
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
@@ -27,8 +27,9 @@ from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
 
-#: Longest default that stands in the table of parameters; a longer one gets a line of its own.
-SHORT = 15
+#: Longest value that stands in the table of parameters; a longer one gets lines of its own, and one that is
+#: longer than the second is cut off.
+SHORT, LONGEST = 15, 400
 WIDEST = 100
 
 
@@ -71,64 +72,130 @@ def list_scenarios() -> None:
 
 def show_params(path: str, as_json: bool) -> int:
     """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
-    table = rows(Scenario)
-    found = select(table, path)
-    if not found:
-        hint = did_you_mean(path, known_paths(table))
-        return refuse(f"{path}: no such parameter{hint} ('edl6dof params' lists all)")
+    table = [Value(row, row.default, row.path, "") for row in rows(Scenario)]
+    if (found := select(table, path)) is None:
+        return _refuse_path(table, path, "'edl6dof params' lists all")
     if as_json:
-        print(json.dumps([row._asdict() for row in found], indent=1))
+        print(json.dumps([one.row._asdict() for one in found], indent=1))
+    else:
+        _print_sections(found)
+    return 0
+
+
+def show_values(name: str, path: str, sets: Sequence[str], as_json: bool) -> int:
+    """Print the values of a scenario from ``path`` downwards, or whose path contains it."""
+    table = _values(name, sets)
+    if (found := select(table, path)) is None:
+        return _refuse_path(table, path, f"'edl6dof show {name}' lists all")
+    if as_json:
+        print(json.dumps([{**one.row._asdict(), **_given(one)} for one in found], indent=1))
+    else:
+        _print_sections(found)
+    return 0
+
+
+def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_json: bool) -> int:
+    """Print the values in which two scenarios differ, and where each is given; ``sets`` are of the first."""
+    one, two = _values(names[0], sets), _values(names[1], ())
+    if (found := select([*one, *two], path)) is None:
+        return _refuse_path([*one, *two], path, f"'edl6dof show {names[0]}' lists all")
+    mine, other = ({value.row.path: value for value in table} for table in (one, two))
+    units = {value.row.path: value.row.unit for value in found}
+    pairs = {key: (mine.get(key), other.get(key)) for key in units}
+    pairs = {key: pair for key, pair in pairs.items() if len({value and value.value for value in pair}) > 1}
+    if as_json:
+        data = [
+            {"path": key, "unit": units[key], "values": [value and _given(value) for value in pair]}
+            for key, pair in pairs.items()
+        ]
+        print(json.dumps(data, indent=1))
         return 0
     console = Console(highlight=False, soft_wrap=True)
+    console.print(" | ".join(names) if pairs else "The scenarios are the same.", style="bold", markup=False)
+    for key, pair in pairs.items():
+        shown = (f"{_short(value.value)} {units[key]}".rstrip() if value else "-" for value in pair)
+        console.print(f"{key}: {' | '.join(shown)}", markup=False)
+        places = (value.origin if value else "-" for value in pair)
+        console.print(f"    {' | '.join(places)}", style="dim", markup=False)
+    return 0
+
+
+def _values(name: str, sets: Sequence[str]) -> list[Value]:
+    loaded = _loaded(name, tuple(sets))
+    return list(values(loaded.scenario, loaded.document))
+
+
+def _given(value: Value) -> dict[str, str]:
+    return {"value": value.value, "origin": value.origin}
+
+
+def _refuse_path(table: Sequence[Value], path: str, all_of_them: str) -> int:
+    return refuse(f"{path}: no such parameter{did_you_mean(path, known_paths(table))} ({all_of_them})")
+
+
+def _print_sections(found: Sequence[Value]) -> None:
+    console = Console(highlight=False, soft_wrap=True)
     width = min(console.width, WIDEST)
-    for index, (section, members) in enumerate(groupby(found, key=lambda row: row.path.rpartition(".")[0])):
+    for index, (section, members) in enumerate(
+        groupby(found, key=lambda one: one.row.path.rpartition(".")[0])
+    ):
         if index:
             console.print()
         console.print(section or "scenario", style="bold", markup=False)
         for line, style in _lines(list(members), width):
             console.print(line, style=style, markup=False)
-    return 0
 
 
-def select(table: list[Row], path: str) -> list[Row]:
-    """Rows at and below a dotted path, with or without list indices, or else whose path contains the text."""
-    wanted = _plain(path)
-    below = [row for row in table if f"{_plain(row.path)}.".startswith(f"{wanted}.")] if wanted else table
-    return below or [row for row in table if path.strip().casefold() in row.path.casefold()]
+def select(table: Sequence[Value], path: str) -> list[Value] | None:
+    """Values at and below a dotted path, list items by index or by name, or else whose path contains the
+    text; ``None`` if there are none.
+    """
+    parts = [part for part in path.strip().split(".") if part]
+    below = [one for one in table if any(_leads(parts, way.split(".")) for way in (one.row.path, one.place))]
+    text = path.strip().casefold()
+    return below or [one for one in table if text in one.row.path.casefold()] or None
 
 
-def known_paths(table: list[Row]) -> list[str]:
+def _leads(parts: Sequence[str], way: Sequence[str]) -> bool:
+    """True if a path leads along another, in which ``x[]`` is any item of x, and ``<key>`` any key."""
+    if not parts or not way:
+        return not parts
+    if way[0].endswith("[]") and parts[0].removesuffix("[]") == way[0].removesuffix("[]"):
+        return _leads(parts[1:], way[1:]) or _leads(parts[2:], way[1:])
+    return way[0] in ("<key>", parts[0]) and _leads(parts[1:], way[1:])
+
+
+def known_paths(table: Sequence[Value]) -> list[str]:
     """Dotted paths of all parameters and sections, without list brackets."""
-    paths = (accumulate(_plain(row.path).split("."), "{}.{}".format) for row in table)
+    paths = (accumulate(one.row.path.replace("[]", "").split("."), "{}.{}".format) for one in table)
     return list(dict.fromkeys(chain.from_iterable(paths)))
 
 
-def _plain(path: str) -> str:
-    """``vehicle.rcs.thrusters[].name`` and ``...thrusters.0.name`` as ``vehicle.rcs.thrusters.name``."""
-    parts = path.strip().replace("[]", "").split(".")
-    return ".".join(part for part in parts if part and not part.isdecimal())
-
-
-def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
-    """Lines of one section and their style: key, default, unit, bounds; below them meaning and status."""
-    names = [row.path.rpartition(".")[2] for row in members]
+def _lines(members: list[Value], width: int) -> Iterator[tuple[str, str]]:
+    """Lines of one section and their style: key, value, unit, bounds; below them meaning, status, origin."""
+    names = [one.row.path.rpartition(".")[2] for one in members]
     key_width = max(map(len, names))
-    for name, row in zip(names, members, strict=True):
-        is_short = len(row.default) <= SHORT
-        default = row.default if is_short else ""
+    for name, (row, value, _, origin) in zip(names, members, strict=True):
+        is_short = len(value) <= SHORT
         limits = row.bounds.replace(" and ", ", ")
         is_range = limits.startswith(("<", ">"))
-        line = f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}"
+        shown = value if is_short else ""
+        line = f"  {name:<{key_width}}  {shown:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}"
         yield line.rstrip(), ""
         if not is_short:
-            yield from _paragraph(f"default: {row.default}", width)
+            yield from _paragraph(f"{'value' if origin else 'default'}: {_short(value)}", width)
         source = f"{row.printed} in {row.source}" if row.printed else row.source
         claim = ": ".join(part for part in (row.status, source) if part)
         kind = "" if row.type == "number" else f"; {row.type}"
         if limits and not is_range:
             kind += f", {limits}"
         kind += f"; usually {row.usual}" if row.usual else ""
-        yield from _paragraph(f"{row.meaning}{kind}" + (f" ({claim})" if claim else ""), width)
+        claimed = f" ({claim})" if claim else ""
+        yield from _paragraph(f"{row.meaning}{kind}{claimed}{f' [{origin}]' if origin else ''}", width)
+
+
+def _short(value: str) -> str:
+    return value if len(value) <= LONGEST else f"{value[: LONGEST - 4]} ..."
 
 
 def _paragraph(text: str, width: int) -> Iterator[tuple[str, str]]:

@@ -1,8 +1,7 @@
-"""Progress on standard error, where that is a terminal, and a word before the simulator is compiled."""
+"""Progress on standard error, where that is a terminal."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -19,15 +18,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from edl6dof.sim.compile_ahead import is_compiled
 from edl6dof.sim.flight import Progress as FlightProgress
-
-
-def announce_compiling(talk: bool) -> None:
-    """Say with ``talk`` that the simulator has yet to be compiled, if it has."""
-    if talk and not is_compiled():
-        words = "Compiling the simulator (first use on this machine; about a minute, kept for later) ..."
-        print(words, file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -63,12 +54,11 @@ class _Rate(ProgressColumn):
 
 @contextmanager
 def count_runs(name: str, quiet: bool, rate: ProgressColumn | None = None) -> Iterator[Callable[..., None]]:
-    """Count runs, with rate and time left; announce that the first flight has to be compiled.
+    """Count runs, with rate and time left.
 
     Yields what is to be called with the runs done, the runs in all, and the words of a column that stands for
     the rate.
     """
-    announce_compiling(not quiet)
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), MofNCompleteColumn())
     with Progress(

@@ -5,33 +5,49 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from math import floor, log10
 from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
+from rich.table import Table as RichTable
 
 from edl6dof.api.flight_results import channels_figure
+from edl6dof.api.functions import activate
 from edl6dof.api.reports import write_page
 from edl6dof.campaign.compare import Comparison, Difference, compare
+from edl6dof.campaign.neighbours import SampleMean, clear_differences, fly_neighbours, sample_means
 from edl6dof.campaign.store import Store
-from edl6dof.config.errors import refusal
+from edl6dof.cli.progress import count_runs
+from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.catalogue import chosen
 from edl6dof.report.document import Report, Section, Table, Text, as_cell
 from edl6dof.report.figure import Figure
 from edl6dof.report.flight.flight_report import headline, mood
-from edl6dof.report.flight.overlay import comparison_report
+from edl6dof.report.flight.overlay import (
+    comparison_report,
+    differences_table,
+    events_table,
+    figures_table,
+    labels,
+    outcomes,
+    together,
+)
+from edl6dof.report.numbers import significant
 from edl6dof.report.page import page
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
+from edl6dof.scenario.loading import load_scenario
 
 SUFFIXES = (".html", ".png", ".pdf", ".svg")
 
 
 def write_plot(
-    folder: Path,
+    folders: Sequence[Path],
     patterns: Sequence[str],
     against: str,
     since: float | None,
@@ -39,26 +55,34 @@ def write_plot(
     out: Path | None,
     force: bool,
 ) -> Path:
-    """Write a plot of channels in the form that the suffix of ``out`` names; returns its path."""
-    run = Run(folder)
-    figure = channels_figure(run, folder, patterns, against, since, until)
-    channels = chosen(run, patterns, folder)
-    target = out or folder / "plots" / f"{channels[0]}{'-and-more' if len(channels) > 1 else ''}.html"
+    """Write a plot of channels of one or more runs in the form that the suffix of ``out`` names; returns its
+    path.
+    """
+    runs = [Run(folder) for folder in folders]
+    channels, names = chosen(runs[0], patterns, folders[0]), labels(*runs)
+    figures = [channels_figure(run, run.folder, channels, against, since, until) for run in runs]
+    figure = together(figures, names) if len(runs) > 1 else figures[0]
+    others = "".join(f"-with-{name.replace('/', '-')}" for name in names[1:])
+    more = "-and-more" if len(channels) > 1 else ""
+    target = out or folders[0] / "plots" / f"{channels[0]}{more}{others}.html"
     if target.suffix not in SUFFIXES:
         raise refusal(target, f"must end in {', '.join(SUFFIXES)}")
-    refuse_existing_file(target, force, folder)
-    with atomic_file(target, force, folder) as partial:
-        _write(run, figure, partial)
+    refuse_existing_file(target, force, folders[0])
+    with atomic_file(target, force, folders[0]) as partial:
+        _write(runs, figure, partial)
     return target
 
 
-def _write(run: Run, figure: Figure, path: Path) -> None:
+def _write(runs: Sequence[Run], figure: Figure, path: Path) -> None:
     if path.suffix == ".html":
+        headlines = [headline(run) for run in runs]
+        if len(runs) > 1:
+            headlines = [f"{name}: {words}" for name, words in zip(labels(*runs), headlines, strict=True)]
         report = Report(
-            run.name,
-            headline(run),
-            mood(run.summary),
-            str(run.folder),
+            ", ".join(labels(*runs)) if len(runs) > 1 else runs[0].name,
+            "; ".join(headlines),
+            max((mood(run.summary) for run in runs), key=("good", "warn", "bad").index),
+            ", ".join(str(run.folder) for run in runs),
             sections=[Section("plots", figure.title, [figure])],
         )
         path.write_text(page(report), encoding="utf-8")
@@ -81,8 +105,10 @@ def list_channels(folder: Path) -> int:
     return 0
 
 
-#: Differences of the scenarios that the terminal shows.
-MOST = 20
+#: Figures, and differences of the scenarios, that the terminal shows of two flights without ``--all``.
+MOST_FIGURES, MOST = 10, 20
+#: Neighbours that are flown to know by how much figures vary from flight to flight.
+NEIGHBOURS = 10
 #: Decimals of a number in a table; smaller ones have an exponent.
 _MOST_PLACES = 8
 
@@ -96,39 +122,83 @@ def compare_campaigns(first: Path, second: Path, as_json: bool) -> None:
         _show_campaigns(result)
 
 
-def compare_flights(first: Path, second: Path, out: Path | None, force: bool) -> None:
+def compare_flights(first: Path, second: Path, out: Path | None, force: bool, everything: bool) -> None:
     """Print the tables of two runs and write the page with their plots."""
     one, two = Run(first), Run(second)
     target = out or second / f"compared-with-{first.resolve().name}.html"
     refuse_existing_file(target, force, second)
     report = comparison_report(one, two)
     console = Console(highlight=False, soft_wrap=True)
-    for section in report.sections[:4]:
-        for block in section.blocks:
-            if isinstance(block, Text):
-                console.print(block.words, markup=False)
-            elif isinstance(block, Table):
-                rows = [[as_cell(item).text for item in row] for row in block.rows]
-                if section.key == "differences":
-                    _show_differences(console, section.title, block.columns[1:], rows)
-                    continue
-                table = open_table(section.title, *block.columns)
-                for row in rows:
-                    table.add_row(*map(escape, row))
-                console.print(table)
+    tables = [outcomes(one, two)]
+    if everything:
+        tables += [
+            replace(figures_table(one, two), caption="Figures"),
+            replace(events_table(one, two), caption="Events"),
+        ]
+    for table in tables:
+        console.print(_printed(table))
+    if not everything:
+        _show_clear_differences(console, one, two)
+    _show_scenarios(console, differences_table(one, two), everything)
     write_page(report, target, force, second)
     console.print(str(target), markup=False)
 
 
-def _show_differences(
-    console: Console, title: str, names: Sequence[str], rows: Sequence[Sequence[str]]
-) -> None:
+def _printed(table: Table) -> RichTable:
+    printed = open_table(table.caption, *table.columns)
+    for row in table.rows:
+        printed.add_row(*(escape(as_cell(item).text) for item in row))
+    return printed
+
+
+def _show_clear_differences(console: Console, one: Run, two: Run) -> None:
+    """Print the figures that differ most, of those that differ by more than flights of one scenario do."""
+    figures = one.summary["figures"], two.summary["figures"]
+    try:
+        clear = {} if figures[0] == figures[1] else clear_differences(_spreads(one), *figures)
+    except ConfigError as error:
+        words = f"{error.problems[0]}: how much flights vary is not known; --all shows every figure"
+        console.print(words, markup=False)
+        return
+    shown = list(clear)[:MOST_FIGURES]
+    if not shown:
+        console.print("No figure differs by more than from flight to flight; --all shows every figure.")
+        return
+    table = figures_table(one, two, shown)
+    rows = [[*row, f"+-{significant(clear[name], 2)}"] for name, row in zip(shown, table.rows, strict=True)]
+    title = "Largest differences beyond the variation from flight to flight"
+    console.print(_printed(Table([*table.columns, "variation>"], rows, title)))
+    count = f"{len(shown)} of {counted(len(clear), 'figure')} that differ clearly"
+    console.print(f"{count}; --all shows every figure and event", style="dim", end="\n\n")
+
+
+def _spreads(run: Run) -> dict[str, SampleMean]:
+    """Mean and spread of the figures over flights that nobody could tell from a run.
+
+    Raises:
+        ConfigError: its scenario cannot be flown here.
+    """
+    path = run.folder / "scenario.yaml"
+    activate(path)
+    loaded = load_scenario(path)
+    with count_runs("variation from flight to flight", quiet=False) as progress:
+        rows = fly_neighbours(loaded, NEIGHBOURS, progress=lambda done, row: progress(done, NEIGHBOURS))
+    return sample_means(rows, {})
+
+
+def _show_scenarios(console: Console, table: Table | Text, everything: bool) -> None:
     """A line for each parameter: its path is never broken, and two scenarios may differ in hundreds."""
-    console.print(f"[bold]{title}[/]: parameter: {escape(names[0])} | {escape(names[1])}")
-    for path, one, two in rows[:MOST]:
-        console.print(f"  {path}: {one} | {two}", markup=False)
-    if len(rows) > MOST:
-        console.print(f"  and {len(rows) - MOST} more, listed in the page")
+    if isinstance(table, Text):
+        console.print(table.words, markup=False)
+        return
+    names = (escape(name) for name in table.columns[1:])
+    console.print(f"[bold]Differences of the scenarios[/]: parameter: {' | '.join(names)}")
+    rows = table.rows if everything else table.rows[:MOST]
+    for row in rows:
+        path, mine, theirs = (as_cell(item).text for item in row)
+        console.print(f"  {path}: {mine} | {theirs}", markup=False)
+    if len(rows) < len(table.rows):
+        console.print(f"  and {len(table.rows) - len(rows)} more: --all, or the page")
 
 
 def _show_campaigns(result: Comparison) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +13,7 @@ import typer
 from edl6dof.api import functions
 from edl6dof.cli.exit_status import UNAVAILABLE, refusing_damage
 from edl6dof.cli.group import argument, flag, option
-from edl6dof.config.errors import refusal
+from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
 
@@ -106,9 +108,13 @@ def report(
 
 def plot(
     run: Annotated[Path, argument("RUN", "Run folder.")],
-    channels: Annotated[
+    words: Annotated[
         list[str] | None,
-        argument("CHANNEL", "Channels, or patterns such as 'truth.rate_*'; by default all are listed."),
+        argument(
+            "RUN|CHANNEL",
+            "Further run folders to draw over it, then channels, or patterns such as 'truth.rate_*'; "
+            "by default all channels are listed.",
+        ),
     ] = None,
     against: Annotated[str, option("CHANNEL", "Channel of the x axis.")] = "t_s",
     since: Annotated[float | None, option("T", "First time (s).", "--from")] = None,
@@ -119,14 +125,21 @@ def plot(
     ] = None,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> int:
-    """Plot channels of a run; equal units share a panel."""
+    """Plot channels of flights; equal units share a panel."""
     from edl6dof.cli.result_views import list_channels, write_plot
 
-    with refusing_damage(run):
+    others = [Path(word) for word in takewhile(_is_folder, words or ())]
+    channels = (words or [])[len(others) :]
+    with refusing_damage(run, *others):
         if not channels:
             return list_channels(run)
-        print(write_plot(run, channels, against, since, until, out, force))
+        print(write_plot([run, *others], channels, against, since, until, out, force))
     return 0
+
+
+def _is_folder(word: str) -> bool:
+    """True of a folder, and of a path that can be no channel."""
+    return "/" in word or Path(word).is_dir()
 
 
 def compare(
@@ -135,15 +148,21 @@ def compare(
     out: Annotated[
         Path | None, option("FILE", "Page of two flights; RUN2/compared-with-RUN1.html if not given.")
     ] = None,
+    everything: Annotated[
+        bool, flag("Print every figure, event and difference of the scenarios; of two flights only.", "--all")
+    ] = False,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables; of two campaigns only.", "--json")] = False,
 ) -> int:
     """Compare two flights, or two campaigns.
 
-    For two flights, the result is a table of figures, a list of differences of the scenarios, and plots with
-    both flights. Two campaigns of the same dispersions are compared in pairs: success, and
-    every figure with a significant difference.
+    For two flights, the result is the figures with the largest differences beyond the variation from flight
+    to flight (ten neighbours of the first are flown), and the differences of the scenarios. A page contains
+    every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
+    success, and every figure with a significant difference.
     """
+    with suppress(ConfigError):  # of the first flight, whose neighbours are flown; they must be accepted
+        functions.activate(first / "scenario.yaml")
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
 
     with refusing_damage(first, second):
@@ -158,7 +177,7 @@ def compare(
             raise refusal(two, f"is no campaign, and {one} is one; compare two flights, or two campaigns")
         if as_json:
             raise refusal("--json", "is of two campaigns; two flights are compared in a page")
-        compare_flights(first, second, out, force)
+        compare_flights(first, second, out, force, everything)
     return 0
 
 

@@ -30,8 +30,11 @@ def fly(
     force: Annotated[bool, flag("Replace an existing run folder.", "--force")] = False,
     replay: Annotated[bool, flag("Write the 3D replay.", "--replay/--no-replay")] = True,
     report: Annotated[bool, flag("Write the report too.", "--report")] = False,
+    verbose: Annotated[
+        bool, flag("Print limits, timeline, published flight and navigation, too.", "--verbose", "-v")
+    ] = False,
     quiet: Annotated[bool, flag("Print the outcome only.", "--quiet", "-q")] = False,
-    as_json: Annotated[bool, flag("Print the summary as JSON instead of tables.", "--json")] = False,
+    as_json: Annotated[bool, flag("Print the summary as JSON instead.", "--json")] = False,
     save_state: Annotated[
         float | None, option("T", "Save the state at time T (s) in the run folder, as state.npz.")
     ] = None,
@@ -53,7 +56,7 @@ def fly(
 
     from edl6dof.api.flight import Flight, flown_into
     from edl6dof.api.functions import report as write_report
-    from edl6dof.cli.progress import announce_compiling, flight_progress
+    from edl6dof.cli.progress import flight_progress
     from edl6dof.manifest import listed
     from edl6dof.report.terminal import headline, show_flight
     from edl6dof.runs.folder import default_folder
@@ -73,7 +76,6 @@ def fly(
     talk = not (quiet or as_json)
 
     def flown() -> Flight:
-        announce_compiling(talk)
         with flight_progress(talk) as progress:
             return Flight.of(sim.fly(loaded, start=state, save_at_s=save_state, progress=progress))
 
@@ -86,7 +88,7 @@ def fly(
     elif quiet:
         console.print(headline(flight))
     else:
-        show_flight(console, flight)
+        show_flight(console, flight, verbose)
         console.print(f"{target}: {listed(target)}", markup=False)
         console.print(f"next: edl6dof report {target}, edl6dof replay {target}", markup=False)
     if save_state is not None and flight.saved is None:
@@ -173,6 +175,29 @@ def scenarios(
     else:
         sys.stdout.write(resolve_scenario(scenario).read_text(encoding="utf-8"))
     return 0
+
+
+def show(
+    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    path: Annotated[
+        str, argument("PATH", "Dotted path to begin at, such as vehicle.mass, or part of a name.")
+    ] = "",
+    sets: Sets = None,
+    diff: Annotated[
+        str | None, option("OTHER", "Print only what another scenario has otherwise, and where.", "--diff")
+    ] = None,
+    as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
+) -> int:
+    """Values of a scenario: unit, bounds, meaning, file and line.
+
+    Parameters of its plugins are among them.
+    """
+    activate(scenario, diff)
+    from edl6dof.cli.inspection import show_differences, show_values
+
+    if diff is not None:
+        return show_differences((scenario, diff), path, sets or (), as_json)
+    return show_values(scenario, path, sets or (), as_json)
 
 
 def params(

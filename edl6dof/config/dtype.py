@@ -172,3 +172,13 @@ def _is_float(annotation: Any) -> bool:
     """Return whether a field holds a float, or several."""
     bare = _bare(annotation)
     return bare is float or (get_origin(bare) is tuple and all(map(_is_float, get_args(bare))))
+
+
+def extended(model: type[BaseModel], **fields: Any) -> np.dtype:
+    """The aligned dtype of ``model`` with ``fields`` (name = dtype) added, or put in place of fields of the
+    same name.
+    """
+    base = dtype_of(model)
+    layout = {name: base[name] for name in base.names or ()}
+    layout.update({name: np.dtype(kind) for name, kind in fields.items()})
+    return np.dtype(list(layout.items()), align=True)

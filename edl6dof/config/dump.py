@@ -121,7 +121,7 @@ class _Writer:
         if path in self.status:
             status, source = self.status[path], self.sources.get(path, "")
         else:
-            status, source = _declared(value, info)
+            status, source = declared(value, info)
         letter = _LETTERS.get(status)
         return f"  # [{letter}] {source}".rstrip() if letter else ""
 
@@ -144,7 +144,7 @@ def _has_entries(value: Any) -> bool:
     )
 
 
-def _declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
+def declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
     """Status and source of the declaration, if the value is the declared default or the printed number."""
     if info is None or not isinstance(extra := info.json_schema_extra, dict):
         return "", ""

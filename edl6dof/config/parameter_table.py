@@ -1,15 +1,22 @@
-"""The table of all parameters of a model: one row per value that a file may contain."""
+"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, one per value
+that it has.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
+from edl6dof.config.document.document import Document
 from edl6dof.config.document.scalars import write_flow
+from edl6dof.config.document.yamltree import Keys, dotted
+from edl6dof.config.dump import declared
 from edl6dof.config.introspect import Slot, field_slot, is_model, type_slot
+from edl6dof.config.units import split_unit
 from edl6dof.config.usual import usual_range
 from edl6dof.config.wording import in_bounds, in_length, kinds
 
@@ -46,6 +53,61 @@ def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
         for sub_path, sub_model in inner:
             table += rows(sub_model, sub_path)
     return list(dict.fromkeys(table))
+
+
+class Value(NamedTuple):
+    """A value of a scenario.
+
+    Attributes:
+        row: its parameter, with the claim of this value.
+        value: as it stands in YAML.
+        place: its path with the indices of lists; that of ``row`` has the names of their items.
+        origin: ``file:line`` where it is given, or ``default``.
+    """
+
+    row: Row
+    value: str
+    place: str
+    origin: str
+
+
+def values(model: BaseModel, document: Document) -> Iterator[Value]:
+    """Every value of a validated model, in declaration order.
+
+    Args:
+        model: validated.
+        document: the files that it was read from.
+    """
+    for path, keys, info, value in _leaves(model, "", ()):
+        row, place, key = _row(path, field_slot(str(keys[-1]), info), info), dotted(keys), str(keys[-1])
+        status, source = declared(value, info)
+        if place in document.status:
+            status, source = document.status[place], document.sources.get(place, "")
+        mark = document.marks.get(keys)
+        origin = "default" if mark is None else f"{mark.file}:{mark.line}" if mark.line else mark.file
+        row = row._replace(unit=split_unit(key)[1].label, status=status, source=source, printed="")
+        yield Value(row, write_flow(to_jsonable_python(value)), place, origin)
+
+
+def _leaves(value: Any, path: str, keys: Keys) -> Iterator[tuple[str, Keys, FieldInfo, Any]]:
+    """Path by names, keys as in the document, declaration and value of what holds no models."""
+    for name, info in type(value).model_fields.items():
+        inner = getattr(value, name)
+        yield from _below(inner, info, f"{path}.{name}".lstrip("."), (*keys, name))
+
+
+def _below(value: Any, info: FieldInfo, path: str, keys: Keys) -> Iterator[tuple[str, Keys, FieldInfo, Any]]:
+    if isinstance(value, BaseModel):
+        yield from _leaves(value, path, keys)
+    elif isinstance(value, dict) and value:
+        for key, item in value.items():
+            yield from _below(item, info, f"{path}.{key}", (*keys, key))
+    elif isinstance(value, list | tuple) and any(isinstance(item, BaseModel) for item in value):
+        for index, item in enumerate(value):
+            name = getattr(item, "name", index)
+            yield from _below(item, info, f"{path}.{name}", (*keys, index))
+    else:
+        yield path, keys, info, value
 
 
 def _inside(option: Any) -> list[tuple[str, type[BaseModel]]]:

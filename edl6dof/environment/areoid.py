@@ -15,14 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from edl6dof.environment.height_map import HEIGHT_MAP, map_height
-from edl6dof.environment.map_file import (
-    DATA,
-    MapFile,
-    map_file,
-    mapped_planet,
-    read_map,
-    require_map_of,
-)
+from edl6dof.environment.map_file import DATA, MapFile, map_file, mapped_planet, read_map, require_map_of
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
 from edl6dof.spatial.frames import ned_to_fixed
@@ -51,7 +44,7 @@ def areoid_map(file: MapFile | None) -> np.void:
     """Height (m) of the areoid above the ellipsoid, ``HEIGHT_MAP``; zero everywhere without a file.
 
     Raises:
-        OSError, ValueError: as :func:`edl6dof.environment.map_file.read_map`.
+        OSError, ValueError: as :func:`edl6dof.environment.height_map.read_map`.
     """
     return _NONE if file is None else read_map(file)
 

@@ -11,21 +11,22 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Key, Params, group, param, stated
 from edl6dof.config.document.regular import read_regular
-from edl6dof.config.dtype import fill
+from edl6dof.config.dtype import extended, fill
+from edl6dof.environment.atmosphere_models import ATMOSPHERES, AtmosphereChoice, air_of_model
 from edl6dof.environment.atmosphere_table import AirInputs, row_at
-from edl6dof.environment.atmospheres.registry import ATMOSPHERES, AtmosphereChoice, air_of_model
-from edl6dof.environment.column import COLUMN, fill_column
-from edl6dof.environment.curves import MAX_ROWS, cubic, cubic_coefficients
-from edl6dof.environment.layout import extended
-from edl6dof.environment.place import Place, climate_inputs
+from edl6dof.environment.hydrostatic import COLUMN, fill_column
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.profile_file import profile_path
 from edl6dof.environment.profiles import (
     DENSITY_STREAM,
+    MAX_ROWS,
     TEMPERATURE_STREAM,
     central_slopes,
+    cubic,
+    cubic_coefficients,
     gauss_markov,
 )
+from edl6dof.environment.site_climate import Place, climate_inputs
 from edl6dof.kernels import kernel
 from edl6dof.spatial.random_numbers import Stream
 from edl6dof.spatial.table_index import held
@@ -107,7 +108,7 @@ class AtmosphereParams(AtmosphereChoice):
 
     @property
     def undispersed(self) -> Self:
-        """What is known before the flight: no random profile, and of a place the climate alone."""
+        """Parameters known before the flight: no random profile, and the mean climate of the place."""
         quiet = self.perturbation.model_copy(update={"enabled": False})
         return self.model_copy(update={"perturbation": quiet, "seasonal": self.seasonal.undispersed})
 
@@ -132,7 +133,7 @@ def air(atm, gas, table, alt):
 
 
 def air_inputs(params: AtmosphereParams, planet: PlanetParams, place: Place | None = None) -> AirInputs:
-    """What the table that all cases share follows from; model seasonal needs ``place``.
+    """Gather the inputs of the table that all cases share; model seasonal needs ``place``.
 
     Raises:
         Inconsistent: there is no climate, or no moment.

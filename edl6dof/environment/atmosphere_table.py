@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.environment.column import CLIMATE, Ground, Warmth, fill_climate
-from edl6dof.environment.curves import MAX_ROWS, cubic_coefficients, monotone_slopes
+from edl6dof.environment.hydrostatic import CLIMATE, Ground, Warmth, fill_climate
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.profile_file import read_profile
+from edl6dof.environment.profiles import MAX_ROWS, cubic_coefficients, monotone_slopes
 from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
@@ -48,7 +48,7 @@ def row_at(table, alt):
 
 
 class ClimateInputs(NamedTuple):
-    """What the climate of a place follows from besides."""
+    """Further inputs of the table for the climate of a place."""
 
     planet: PlanetParams
     ground: Ground
@@ -56,7 +56,7 @@ class ClimateInputs(NamedTuple):
 
 
 class AirInputs(NamedTuple):
-    """What the table follows from.
+    """Inputs of the table.
 
     Attributes:
         name: of the csv; empty for none.
@@ -81,7 +81,7 @@ class AirInputs(NamedTuple):
 
 @lru_cache(maxsize=8)
 def build_table(inputs: AirInputs) -> np.ndarray:
-    """The table, shape (1,), dtype ``ATMOSPHERE_TABLE``, for nobody to write to; without a csv only the grid
+    """The table, shape (1,), dtype ``ATMOSPHERE_TABLE``, read-only; without a csv only the grid
     and sigma count.
 
     Below the file the air is isothermal and hydrostatic, p = rho R T and dp/dh = -rho g, so that ln rho falls

@@ -14,9 +14,8 @@ from typing import Annotated
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, param
-from edl6dof.config.dtype import fill
-from edl6dof.environment.curves import cubic, cubic_coefficients
-from edl6dof.environment.layout import extended
+from edl6dof.config.dtype import extended, fill
+from edl6dof.environment.profiles import cubic, cubic_coefficients
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.table_index import cell

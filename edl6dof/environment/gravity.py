@@ -22,8 +22,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.document.regular import read_regular, read_regular_text
-from edl6dof.config.dtype import fill
-from edl6dof.environment.layout import extended
+from edl6dof.config.dtype import extended, fill
 from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial.vector import add, norm, scale
@@ -99,7 +98,7 @@ def central(g, r):
 
 @kernel
 def noncentral_F(g, r_F):
-    """What the field adds to its central term at ``r_F`` (m), m/s2.
+    """Noncentral part of the gravity field at ``r_F`` (m), m/s2.
 
     J2 in closed form, Montenbruck and Gill, Satellite Orbits, section 3.2.
     """

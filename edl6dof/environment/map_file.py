@@ -21,7 +21,7 @@ _SAME_PLANET = 1e-2
 
 
 class MapFile(NamedTuple):
-    """A map (``.npy``) as it is on disk now; beside it, as ``.yaml``, the planet it is of."""
+    """A map (``.npy``) as it is on disk now; a ``.yaml`` of the same name gives its planet."""
 
     path: Path
     modified_ns: int
@@ -56,7 +56,7 @@ def map_file(path: Path) -> MapFile:
 
 @lru_cache(maxsize=8)
 def read_map(file: MapFile) -> np.void:
-    """A map (``HEIGHT_MAP``), which all share and nobody writes to.
+    """A map (``HEIGHT_MAP``), shared and read-only.
 
     Raises:
         OSError: it cannot be read.

@@ -30,7 +30,7 @@ _NAMED = 5
 
 
 class Profile(NamedTuple):
-    """The air of a csv, SI units, each shape (n,), for nobody to write to.
+    """The air of a csv, SI units, each shape (n,), read-only.
 
     Attributes:
         altitude: m above the areoid, rising.
@@ -90,7 +90,7 @@ def _to_si(key: str, heading: str) -> float:
 
 
 def _missing(headings: list[str]) -> list[str]:
-    """What these headings lack."""
+    """Name the columns that are missing in these headings."""
     missing = [
         f"no column that begins with {_COLUMNS[key][0]!r}"
         for key in ("altitude", "temperature")

@@ -1,6 +1,10 @@
 """Height and slope of the ground: a global map and a plane around the site, and on them the landing area.
 
 Elevations count from the areoid (:mod:`edl6dof.environment.areoid`), as the heights of the air do.
+
+Metres north and east of the site count along its meridian and along its parallel, both at the height of the
+site, so a metre is one on the ground: 1 km off the site, directions turn by less than 1e-3 and lengths change
+by less than that share up to 70 deg of latitude.
 """
 
 from __future__ import annotations
@@ -12,11 +16,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Params, group, param
-from edl6dof.config.dtype import fill
+from edl6dof.config.dtype import extended, fill
 from edl6dof.environment.areoid import areoid_at, areoid_height
 from edl6dof.environment.height_map import HEIGHT_MAP, map_height
-from edl6dof.environment.landing_area.dtm import DTM, with_dtm
-from edl6dof.environment.landing_area.dtm_file import DtmFile, Square, dtm_path, read_dtm
+from edl6dof.environment.landing_area.dtm import DTM, DtmFile, Square, dtm_path, read_dtm, with_dtm
 from edl6dof.environment.landing_area.fractal import TILES, fractal_tiles
 from edl6dof.environment.landing_area.params import (
     GENERATED,
@@ -24,14 +27,40 @@ from edl6dof.environment.landing_area.params import (
     LandingAreaParams,
     fill_landing_area,
 )
-from edl6dof.environment.landing_area.plane import metres_per_radian, place_of
 from edl6dof.environment.landing_area.surface import relief
-from edl6dof.environment.layout import extended
 from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, require_map_of
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin, tan
 from edl6dof.spatial.table_index import wrapped
+
+
+@kernel
+def place_of(terrain, lat, lon):
+    """Metres north and east of the site, of geodetic ``lat`` and east ``lon``, rad."""
+    turn = wrapped(lon - terrain.site_longitude + pi, 2.0 * pi) - pi
+    return terrain.metres_north * (lat - terrain.site_latitude), terrain.metres_east * turn
+
+
+@kernel
+def geodetic_of(terrain, north, east):
+    """Geodetic latitude and east longitude (rad) of a place in metres north and east of the site."""
+    return (
+        terrain.site_latitude + north / terrain.metres_north,
+        terrain.site_longitude + east / terrain.metres_east,
+    )
+
+
+def metres_per_radian(planet: PlanetParams, latitude: float, altitude_m: float) -> tuple[float, float]:
+    """Metres per radian of latitude and longitude at a geodetic latitude (rad) and altitude above the
+    ellipsoid.
+    """
+    e2 = planet.flattening * (2.0 - planet.flattening)
+    sine = sin(latitude)
+    w = sqrt(1.0 - e2 * sine * sine)
+    north = planet.equatorial_radius_m * (1.0 - e2) / (w * w * w) + altitude_m
+    return north, (planet.equatorial_radius_m / w + altitude_m) * cos(latitude)
+
 
 MOLA, PLANE, NONE = range(3)
 #: The map of model mola: heights above the areoid.
@@ -157,8 +186,8 @@ def _site_plane(terrain, lat, lon):
 
 
 class GroundInputs(NamedTuple):
-    """What the arrays of the ground follow from: the map, the digital terrain model, and the Hurst exponent
-    of what is generated.
+    """Inputs of the arrays of the ground: the map, the digital terrain model, and the Hurst exponent of the
+    generated relief.
     """
 
     map: MapFile | None = None
@@ -167,7 +196,7 @@ class GroundInputs(NamedTuple):
 
 
 def ground_inputs(params: TerrainParams, planet: PlanetParams) -> GroundInputs:
-    """What the arrays of the ground follow from.
+    """Gather the inputs of the arrays of the ground.
 
     Raises:
         OSError: a file cannot be read.
@@ -194,11 +223,11 @@ def _metres(params: TerrainParams, planet: PlanetParams) -> tuple[float, float]:
 
 @lru_cache(maxsize=4)
 def ground_arrays(inputs: GroundInputs) -> np.void:
-    """The arrays of the ground, ``GROUND``, which all share and nobody writes to.
+    """The arrays of the ground, ``GROUND``, shared and read-only.
 
     Raises:
-        OSError, ValueError, ModuleNotFoundError: as :func:`edl6dof.environment.map_file.read_map` and
-            :func:`edl6dof.environment.landing_area.dtm_file.read_dtm`.
+        OSError, ValueError, ModuleNotFoundError: as :func:`edl6dof.environment.height_map.read_map` and
+            :func:`edl6dof.environment.landing_area.dtm.read_dtm`.
     """
     record = np.zeros(1, GROUND)
     if inputs.map is not None:

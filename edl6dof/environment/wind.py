@@ -15,11 +15,16 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, Vec3, group, param
-from edl6dof.config.dtype import fill
-from edl6dof.environment.curves import MAX_ROWS, cubic, cubic_coefficients
-from edl6dof.environment.layout import extended
-from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov
-from edl6dof.environment.winds.registry import WindChoice, wind_of_model
+from edl6dof.config.dtype import extended, fill
+from edl6dof.environment.profiles import (
+    GUST_STREAM,
+    MAX_ROWS,
+    central_slopes,
+    cubic,
+    cubic_coefficients,
+    gauss_markov,
+)
+from edl6dof.environment.wind_models import WindChoice, wind_of_model
 from edl6dof.kernels import kernel
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, log, sin

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
-from edl6dof.environment.calendar import utc
+from edl6dof.environment.climate import utc
 from edl6dof.environment.planet import OrientationParams
 
 Columns = Mapping[str, np.ndarray]

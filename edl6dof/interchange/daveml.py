@@ -14,16 +14,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml_model import OPERATORS, Function, Model, Variable, check_own_data
-from edl6dof.interchange.xmlfile import line_of, local_name, read_xml, refused, text_of
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element
+from edl6dof.interchange.xmlfile import line_of, read_xml, refused, text_of
 
 _IGNORED = {
     *("fileHeader", "description", "provenance", "provenanceRef", "uncertainty", "modificationRef"),
@@ -39,12 +36,12 @@ def read_daveml(path: Path) -> Model:
             data; with file, line and element.
     """
     root = read_xml(path)
-    if local_name(root) != "DAVEfunc":
-        words = f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>"
+    if root.tag != "DAVEfunc":
+        words = f"is not a DAVE-ML file: its root is <{root.tag}>, not <DAVEfunc>"
         raise refused(path, line_of(root), words)
     model, reader = Model(path), _Reader(path)
     for element in root:
-        kind = local_name(element)
+        kind = element.tag
         if kind == "variableDef":
             variable = reader.variable(element)
             if variable.id in model.variables:
@@ -61,14 +58,14 @@ def read_daveml(path: Path) -> Model:
         elif kind not in _IGNORED and kind != "checkData":
             raise reader.unsupported(element)
     _check_references(model)
-    for check_data in root.iterfind("{*}checkData"):
+    for check_data in root.iterfind("checkData"):
         check_own_data(model, check_data)
     return model
 
 
 def _check_references(model: Model) -> None:
     for variable in model.variables.values():
-        for ci in () if variable.formula is None else variable.formula.iter("{*}ci"):
+        for ci in () if variable.formula is None else variable.formula.iter("ci"):
             if text_of(ci) not in model.variables:
                 raise model.error(line_of(ci), f"unknown variable {text_of(ci)!r}", variable.name)
     for output, function in model.functions.items():
@@ -87,24 +84,24 @@ class _Reader:
         self.breakpoints: dict[str, np.ndarray] = {}
         self.tables: dict[str, tuple[tuple[np.ndarray, ...], np.ndarray]] = {}
 
-    def refused(self, element: _Element, words: str) -> ConfigError:
-        return refused(self.path, line_of(element), f"<{local_name(element)}> {words}")
+    def refused(self, element: Element, words: str) -> ConfigError:
+        return refused(self.path, line_of(element), f"<{element.tag}> {words}")
 
-    def unsupported(self, element: _Element, words: str = "is not supported") -> ConfigError:
+    def unsupported(self, element: Element, words: str = "is not supported") -> ConfigError:
         text = f"constants, calculations with {', '.join(OPERATORS)}, piecewise, and gridded tables"
         return self.refused(element, f"{words} (supported are {text} with linear interpolation)")
 
-    def need(self, element: _Element, attribute: str) -> str:
+    def need(self, element: Element, attribute: str) -> str:
         if (value := element.get(attribute)) is None:
             raise self.refused(element, f"needs the attribute {attribute!r}")
         return value.strip()
 
-    def child(self, element: _Element, name: str) -> _Element:
-        if (found := element.find(f"{{*}}{name}")) is None:
+    def child(self, element: Element, name: str) -> Element:
+        if (found := element.find(name)) is None:
             raise self.refused(element, f"needs a <{name}>")
         return found
 
-    def number(self, element: _Element, text: str | None) -> float:
+    def number(self, element: Element, text: str | None) -> float:
         try:
             value = float(text or "")
         except ValueError:
@@ -113,20 +110,20 @@ class _Reader:
             raise self.refused(element, f"must hold a finite number (got {(text or '')[:40]!r})")
         return value
 
-    def numbers(self, element: _Element) -> np.ndarray:
+    def numbers(self, element: Element) -> np.ndarray:
         words = (element.text or "").replace(",", " ").split()
         return np.array([self.number(element, word) for word in words])
 
-    def ascending(self, element: _Element) -> np.ndarray:
+    def ascending(self, element: Element) -> np.ndarray:
         values = self.numbers(element)
         if len(values) == 0 or np.any(np.diff(values) <= 0.0):
             raise self.refused(element, "must hold ascending numbers")
         return values
 
-    def variable(self, element: _Element) -> Variable:
+    def variable(self, element: Element) -> Variable:
         formula, marks = None, set()
         for child in element:
-            kind = local_name(child)
+            kind = child.tag
             if kind == "calculation":
                 formula = self.child(self.child(child, "math"), "*")
                 self.check_formula(formula)
@@ -147,8 +144,8 @@ class _Reader:
             formula,
         )
 
-    def check_formula(self, node: _Element) -> None:
-        kind = local_name(node)
+    def check_formula(self, node: Element) -> None:
+        kind = node.tag
         if kind == "ci":
             return
         if kind == "cn":
@@ -160,33 +157,33 @@ class _Reader:
         if kind != "apply" or len(node) == 0:
             raise self.unsupported(node)
         operator, *arguments = node
-        if local_name(operator) == "piecewise" and not arguments:
+        if operator.tag == "piecewise" and not arguments:
             self.check_piecewise(operator)
             return
-        if local_name(operator) not in OPERATORS:
+        if operator.tag not in OPERATORS:
             raise self.unsupported(operator)
-        _, least, most = OPERATORS[local_name(operator)]
+        _, least, most = OPERATORS[operator.tag]
         if not least <= len(arguments) <= most:
             raise self.unsupported(operator, f"cannot take {len(arguments)} arguments")
         for argument in arguments:
             self.check_formula(argument)
 
-    def check_piecewise(self, node: _Element) -> None:
+    def check_piecewise(self, node: Element) -> None:
         """Pieces of a value and a condition, and at most one value otherwise, which stands last."""
-        kinds = [local_name(child) for child in node]
+        kinds = [child.tag for child in node]
         if kinds[-1:] == ["otherwise"]:
             kinds.pop()
         if set(kinds) != {"piece"}:
             raise self.refused(node, "must hold <piece>, and last perhaps <otherwise>")
         for child in node:
-            wanted = 2 if local_name(child) == "piece" else 1
+            wanted = 2 if child.tag == "piece" else 1
             if len(child) != wanted:
                 words = "a value" if wanted == 1 else "a value and a condition"
                 raise self.refused(child, f"must hold {words}")
             for part in child:
                 self.check_formula(part)
 
-    def gridded(self, element: _Element) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+    def gridded(self, element: Element) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
         axes = []
         for reference in self.child(element, "breakpointRefs"):
             name = self.need(reference, "bpID")
@@ -195,18 +192,18 @@ class _Reader:
             axes.append(self.breakpoints[name])
         return tuple(axes), self.shaped(self.child(element, "dataTable"), axes)
 
-    def shaped(self, element: _Element, axes: Sequence[np.ndarray]) -> np.ndarray:
+    def shaped(self, element: Element, axes: Sequence[np.ndarray]) -> np.ndarray:
         values, shape = self.numbers(element), tuple(map(len, axes))
         if values.size != math.prod(shape):
             words = f"holds {values.size} numbers, its breakpoints ask for {math.prod(shape)}"
             raise self.refused(element, words)
         return values.reshape(shape)
 
-    def function(self, element: _Element) -> tuple[str, Function]:
+    def function(self, element: Element) -> tuple[str, Function]:
         """Output variable and table of a ``function``; its points stand inside it or are referred to."""
         inputs = list(self.independent(element))
         names = tuple(self.need(item, "varID") for item in inputs)
-        if inputs and local_name(inputs[0]) == "independentVarPts":
+        if inputs and inputs[0].tag == "independentVarPts":
             axes = tuple(self.ascending(item) for item in inputs)
             points = self.child(element, "dependentVarPts")
             table = Function(line_of(element), names, axes, self.shaped(points, axes))
@@ -224,9 +221,9 @@ class _Reader:
                 raise self.unsupported(item, "with limits inside its breakpoints is not supported")
         return output, Function(line_of(element), names, axes, values)
 
-    def independent(self, element: _Element) -> Iterator[_Element]:
+    def independent(self, element: Element) -> Iterator[Element]:
         for child in element:
-            kind = local_name(child)
+            kind = child.tag
             if kind in ("independentVarRef", "independentVarPts"):
                 for name, known in (("interpolate", "linear"), ("extrapolate", "neither")):
                     if (given := child.get(name, known)) != known:
@@ -235,9 +232,9 @@ class _Reader:
             elif kind not in {*_IGNORED, "dependentVarRef", "dependentVarPts", "functionDefn"}:
                 raise self.unsupported(child)
 
-    def table(self, element: _Element) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+    def table(self, element: Element) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
         for child in element:
-            kind = local_name(child)
+            kind = child.tag
             if kind == "griddedTableRef":
                 if (name := self.need(child, "gtID")) not in self.tables:
                     raise refused(self.path, line_of(child), f"unknown table {name!r}")

@@ -12,17 +12,15 @@ import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from edl6dof.config.document.locate import shown
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.interchange.xmlfile import line_of, local_name, refused, text_of
+from edl6dof.interchange.xmlfile import line_of, refused, text_of
 from edl6dof.spatial import arrays
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element
 
 #: A number, or one for each of many points.
 Number = float | np.ndarray
@@ -83,7 +81,7 @@ class Variable:
     low: float
     high: float
     is_input: bool
-    formula: _Element | None
+    formula: Element | None
 
 
 @dataclass(frozen=True)
@@ -117,7 +115,7 @@ class Model:
         if identifier in self.functions:
             parts: set[str] = set(self.functions[identifier].inputs)
         elif variable.formula is not None:
-            parts = {text_of(ci) for ci in variable.formula.iter("{*}ci")}
+            parts = {text_of(ci) for ci in variable.formula.iter("ci")}
         else:
             return set() if variable.value is not None and not variable.is_input else {identifier}
         return set().union(*(self.inputs_of(part, (*seen, identifier)) for part in parts))
@@ -154,9 +152,9 @@ class Model:
         return known[identifier]
 
     def _formula(
-        self, variable: Variable, node: _Element, given: Mapping[str, Number], known: dict[str, Number]
+        self, variable: Variable, node: Element, given: Mapping[str, Number], known: dict[str, Number]
     ) -> Number:
-        kind = local_name(node)
+        kind = node.tag
         if kind == "ci":
             return self._value(text_of(node), given, known)
         if kind == "cn":
@@ -164,21 +162,21 @@ class Model:
         if kind == "piecewise":
             return self._piecewise(variable, node, given, known)
         operator, *arguments = node
-        if local_name(operator) == "piecewise":  # NASA's files put one into an apply of its own
+        if operator.tag == "piecewise":  # NASA's files put one into an apply of its own
             return self._piecewise(variable, operator, given, known)
         try:
             with_values = [self._formula(variable, item, given, known) for item in arguments]
-            found: Number = OPERATORS[local_name(operator)][0](*with_values)
+            found: Number = OPERATORS[operator.tag][0](*with_values)
         except (ArithmeticError, ValueError, TypeError) as error:
             raise self.error(line_of(node), f"cannot be calculated: {error}", variable.name) from None
         return found
 
     def _piecewise(
-        self, variable: Variable, node: _Element, given: Mapping[str, Number], known: dict[str, Number]
+        self, variable: Variable, node: Element, given: Mapping[str, Number], known: dict[str, Number]
     ) -> Number:
         """The first piece whose condition holds, else what stands otherwise; all are worked out."""
-        pieces = [child for child in node if local_name(child) == "piece"]
-        other = node.find("{*}otherwise")
+        pieces = [child for child in node if child.tag == "piece"]
+        other = node.find("otherwise")
         found: Any = np.nan if other is None else self._formula(variable, other[0], given, known)
         for piece in reversed(pieces):
             value, holds = (self._formula(variable, part, given, known) for part in piece)
@@ -211,7 +209,7 @@ def interpolate(table: Function, point: Sequence[Number]) -> Number:
 _DEFAULT_TOLERANCE = 1e-6
 
 
-def check_own_data(model: Model, check_data: _Element) -> None:
+def check_own_data(model: Model, check_data: Element) -> None:
     """Evaluate each static shot of a file: inputs, and the outputs that its author computed.
 
     A model that does not come to them was damaged on its way, or is read here otherwise than its author meant
@@ -223,18 +221,18 @@ def check_own_data(model: Model, check_data: _Element) -> None:
         ConfigError: with every output that is not within its tolerance, and every signal that is not a number
             or not of the model.
     """
-    problems = [problem for shot in check_data.iterfind("{*}staticShot") for problem in _of_shot(model, shot)]
+    problems = [problem for shot in check_data.iterfind("staticShot") for problem in _of_shot(model, shot)]
     if problems:
         raise ConfigError(problems)
 
 
-def _of_shot(model: Model, shot: _Element) -> Iterator[Problem]:
+def _of_shot(model: Model, shot: Element) -> Iterator[Problem]:
     given = {
         identifier: value
-        for signal in shot.iterfind("{*}checkInputs/{*}signal")
+        for signal in shot.iterfind("checkInputs/signal")
         for identifier, value in [_signal(model, signal)]
     }
-    for signal in shot.iterfind("{*}checkOutputs/{*}signal"):
+    for signal in shot.iterfind("checkOutputs/signal"):
         identifier, wanted = _signal(model, signal)
         tolerance = _number(model, signal, "tol", _DEFAULT_TOLERANCE * max(1.0, abs(wanted)))
         found = model.evaluate(identifier, given)
@@ -246,9 +244,9 @@ def _of_shot(model: Model, shot: _Element) -> Iterator[Problem]:
             yield Problem(shown(model.path), line_of(signal), 1, identifier, message)
 
 
-def _signal(model: Model, signal: _Element) -> tuple[str, float]:
+def _signal(model: Model, signal: Element) -> tuple[str, float]:
     """Variable and value of a signal, which is named by its variable or by the variable's name."""
-    words = [text_of(part) for tag in ("varID", "signalName") for part in signal.iterfind(f"{{*}}{tag}")]
+    words = [text_of(part) for tag in ("varID", "signalName") for part in signal.iterfind(tag)]
     name = words[0] if words else ""
     variable = model.named(name)
     if variable is None:
@@ -256,8 +254,8 @@ def _signal(model: Model, signal: _Element) -> tuple[str, float]:
     return variable.id, _number(model, signal, "signalValue", None)
 
 
-def _number(model: Model, signal: _Element, tag: str, default: float | None) -> float:
-    part = signal.find(f"{{*}}{tag}")
+def _number(model: Model, signal: Element, tag: str, default: float | None) -> float:
+    part = signal.find(tag)
     if part is None and default is not None:
         return default
     try:

@@ -7,21 +7,27 @@ a mere reference to a DTD, as NASA's files carry it, is allowed and never follow
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
 
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import ConfigError, Problem
 
-if TYPE_CHECKING:
-    from lxml import etree
-
 MAX_BYTES = 5_000_000
+#: No model nests its elements as deep.
+DEEPEST = 100
 
 _ENTITIES = "declares XML entities, which are not allowed"
 
 
-def read_xml(path: Path) -> etree._Element:
+class Located(Element):
+    """An element, without its namespace, and the line on which it begins."""
+
+    line = 0
+
+
+def read_xml(path: Path) -> Element:
     """Root element of an XML file.
 
     Raises:
@@ -31,29 +37,28 @@ def read_xml(path: Path) -> etree._Element:
         content = read_regular(path, MAX_BYTES)
     except OSError as error:
         raise refused(path, 0, f"cannot be read: {error.strerror or error}") from None
-    declared = content.replace(b"\0", b"").find(b"<!ENTITY")  # without the zeros of UTF-16
-    if declared >= 0:
-        raise refused(path, content.count(b"\n", 0, declared) + 1, _ENTITIES)
-    from lxml import etree  # here: most runs read no XML, and need not hold its library
+    tree, parser, open_tags = TreeBuilder(element_factory=Located), expat.ParserCreate(), list[str]()
 
-    parser = etree.XMLParser(
-        resolve_entities=False,
-        load_dtd=False,
-        dtd_validation=False,
-        no_network=True,
-        huge_tree=False,
-        remove_comments=True,
-        remove_pis=True,
-    )
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        open_tags.append(tag.rpartition(":")[2])
+        if len(open_tags) > DEEPEST:
+            raise refused(path, parser.CurrentLineNumber, f"is nested more than {DEEPEST} elements deep")
+        element = tree.start(open_tags[-1], attributes)
+        assert isinstance(element, Located)
+        element.line = parser.CurrentLineNumber
+
+    def entity(*_: object) -> None:
+        raise refused(path, parser.CurrentLineNumber, _ENTITIES)
+
+    parser.StartElementHandler, parser.EndElementHandler = start, lambda _: tree.end(open_tags.pop())
+    parser.CharacterDataHandler, parser.buffer_text = tree.data, True
+    parser.EntityDeclHandler = parser.SkippedEntityHandler = entity
     try:
-        root = etree.fromstring(content, parser)
-    except etree.XMLSyntaxError as error:
-        line, column = error.position
-        raise refused(path, line, f"is not well-formed XML: {error.msg}", column) from None
-    dtd: Any = root.getroottree().docinfo.internalDTD
-    if dtd is not None and any(True for _ in dtd.iterentities()):
-        raise refused(path, 1, _ENTITIES)
-    return root
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        words = f"is not well-formed XML: {expat.ErrorString(error.code)}"
+        raise refused(path, error.lineno, words, error.offset + 1) from None
+    return tree.close()
 
 
 def refused(path: Path, line: int, message: str, column: int = 1, name: str = "") -> ConfigError:
@@ -61,17 +66,11 @@ def refused(path: Path, line: int, message: str, column: int = 1, name: str = ""
     return ConfigError([Problem(shown(path), line, column if line else 0, name, message)])
 
 
-def line_of(element: etree._Element) -> int:
+def line_of(element: Element) -> int:
     """Line on which an element begins."""
-    line: Any = element.sourceline
-    return int(line or 0)
+    return getattr(element, "line", 0)
 
 
-def text_of(element: etree._Element) -> str:
+def text_of(element: Element) -> str:
     """Text of an element without blanks around it; empty when it has none."""
     return (element.text or "").strip()
-
-
-def local_name(element: etree._Element) -> str:
-    """Tag without its namespace."""
-    return str(element.tag).rpartition("}")[2]

@@ -73,8 +73,8 @@ def receive(path: Path, content: bytes, *, in_loop: bool) -> None:
 
 @cache
 def stamp(file: str) -> str:
-    """Hash of a source and of those of the package that it imports; empty where it is not known, and where
-    one was written after this process began: nobody knows which version it has imported.
+    """Hash of a source, its place, and those of the package that it imports; empty where it is not known,
+    and where one was written after this process began: nobody knows which version it has imported.
     """
     try:
         if file not in received and os.stat(file).st_mtime > _STARTED:
@@ -83,7 +83,12 @@ def stamp(file: str) -> str:
     except OSError:
         return ""
     found = [stamp(one) for one in _imported(content)]
-    return hash_of(content, *found) if all(found) else ""
+    return hash_of(_inside(file), content, *found) if all(found) else ""
+
+
+def _inside(file: str) -> str:
+    """Path of a file, the same wherever the package is installed."""
+    return file.removeprefix(str(PACKAGE))
 
 
 def _imported(content: bytes) -> list[str]:
@@ -244,21 +249,25 @@ class Locator:
     def __init__(self, function: Any, file: str, place: Path) -> None:
         self._py_file = file  #: numba's warnings name it
         self._folder = place
-        inside = file.removeprefix(str(PACKAGE))  # the same wherever the package is installed
-        self._of, self._stamp = hash_of(inside)[:8], hash_of(*_stamps(function))[:24]
+        self._of, self._stamp = hash_of(_inside(file))[:8], hash_of(*_stamps(function))[:24]
         self._name = f"{Path(file).stem}.{function.__qualname__}-{self._of}".replace("<", "").replace(">", "")
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> Locator | None:
         """The locator of a variant of a kernel; ``None`` where its code cannot be kept."""
         place = folder()
-        return None if place is None else cls(function, file, place)._without_damage()
+        return None if place is None else cls(function, file, place)._examined()
 
-    def _without_damage(self) -> Locator:
-        """Itself, once damaged files of its function are removed."""
-        for name in _left_behind(self._folder).get(self._name, ()):
-            if self._stamp in name and not _is_sound(self._folder / name):
+    def _examined(self) -> Locator:
+        """Itself, once damaged files of its function are removed, and it is said that it has none."""
+        own = [name for name in _left_behind(self._folder).get(self._name, ()) if self._stamp in name]
+        for name in own:
+            if not _is_sound(self._folder / name):
                 _drop(self._folder / name)
+        if not own and sys.stderr.isatty():
+            say_once(
+                "compiling, which takes a minute where nothing is compiled yet; it is kept for later ..."
+            )
         return self
 
     def ensure_cache_path(self) -> None:

@@ -53,6 +53,7 @@ class FigureOfMerit(NamedTuple):
         limit: parameter of the scenario's ``limits`` that is its upper bound; empty for none.
         allowed: upper bound in every scenario, for a figure that tests the simulator and not the mission.
         form: form that computes it, if telemetry and events suffice.
+        clearance: True if the smallest value is the worst; otherwise the largest in size is.
     """
 
     name: str
@@ -61,6 +62,7 @@ class FigureOfMerit(NamedTuple):
     limit: str = ""
     allowed: float = inf
     form: Form | None = None
+    clearance: bool = False
 
     @property
     def unit(self) -> Unit:
@@ -138,16 +140,19 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("backshell_height_m", "height above the ground at backshell release", "events",
        limit="backshell_height_m", form=value("backshell", "truth.height_m")),
     _F("min_backshell_distance_m", "least distance from the backshell", "telemetry",
-       form=nearest(_SEPARATED, _place("site"), _place("backshell"))),
-    _F("min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry"),
-    _F("min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry"),
+       form=nearest(_SEPARATED, _place("site"), _place("backshell")), clearance=True),
+    _F("min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry",
+       clearance=True),
+    _F("min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry",
+       clearance=True),
     _F("coarse_parts", "parts that the landing image was cut into", "telemetry"),
     _F("coarse_obstacles", "share of obstacles in the part that was taken", "telemetry"),
-    _F("coarse_clear_m", "coarse point from the predicted drift of backshell and canopy", "telemetry"),
-    _F("spot_found", "whether a safe spot was found", "telemetry"),
-    _F("spot_clearance_m", "chosen spot from the nearest unsafe one", "telemetry"),
+    _F("coarse_clear_m", "coarse point from the predicted drift of backshell and canopy", "telemetry",
+       clearance=True),
+    _F("spot_found", "whether a safe spot was found", "telemetry", clearance=True),
+    _F("spot_clearance_m", "chosen spot from the nearest unsafe one", "telemetry", clearance=True),
     _F("spots_rejected", "spots passed over on the way to the chosen one", "telemetry"),
-    _F("map_safe_share", "share of the map that is safe", "telemetry"),
+    _F("map_safe_share", "share of the map that is safe", "telemetry", clearance=True),
     _F("spot_largest_rock_m", "largest rock under the chosen spot", "telemetry"),
     _F("spot_false_safe", "chosen as safe with a rock of half a metre under it", "telemetry"),
     _F("spot_miss_m", "touchdown from the chosen spot on the ground", "telemetry"),
@@ -187,7 +192,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("largest_rock_height_m", "height of the largest rock under the lander", "footing"),
     _F("ground_under_belly_m", "ground under the belly above the plane of the footpads", "footing",
        limit="ground_under_belly_m"),
-    _F("belly_clearance_m", "least clearance of the belly", "footing"),
+    _F("belly_clearance_m", "least clearance of the belly", "footing", clearance=True),
     _F("landing_latitude_deg", "latitude of the landing point", "contact"),
     _F("landing_longitude_deg", "longitude of the landing point", "contact"),
     _F("landing_east_m", "landing point, east", "contact"),
@@ -224,7 +229,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("mass_balance", "balance of mass", "balance", allowed=1e-5),
 )
 # fmt: on
-#: Figures that have a limit, in the order in which they are told of.
+#: Figures that have a limit, in the order of messages.
 LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 #: Figures that have to be small in every flight.
 BALANCES = tuple(figure for figure in FIGURES if figure.source == "balance")

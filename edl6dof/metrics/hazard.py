@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.environment.landing_area.census import within
 from edl6dof.environment.landing_area.params import GENERATED
-from edl6dof.environment.landing_area.plane import place_of
+from edl6dof.environment.landing_area.population import within
+from edl6dof.environment.terrain import place_of
 from edl6dof.fsw.hazard.safety import SAFE
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.kernels import kernel
-from edl6dof.metrics.touchdown_terrain import COUNTED, FOOTPRINT
+from edl6dof.metrics.touchdown import COUNTED, FOOTPRINT
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import atan2, hypot
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
@@ -37,7 +37,7 @@ class TrueSpot(NamedTuple):
 def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
     """The chosen spot on the ground; ``None`` where none was chosen from a scan of this telemetry."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
-    # a flight that goes on from a saved state has no telemetry of what was before
+    # a flight continued from a saved state has no telemetry of what was before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
         return None
     east, north = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")

@@ -10,8 +10,7 @@ import numpy as np
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.fsw.navigation.exclusions import ACCELEROMETERS, BEAMS, GYROS, INERTIAL_UNIT, STAR_TRACKER
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component, Components
-from edl6dof.vehicle.faults.fault import FaultParams
-from edl6dof.vehicle.faults.registry import failure_of
+from edl6dof.vehicle.faults.fault import FaultParams, failure_of
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 

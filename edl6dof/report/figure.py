@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import Literal
 
 import numpy as np
@@ -205,9 +206,8 @@ class Panel:
 
     def coloured(self) -> list[Trace]:
         """Return the traces, those without a colour given the next one of the palette."""
-        free = iter(
-            colour for colour in (*SERIES, *SERIES) if colour not in {trace.colour for trace in self.traces}
-        )
+        used = {trace.colour for trace in self.traces}
+        free = cycle([colour for colour in SERIES if colour not in used] or SERIES)
         return [trace if trace.colour else replace(trace, colour=next(free)) for trace in self.traces]
 
 

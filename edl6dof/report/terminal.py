@@ -1,4 +1,4 @@
-"""A flight on a terminal: timeline, comparison with the published flight, limits, outcome."""
+"""A flight on a terminal: outcome, limits, timeline, comparison with the published flight."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.metrics.published import Beside, Published, published_figures
 
 if TYPE_CHECKING:
+    from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.flight import Flight
 
 #: No table has more letters in a line.
@@ -53,20 +55,41 @@ class Compared(NamedTuple):
         return self[:6]
 
 
-def show_flight(console: Console, flight: Flight) -> None:
-    """Print timeline, comparison, navigation errors, limits, and last the outcome."""
+def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None:
+    """Print the outcome, the limits that are violated, and warnings.
+
+    With ``verbose`` all limits, the timeline, the published flight and the errors of navigation follow.
+    """
+    console.print(headline(flight))
+    violated = [check for check in flight.checks if not check.ok]
+    if verbose and flight.checks:
+        console.print(limits_table("Limits", flight.checks))
+    elif violated:
+        console.print(limits_table("Violated limits", violated))
+    for warning in flight.loaded.warnings:
+        console.print(f"warning: {warning}", style="yellow", markup=False)
+    if not verbose:
+        return
     console.print(timeline_table(flight))
-    if flight.scenario.published:
-        rows = comparison(flight.metrics, flight.scenario.published)
+    if stated := stated_figures(flight.loaded):
+        rows = comparison(flight.metrics, stated)
         console.print(published_table(rows, "Comparison with the published flight", "this flight"))
         console.print(ONE_DRAW, style="dim", end="\n\n")
     if any(name in flight.metrics for name in NAVIGATION):
         console.print(navigation_table(flight))
-    if flight.checks:
-        console.print(limits_table(flight))
-    for warning in flight.loaded.warnings:
-        console.print(f"warning: {warning}", style="yellow", markup=False)
-    console.print(headline(flight))
+
+
+def stated_figures(loaded: LoadedScenario) -> Published:
+    """Published figures that the file of a scenario itself states.
+
+    Of a scenario that extends another, or that an option changes, the flight is not the one published.
+    """
+    document = loaded.document
+    own = document.mark(()).file
+    if any(mark.file.startswith("--set") for mark in document.marks.values()):
+        return {}
+    entries = loaded.scenario.published
+    return {name: entries[name] for name in entries if document.mark(("published", name)).file == own}
 
 
 def timeline_table(flight: Flight) -> Table:
@@ -126,10 +149,10 @@ def navigation_table(flight: Flight) -> Table:
     return table
 
 
-def limits_table(flight: Flight) -> Table:
-    """Tabulate the limits of the mission."""
-    table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
-    for check in flight.checks:
+def limits_table(title: str, checks: Sequence[Check]) -> Table:
+    """Tabulate limits of the mission."""
+    table = open_table(title, "limit", "unit", "this flight>", "allowed>", "")
+    for check in checks:
         mark = Text(LIMIT_STATUS[check.ok], style="green" if check.ok else "bold red")
         value, limit = aligned_pair(check.value, check.limit, check.ok)
         table.add_row(check.label, check.unit, value, f"<= {limit}", mark)

@@ -8,7 +8,7 @@ import platform
 import shutil
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -27,6 +27,15 @@ COMMANDS: dict[Kind, str] = {
     "validation": "validate",
     "calibration": "calibrate",
 }
+
+
+def distinct_names(folders: Sequence[Path]) -> list[str]:
+    """Names of folders; with their parents where two are the same, then numbered."""
+    for depth in (1, 2):
+        names = ["/".join(folder.resolve().parts[-depth:]) for folder in folders]
+        if len(set(names)) == len(names):
+            return names
+    return [f"{name} ({number})" for number, name in enumerate(names, 1)]
 
 
 def default_folder(name: str, force: bool) -> Path:

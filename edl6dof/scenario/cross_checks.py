@@ -17,7 +17,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.spatial.arrays import lengths
 from edl6dof.vehicle.faults.fault import fault_problems
-from edl6dof.vehicle.propulsion.engine_models import thruster_set
+from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
 
 #: Dotted path of a value, and what is wrong with it.
 Found = tuple[str, str]
@@ -75,9 +75,9 @@ def _delay_problems(scenario: Scenario) -> Iterator[Found]:
 
 def _thruster_set_problems(scenario: Scenario) -> Iterator[Found]:
     """The table of thrusters takes axial ones whole or not at all, so that they do not steer."""
-    made_so = any(engine.model == thruster_set.NAME for engine in scenario.vehicle.engines)
+    made_so = any(engine.model == THRUSTER_SET.name for engine in scenario.vehicle.engines)
     if scenario.flight_software.allocation.method == "table" and made_so:
-        message = f"table does not steer by an engine that is a {thruster_set.NAME}; choose least_squares"
+        message = f"table does not steer by an engine that is a {THRUSTER_SET.name}; choose least_squares"
         yield "flight_software.allocation.method", message
 
 

@@ -22,14 +22,14 @@ from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
-from edl6dof.environment.landing_area.dtm_file import dtm_path
+from edl6dof.environment.landing_area.dtm import dtm_path
 from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
 from edl6dof.environment.wind import require_winds
 from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
-from edl6dof.vehicle.aerodynamics.table import (
+from edl6dof.vehicle.aerodynamics.capsule_table import (
     aero_inputs,
     build_aero_table,
     read_static_table,

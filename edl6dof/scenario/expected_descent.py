@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.environment.winds.table import mean as mean_of_table
+from edl6dof.environment.wind_models import table_wind
 from edl6dof.fsw.guidance.entry.air_data import ExpectedWindParams
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.guidance_command import GUIDE
@@ -64,7 +64,7 @@ def wind_at(wind, table, height):
     """Return the wind expected towards north and east (m/s) at a ``height`` (m) above the areoid, from the
     ``table`` of the believed air.
     """
-    east, north = mean_of_table(wind, table, height)
+    east, north = table_wind(wind, table, height)
     return wind.table_factor * north + wind.north, wind.table_factor * east + wind.east
 
 

@@ -31,7 +31,7 @@ class LoadedScenario:
     """A validated scenario with where it came from.
 
     Attributes:
-        scenario: the nominal: what the flight computer was told.
+        scenario: the nominal, which the flight computer believes.
         truth: the same with the ``truth`` section applied: what the plant is built from.
         document: the files it was read from, with the place and status of every value.
     """

@@ -27,8 +27,8 @@ from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario
 
-#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and
-#: what befalls it.
+#: Sections whose true values may differ from the belief of the flight computer: the world, the vehicle and
+#: its faults.
 TRUE_SECTIONS = (
     *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
     *("point_mass", "sensors", "faults", "seed", "profile"),

@@ -12,7 +12,7 @@ from edl6dof.interface.capacities import MAX_EVENTS, MAX_TRANSITIONS
 from edl6dof.interface.events import ACTIONS, LANDING_GEAR, group_of
 from edl6dof.vehicle.vehicle import VehicleParams
 
-#: Quantities that guidance works out, and which guidance does; of others navigation always tells.
+#: Quantities that guidance works out, and which guidance does; navigation always gives the others.
 WORKED_OUT_BY = {
     "downrange_to_go_m": ("hold_bank", "entry"),
     "time_to_go_s": ("powered", "held_thrust"),

@@ -24,8 +24,8 @@ from edl6dof.vehicle.aerodynamics.capsule import capsule_aero, capsule_coefficie
 from edl6dof.vehicle.aerodynamics.surfaces import wing_force
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
-from edl6dof.vehicle.propulsion.branches import fill_branches
-from edl6dof.vehicle.propulsion.engine_models import thruster_set
+from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
+from edl6dof.vehicle.propulsion.feed_system import fill_branches
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Mach number at which the one believed drag and lift coefficient are taken.
@@ -53,7 +53,7 @@ def believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> 
         slot["specific_impulse"] = axial * engine.full_specific_impulse_s
         slot["throttle_min"] = axial * engine.throttle_min_n
         slot["throttle_max"] = axial * engine.throttle_max_n
-        slot["by_thrusters"] = 1.0 if engine.model == thruster_set.NAME else 0.0
+        slot["by_thrusters"] = 1.0 if engine.model == THRUSTER_SET.name else 0.0
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction

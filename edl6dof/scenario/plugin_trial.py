@@ -166,7 +166,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
 
 
 def _first_cause(text: str) -> str:
-    """The telling line of a numba error, which is coloured where colorama is, and the line that it is of."""
+    """Extract the line of a numba error that names the cause, which is coloured where colorama is, and the
+    line that it is of.
+    """
     text = Text.from_ansi(text).plain
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("Failed in")]
     place = re.search(r'File "([^"]*)", line (\d+)', text)

@@ -34,7 +34,7 @@ from edl6dof.spatial.frames import attitude_from_wind_angles, ned_attitude, ned_
 from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.body_table import BodyInputs, body_inputs, build_body_table
-from edl6dof.vehicle.aerodynamics.table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.capsule_table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 
 TABLES = np.dtype(
@@ -78,7 +78,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
 
 
 def build_tables(scenario: Scenario) -> np.ndarray:
-    """The tables, shape (1,); scenarios of the same inputs share them, and nobody writes to them.
+    """The tables, shape (1,); scenarios of the same inputs share them, and they are read-only.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.

@@ -11,8 +11,8 @@ from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, sectio
 from edl6dof.config.document.locate import why_no_folder
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import AtmosphereParams
-from edl6dof.environment.place import Place
 from edl6dof.environment.planet import PlanetParams
+from edl6dof.environment.site_climate import Place
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.mission.phases import MissionParams

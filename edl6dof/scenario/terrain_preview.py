@@ -5,23 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.environment.areoid import areoid_file, areoid_map
-from edl6dof.environment.landing_area.census import list_within
 from edl6dof.environment.landing_area.params import NO_RELIEF
-from edl6dof.environment.landing_area.plane import geodetic_of, place_of
+from edl6dof.environment.landing_area.population import list_within
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import (
     TERRAIN,
     TerrainParams,
     fill_terrain,
+    geodetic_of,
     ground_arrays,
     ground_heights,
     ground_inputs,
+    place_of,
 )
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, sin
 
 
-class Relief:
+class TerrainPreview:
     """Height of the ground as the simulation has it."""
 
     def __init__(self, params: TerrainParams, planet: PlanetParams, seed: int, case: int) -> None:

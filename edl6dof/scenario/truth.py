@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.config.dtype import dtype_of, extended, fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, fill_atmosphere
-from edl6dof.environment.layout import extended
 from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
@@ -24,8 +23,7 @@ from edl6dof.vehicle.faults.fault import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
 from edl6dof.vehicle.motion.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
-from edl6dof.vehicle.propulsion.branches import fill_branches
-from edl6dof.vehicle.propulsion.tanks import FEEDS, fill_feeds
+from edl6dof.vehicle.propulsion.feed_system import FEEDS, fill_branches, fill_feeds
 from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
 CASE = np.dtype(

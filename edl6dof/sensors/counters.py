@@ -22,7 +22,7 @@ from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.table_index import wrapped
 from edl6dof.spatial.vector import clamp, dot
-from edl6dof.vehicle.instruments import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+from edl6dof.vehicle.plant import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 #: Normals that the instruments of one kind may use in a cycle.
 _NORMALS = 32

@@ -26,7 +26,7 @@ from edl6dof.registry import Member
 from edl6dof.sensors.counters import faulty_count
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.table_index import wrapped
-from edl6dof.vehicle.instruments import WORKING
+from edl6dof.vehicle.plant import WORKING
 
 #: Readings that can be under way.
 DEPTH = 8

@@ -95,7 +95,7 @@ def trace_ray(tile, origin, ray, reach):
         a, b = float(tile.heights[i, j]), float(tile.heights[i, j + 1])
         c, d = float(tile.heights[i + 1, j]), float(tile.heights[i + 1, j + 1])
         if z + left * dz <= max(max(a, b), max(c, d)):
-            way = _meet(a, b, c, d, p=u - i, q=v - j, z=z, x=x, y=y, dz=dz, entered=entered, left=left)
+            way = _meet((a, b, c, d), (u - i, v - j, z), (x, y, dz), (entered, left))
             if way >= 0.0:
                 p, q = u - i + way * x, v - j + way * y
                 north = ((c - a) * (1.0 - q) + (d - b) * q) * inverse
@@ -126,15 +126,16 @@ def _lines(share, speed):
 
 
 @kernel
-def _meet(a, b, c, d, p, q, z, x, y, dz, entered, left):
-    """Way (m) to where a ray meets the surface of a cell, between ``entered`` and ``left``; -1 if it does
-    not.
+def _meet(nodes, start, ray, span):
+    """Way (m) along a ray to the surface of a cell; -1 if it does not meet it within the cell.
 
     Args:
-        a, b, c, d: heights of its nodes (m): first, east, north, both.
-        p, q, z: where the ray begins: cells north and east of the first node, height (m).
-        x, y, dz: cells north and east, and metres up, for each metre along it.
+        nodes: heights of the nodes of the cell (m): first, east, north, both.
+        start: of the ray: cells north and east of the first node, height (m).
+        ray: cells north and east, and metres up, for each metre along it.
+        span: ways (m) at which the ray enters and leaves the cell.
     """
+    (a, b, c, d), (p, q, z), (x, y, dz), (entered, left) = nodes, start, ray, span
     north, east, twist = c - a, b - a, d - c - b + a
     constant = z - a - north * p - east * q - twist * p * q
     linear = dz - north * x - east * y - twist * (p * y + q * x)

@@ -14,8 +14,7 @@ import numpy as np
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import in_si
-from edl6dof.environment.landing_area.plane import place_of
-from edl6dof.environment.terrain import ground
+from edl6dof.environment.terrain import ground, place_of
 from edl6dof.kernels import kernel
 from edl6dof.sensors.ground_tile import LEVEL, clear_tile, lay_tile
 from edl6dof.sensors.ray_ground import point_motion

@@ -13,11 +13,10 @@ from math import pi, sqrt
 
 import numpy as np
 
-from edl6dof.environment.landing_area.craters import crater_height
+from edl6dof.environment.landing_area.features import crater_height
 from edl6dof.environment.landing_area.params import GENERATED
-from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
-from edl6dof.environment.terrain import ground, regional
+from edl6dof.environment.terrain import geodetic_of, ground, regional
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel

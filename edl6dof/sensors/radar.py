@@ -33,8 +33,7 @@ from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.random_numbers import Stream, normal_pair, uniform
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
-from edl6dof.vehicle.instruments import FALSE_LOCK, OUTAGE, STUCK
-from edl6dof.vehicle.plant import ATTITUDE
+from edl6dof.vehicle.plant import ATTITUDE, FALSE_LOCK, OUTAGE, STUCK
 from edl6dof.vehicle.surroundings import planet_rotation
 
 #: Random numbers that a beam may use in a reading.

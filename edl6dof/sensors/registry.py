@@ -97,7 +97,9 @@ SENSORS = np.dtype(
 )
 
 measure = SENSOR_FAMILY.role(
-    "measure", *("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")
+    "measure",
+    *("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"),
+    own=("params", "unit", "memory"),
 )
 
 

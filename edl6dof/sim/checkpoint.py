@@ -66,7 +66,7 @@ class State:
         write_atomic(path, self.packed())
 
     def packed(self) -> bytes:
-        """What :meth:`save` writes."""
+        """Content of the file that :meth:`save` writes."""
         buffer = io.BytesIO()
         records: dict[str, Any] = {
             name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS

@@ -41,14 +41,14 @@ _BOTH = [getattr(one, "py_func", one) for one in (fly, RUN.kernel)]
 
 
 def is_compiled() -> bool:
-    """Whether loop and flight software are compiled."""
+    """True if loop and flight software are compiled."""
     mark = _mark()
     return mark is None or mark.exists()
 
 
 @contextmanager
 def flight_software_beside(scenario: BaseModel) -> Iterator[Sequence[str] | None]:
-    """Compile the flight software beside what the block does; hands out the members of families to
+    """Compile the flight software in parallel to the block; hands out the members of families to
     compile the loop with, ``None`` where loop and flight software are compiled already.
 
     With one core only, the flight compiles everything itself; so it does with whatever the other process did

@@ -1,5 +1,5 @@
-"""Whether all that the flight computer works with is finite, asked in every cycle; and what was not finite
-first.
+"""Check in every cycle that all quantities of the flight computer are finite, and find the first one that is
+not.
 
 Comparisons with what is not a number are false: no trigger fires and no limit is exceeded; nothing but this
 look would end such a flight.
@@ -50,8 +50,8 @@ def _gather(words, runs, wrong):
 
 @kernel
 def works_with_finite(sensors, memory):
-    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as
-    ``uint64`` words.
+    """True if the outputs of sensors, navigation, guidance, estimation, control and modulation are finite;
+    given as ``uint64`` words.
     """
     return _gather(memory, _WORKED_OUT, _gather(sensors, _SENSED, _LOWEST)) < _SIGN
 

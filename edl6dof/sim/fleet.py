@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable, Sequence
+from threading import Lock, Thread
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,20 +15,73 @@ from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.scenario.records import Records
 from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS
+from edl6dof.sim.flight_state import NO_BRIEFS, NO_TICKS, Snapshot
 from edl6dof.sim.functions import functions_of
-from edl6dof.sim.helper import Helper
 from edl6dof.sim.loop import fly_each
 from edl6dof.sim.outcome import FLYING
-from edl6dof.sim.underway import NO_BRIEFS, NO_TICKS, Moment
 from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
+
+
+class Helper:
+    """A thread that waits for work, until it is closed.
+
+    Args:
+        work: called in the thread with what :meth:`begin` is given.
+    """
+
+    def __init__(self, work: Callable[[int], object]):
+        self._work, self._given, self._closed = work, 0, False
+        self._error: BaseException | None = None
+        self._told, self._idle = Lock(), Lock()  # taken: nothing to do; at work
+        self._told.acquire()
+        Thread(target=self._serve, name="edl6dof-helper", daemon=True).start()
+
+    def begin(self, given: int) -> None:
+        """Let the thread do its work once, after what it is still at.
+
+        Raises:
+            RuntimeError: it is closed.
+        """
+        if self._closed:
+            raise RuntimeError("its threads have been closed")
+        self._idle.acquire()
+        self._given = given
+        self._told.release()
+
+    def wait(self) -> None:
+        """Wait until the work is done; raises what it raised.  Who is interrupted here may go on as ever."""
+        with self._idle:
+            error, self._error = self._error, None
+        if error is not None:
+            raise error
+
+    def close(self) -> None:
+        """Let the thread end, after what it is still at."""
+        if not self._closed:
+            self._idle.acquire()
+            self._closed = True
+            self._told.release()
+
+    def _serve(self) -> None:
+        while True:
+            self._told.acquire()
+            if self._closed:
+                return
+            try:
+                self._work(self._given)
+            except BaseException as error:
+                self._error = error
+            finally:
+                self._idle.release()
+
 
 #: Outcome of a flight that flies no further though it could, or has not begun.
 HALTED = -1
 
 
 class Start(NamedTuple):
-    """What a flight begins with: the bytes of its records, without the zeros at their ends, of which images
-    that nobody has taken yet are millions.
+    """Start of a flight: the bytes of its records, without the zeros at their ends; images that are not taken
+    yet are millions of zeros.
     """
 
     cycle: int
@@ -39,10 +93,10 @@ class Start(NamedTuple):
     fsw: np.ndarray
 
     @classmethod
-    def of(cls, records: Records, moment: Moment) -> Start:
-        """A moment of a flight."""
-        whole = records.case, records.onboard, moment.plant, moment.peaks, moment.sensors, moment.fsw
-        return cls(moment.cycle, *map(_packed, whole))
+    def of(cls, records: Records, snapshot: Snapshot) -> Start:
+        """Start from a snapshot of a flight."""
+        whole = records.case, records.onboard, *snapshot[1:]
+        return cls(snapshot.cycle, *map(_packed, whole))
 
 
 def _packed(record: np.ndarray) -> np.ndarray:
@@ -79,7 +133,9 @@ class Fleet:
         self.close = weakref.finalize(self, _close, self._helpers)  # a fleet that is dropped ends its threads
 
     def _share(self, first: int, end: int) -> Callable[[int], object]:
-        """What flies the flights ``first .. end - 1`` by some base cycles: their arrays are cut out once."""
+        """Make the function that flies the flights ``first .. end - 1`` by some base cycles: their arrays are
+        cut out once.
+        """
         some, steps, functions = slice(first, end), self._steps, self._functions
         records = (
             *(self.cases[some], self.onboards[some], self.tables, self.plants[some], self.outputs[some]),

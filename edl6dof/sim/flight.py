@@ -16,13 +16,12 @@ from edl6dof.scenario import records
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause
-from edl6dof.sim.flight_records import FlightRecords
-from edl6dof.sim.happened import happened
+from edl6dof.sim.flight_figures import figures_of
+from edl6dof.sim.flight_records import FlightRecords, timeline_moments
+from edl6dof.sim.flight_state import RunningFlight, continue_from, log_rows, resolved_text
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.termination import Termination, goal_code, termination
-from edl6dof.sim.underway import Underway, continue_from, log_rows, resolved_text
 from edl6dof.telemetry.timeline import timeline
 
 if TYPE_CHECKING:
@@ -58,8 +57,8 @@ class Flight(FlightRecords):
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        mission, vehicle, befell = self.scenario.mission, self.scenario.vehicle, happened(self)
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, befell)
+        mission, vehicle, others = self.scenario.mission, self.scenario.vehicle, timeline_moments(self)
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
 
     @cached_property
     def metrics(self) -> Named[float]:
@@ -73,12 +72,12 @@ class Flight(FlightRecords):
 
     @property
     def landed(self) -> bool:
-        """Whether the vehicle came to rest upright."""
+        """True if the vehicle came to rest upright."""
         return self.code == LANDED
 
     @property
     def success(self) -> bool:
-        """Whether it reached the goal of the mission (landed, deployed, or flown to the time limit) within
+        """True if it reached the goal of the mission (landed, deployed, or flown to the time limit) within
         all limits.
         """
         return self.termination.success
@@ -159,7 +158,7 @@ def fly(
     Raises:
         ConfigError: the state does not fit the scenario.
     """
-    flight = Underway(loaded, start, parts, log)
+    flight = RunningFlight(loaded, start, parts, log)
     base = loaded.scenario.flight_software.rates.base_hz
     stop = max(flight.last_cycle, flight.cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
@@ -177,26 +176,26 @@ def fly(
     return flight_of(flight, saved)
 
 
-def flight_of(underway: Underway, saved: State | None = None) -> Flight:
-    """What has become of a flight, with the telemetry since it began; the records stay its own."""
-    loaded, code = underway.loaded, underway.code
+def flight_of(running: RunningFlight, saved: State | None = None) -> Flight:
+    """Finished flight of a running one, with the telemetry since it began; the two share their records."""
+    loaded, code = running.loaded, running.code
     wrong = None
     if code != goal_code(loaded.scenario.mission.goal):
-        changing = underway.plant, underway.outputs, underway.work, underway.sensors, underway.fsw
+        changing = running.plant, running.outputs, running.work, running.sensors, running.fsw
         wrong = first_cause(*changing)
-    site = underway.onboard["site"]
+    site = running.onboard["site"]
     return Flight(
         loaded,
-        underway.case,
-        underway.tables,
-        underway.plant,
-        underway.outputs,
-        underway.peaks,
-        underway.fsw,
-        underway.log[: underway.rows],
+        running.case,
+        running.tables,
+        running.plant,
+        running.outputs,
+        running.peaks,
+        running.fsw,
+        running.log[: running.rows],
         (float(site["aim_latitude"][0]), float(site["aim_longitude"][0])),
         NOT_FINITE if wrong else code,
-        underway.cycle - underway.first,
+        running.cycle - running.first,
         saved,
         wrong,
     )

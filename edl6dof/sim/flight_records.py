@@ -1,4 +1,4 @@
-"""A flight that is over: what it leaves, from which all figures and words about it follow."""
+"""Records of a finished flight, and the moments of its timeline that are no events of its mission."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.telemetry.landing_map import LandingMap, landing_map
+from edl6dof.telemetry.timeline import Moment, moment
+from edl6dof.vehicle.plant import NOT_BEGUN
 
 
 @dataclass(repr=False)
@@ -95,5 +97,47 @@ class FlightRecords:
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
-        """What the lander saw of the ground and chose on it; ``None`` without a spot chosen from a scan."""
+        """Map of the ground that the lander scanned, and the spot chosen; ``None`` without a scan."""
         return landing_map(self.fsw[0])
+
+
+def timeline_moments(flight: FlightRecords) -> list[Moment]:
+    """Moments for the timeline of a flight."""
+    return [*_wing(flight), *_faults(flight), *_found(flight)]
+
+
+def _wing(flight: FlightRecords) -> list[Moment]:
+    """The trim wing at the end of its way, of several the last, unless a fault stopped one before."""
+    truth, plant = flight.loaded.truth, flight.plant[0]
+    starts = zip(truth.vehicle.surfaces, plant["wing_start"], strict=False)
+    ends = {one.name: float(t) + one.deploy_time_s for one, t in starts if t < NOT_BEGUN}
+    opened = max(ends.values(), default=np.inf)
+    stopped = any(
+        fault.component == "surface" and since < ends.get(fault.acts_on(truth.components), -np.inf)
+        for fault, since in zip(truth.faults, plant["fault_since"], strict=False)
+    )
+    return [] if stopped or opened > flight.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
+
+
+def _faults(flight: FlightRecords) -> list[Moment]:
+    """Faults that began."""
+    truth = flight.loaded.truth
+    return [
+        moment(since, "fault", f"fault: {fault.label(truth.components)}")
+        for fault, since in zip(truth.faults, flight.plant["fault_since"][0], strict=False)
+        if since != NOT_BEGUN
+    ]
+
+
+def _found(flight: FlightRecords) -> list[Moment]:
+    """Thrusters and instruments that the flight computer took out of use."""
+    found = [
+        moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)
+        for one in flight.isolated_faults
+    ]
+    found += [
+        moment(one.t_s, "exclusion", one.label, component=one.component, instrument=one.instrument,
+               back=one.back)
+        for one in flight.exclusions
+    ]  # fmt: skip
+    return found

@@ -20,8 +20,7 @@ from edl6dof.registry import place
 from edl6dof.scenario.records import TABLES
 from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS, measure
-from edl6dof.vehicle.faults.fault import FAULT
-from edl6dof.vehicle.faults.registry import inflict_kind
+from edl6dof.vehicle.faults.fault import FAULT, inflict_kind
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 #: Where the loop is given members of families.
@@ -63,7 +62,7 @@ def functions_of(cases: np.ndarray, onboard: Any) -> Any:
 
 
 def _compile(functions: Iterable[Any]) -> None:
-    """Compile each alone: of several in one call, no more than one that the disk has no room for goes on."""
+    """Compile each alone: if the disk is full, a call goes on after one failure only."""
     for one in functions:
         if isinstance(one, Given):
             one.compile()
@@ -72,5 +71,5 @@ def _compile(functions: Iterable[Any]) -> None:
 
 
 def _first(indices: np.ndarray, counts: np.ndarray) -> frozenset[int]:
-    """What stands in the first ``counts`` columns of each row."""
+    """Values in the first ``counts`` columns of each row."""
     return frozenset(map(int, indices[np.arange(indices.shape[1]) < counts[:, None]]))

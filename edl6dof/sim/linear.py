@@ -15,8 +15,8 @@ import numpy as np
 from edl6dof.config.dtype import duplicate
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.navigation.derived import derive
+from edl6dof.sim.flight_state import RunningFlight
 from edl6dof.sim.loop import look
-from edl6dof.sim.underway import Underway
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class Margins(NamedTuple):
     crossover_rad_s: float
 
 
-def linear_plant(flight: Underway) -> LinearModel:
+def linear_plant(flight: RunningFlight) -> LinearModel:
     """The plant of a flight as it stands, which stays as it is."""
     plant, outputs, work = (duplicate(record) for record in (flight.plant, flight.outputs, flight.work))
 
@@ -148,7 +148,7 @@ def _cross(w: np.ndarray) -> np.ndarray:
     return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
 
 
-def control_gain(flight: Underway) -> np.ndarray:
+def control_gain(flight: RunningFlight) -> np.ndarray:
     """Torque (N m, B) that attitude control takes off for each deviation of rotation (rad) and rate (rad/s),
     shape (3, 6): the derivative of the law of the present phase, its integrators standing.
     """

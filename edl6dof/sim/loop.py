@@ -10,13 +10,12 @@ from edl6dof.sim.finiteness import works_with_finite
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, outcome_of
 from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
-from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.mass import compose
-from edl6dof.vehicle.motion.balance import open_balance
+from edl6dof.vehicle.motion.balance import open_balance, update_peaks
+from edl6dof.vehicle.motion.ground_contact import note_motion
 from edl6dof.vehicle.motion.integrate import advance
-from edl6dof.vehicle.motion.peaks import update_peaks
-from edl6dof.vehicle.motion.rest import note_motion
 from edl6dof.vehicle.motion.runge_kutta import evaluate, retrace, survey, undo
+from edl6dof.vehicle.motion.staging import step_debris
 
 
 @kernel

@@ -8,7 +8,7 @@ from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.motion.body import tilt
-from edl6dof.vehicle.motion.rest import ground_speed
+from edl6dof.vehicle.motion.ground_contact import ground_speed
 from edl6dof.vehicle.parachutes.parachute import PACKED
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -33,7 +33,7 @@ THIN_AIR = 50.0
 
 @kernel
 def at_last_event(case, plant):
-    """Whether an event is done with which the flight ends."""
+    """True if an event is done that ends the flight."""
     for i in range(case.events.n_events):  # noqa: SIM110  numba compiles no generators
         if case.ends_with[i] != 0 and isfinite(plant.done[i]):
             return True
@@ -42,7 +42,7 @@ def at_last_event(case, plant):
 
 @kernel
 def burning(plant):
-    """Whether an engine is on."""
+    """True if an engine is on."""
     count = 0
     for i in range(plant.running.shape[0]):
         count += plant.running[i]

@@ -18,12 +18,12 @@ from edl6dof.interface.command import EXTERNAL
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.commanding import Command, Commander
+from edl6dof.sim.commands import Command, Commander
 from edl6dof.sim.flight import Flight, flight_of
+from edl6dof.sim.flight_state import NO_TICKS, RunningFlight, Snapshot
 from edl6dof.sim.linear import LinearModel, Margins, control_gain, linear_plant, margins
-from edl6dof.sim.observing import Reader, navigated, true_state, wanted
+from edl6dof.sim.observations import Reader, navigated, true_state, wanted
 from edl6dof.sim.outcome import FLYING, OUTCOMES
-from edl6dof.sim.underway import NO_TICKS, Moment, Underway
 
 
 class SteppedFlight:
@@ -42,9 +42,9 @@ class SteppedFlight:
     def _begin(self, loaded: LoadedScenario, parts: Records | None = None) -> None:
         """Stand at the start of a flight of a scenario."""
         self.loaded = loaded
-        self.underway = Underway(loaded, parts=parts, log=None if self._telemetry else NO_TICKS)
+        self.running = RunningFlight(loaded, parts=parts, log=None if self._telemetry else NO_TICKS)
         self._names = loaded.scenario.thruster_names
-        self._commander = Commander(self.underway.fsw, self._names)
+        self._commander = Commander(self.running.fsw, self._names)
         for name in ("_navigated", "_wanted", "_true"):
             self.__dict__.pop(name, None)
 
@@ -68,11 +68,11 @@ class SteppedFlight:
             raise ValueError(f"cycles must be >= 1 (got {cycles})")
         if command is not None or self._commander.holds:
             self._commander.give(command)
-        return self.underway.advance(cycles) == FLYING
+        return self.running.advance(cycles) == FLYING
 
     def observe(self, names: Iterable[str] | None = None) -> dict[str, Any]:
-        """What the flight computer knows since the last cycle, by name: navigation, guidance, phase; zeros
-        before the first.  Nothing of it is the truth, but as far as its instruments tell.
+        """Estimates of the flight computer after the last cycle, by name: navigation, guidance, phase; zeros
+        before the first.  They contain no truth beyond the readings of its instruments.
 
         Args:
             names: what is wanted of it, or one name, which is read quicker than all.
@@ -90,27 +90,27 @@ class SteppedFlight:
             raise ValueError(unknown("observation", error.args[0], readers)) from None
 
     def look_ahead(self) -> dict[str, Any]:
-        """What the flight computer will know once the next base cycle begins: at the start of a flight, when
-        it has not been asked yet, that is what there is to observe.
+        """Estimates that the flight computer will have once the next base cycle begins: the first observation
+        at the start of a flight, before its first cycle.
         """
-        now = self.underway.moment()
-        self.underway.advance(1)
+        now = self.running.snapshot()
+        self.running.advance(1)
         found = self.observe()
-        self.underway.go_to(now)
+        self.running.restore(now)
         return found
 
     def own(self) -> dict[str, Any]:
-        """What the flight software itself wanted last, by the names of commands, whatever was commanded."""
+        """Last demands of the flight software itself, by the names of commands, whatever was commanded."""
         return {name: read() for name, read in self._wanted.items()}
 
     def truth(self) -> dict[str, Any]:
         """The true state, which no flight computer has: for rewards and figures."""
-        self.underway.look()
+        self.running.look()
         return {name: read() for name, read in self._true.items()}
 
     def linear_plant(self) -> LinearModel:
         """The plant as it stands, as a linear model from torque and force of the thrusters."""
-        return linear_plant(self.underway)
+        return linear_plant(self.running)
 
     def attitude_margins(self) -> dict[str, Margins]:
         """Margins of the attitude loop of the present phase, by axis of B; the torque follows the attitude
@@ -120,31 +120,31 @@ class SteppedFlight:
         """
         rates = self.loaded.scenario.flight_software.rates
         held = 0.5 * rates.control_every / rates.base_hz
-        return margins(self.linear_plant(), control_gain(self.underway), held)
+        return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
         """The flight as it stands, under no command; :meth:`State.save` writes it to a file, which
         ``edl6dof fly --from`` reads, too.
         """
-        found = self.underway.state()
+        found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found
 
-    def restore(self, state: State | Moment) -> None:
-        """Go back, or on, to a state of this scenario; telemetry begins anew there.
+    def restore(self, state: State | Snapshot) -> None:
+        """Restore a state of this scenario; telemetry starts again there.
 
         Raises:
             ConfigError: the state does not fit the scenario.
             TypeError: it is no state.
         """
-        if not isinstance(state, State | Moment):
+        if not isinstance(state, State | Snapshot):
             raise TypeError(f"a state is what state() returned, or State.load (got {state!r})")
         if isinstance(state, State):
             state.check_fits(self.loaded.scenario)
-            if state.scenario_text != self.underway.scenario_text:
+            if state.scenario_text != self.running.scenario_text:
                 words = "is of another scenario; fly it with edl6dof fly --from, or load its own"
                 raise ConfigError([Problem("(saved state)", 0, 0, "", words)])
-        self.underway.go_to(state)
+        self.running.restore(state)
         self._commander.take_up()
 
     def flight(self) -> Flight:
@@ -154,19 +154,19 @@ class SteppedFlight:
         Raises:
             ValueError: no telemetry is kept, or no cycle has been flown.
         """
-        if not self._telemetry or self.underway.rows == 0:
+        if not self._telemetry or self.running.rows == 0:
             raise ValueError("no telemetry is kept" if not self._telemetry else "no cycle has been flown yet")
-        return flight_of(self.underway)
+        return flight_of(self.running)
 
     @property
     def time_s(self) -> float:
         """Flight time, s."""
-        return float(self.underway.plant["t"][0])
+        return float(self.running.plant["t"][0])
 
     @property
     def cycle(self) -> int:
         """Base cycle that comes next."""
-        return self.underway.cycle
+        return self.running.cycle
 
     @property
     def cycle_s(self) -> float:
@@ -175,33 +175,33 @@ class SteppedFlight:
 
     @property
     def flying(self) -> bool:
-        """Whether the flight goes on."""
-        return self.underway.code == FLYING
+        """True while the flight has not ended."""
+        return self.running.code == FLYING
 
     @property
     def outcome(self) -> str:
         """How it ended, without its limits; ``flying`` until then."""
-        return OUTCOMES[self.underway.code]
+        return OUTCOMES[self.running.code]
 
     @property
     def phase(self) -> str:
         """Name of the present mission phase."""
         names = self.loaded.scenario.phase_names
-        return names[int(self.underway.fsw["mission"]["phase"][0])] if names else "free flight"
+        return names[int(self.running.fsw["mission"]["phase"][0])] if names else "free flight"
 
     @property
     def commands(self) -> list[str]:
-        """What :meth:`step` may be told."""
+        """Names of the commands that :meth:`step` takes."""
         return self._commander.names
 
     @cached_property
     def _navigated(self) -> dict[str, Reader]:
-        return navigated(self.underway.fsw)
+        return navigated(self.running.fsw)
 
     @cached_property
     def _wanted(self) -> dict[str, Reader]:
-        return wanted(self.underway.fsw, len(self._names))
+        return wanted(self.running.fsw, len(self._names))
 
     @cached_property
     def _true(self) -> dict[str, Reader]:
-        return true_state(self.underway.plant, self.underway.outputs)
+        return true_state(self.running.plant, self.running.outputs)

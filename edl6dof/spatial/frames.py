@@ -125,8 +125,11 @@ def fill_local_frame(
 
 
 @kernel
-def fixed_to_enu(site_F, sin_lat, cos_lat, sin_lon, cos_lon, r_F):
-    """East, north, up of a position relative to a site, in the site's geodetic frame L."""
+def fixed_to_enu(site_F, trig, r_F):
+    """East, north, up of a position relative to a site, in the site's geodetic frame L; ``trig``: sine and
+    cosine of the latitude and of the longitude of the site.
+    """
+    sin_lat, cos_lat, sin_lon, cos_lon = trig
     north, east, down = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, sub(r_F, site_F))
     return east, north, -down
 
@@ -134,9 +137,8 @@ def fixed_to_enu(site_F, sin_lat, cos_lat, sin_lon, cos_lon, r_F):
 @kernel
 def to_local(frame, r_F):
     """East, north, up in a ``LOCAL_FRAME`` of a position in F."""
-    return fixed_to_enu(
-        take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F=r_F
-    )
+    trig = (frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon)
+    return fixed_to_enu(take3(frame.origin_F, 0), trig, r_F)
 
 
 @kernel

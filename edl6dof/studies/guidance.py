@@ -36,7 +36,7 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.ground_tracking import GroundTrackingParams
 from edl6dof.sim.flight import Flight
-from edl6dof.sim.underway import moments_at
+from edl6dof.sim.flight_state import snapshots_at
 from edl6dof.studies.frame import Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.studies.samples import (
     column,
@@ -315,7 +315,7 @@ def _repeat(entry_law, bank_side, onboards, navs, memories, work, outs, repeats)
 
 def call_time(loaded: LoadedScenario) -> float:
     """Mean processor time (us) of a call of the compiled law, steering and air data included."""
-    onboard, saved = build_records(loaded).onboard, moments_at(loaded, TIMED_AT)
+    onboard, saved = build_records(loaded).onboard, snapshots_at(loaded, TIMED_AT)
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
         navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]

@@ -20,8 +20,8 @@ from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import State
+from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
 from edl6dof.campaign.executor import Row, in_threads
-from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
 from edl6dof.config.wording import counted
 from edl6dof.fsw.control.attitude_error import goal_attitude
 from edl6dof.interface.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun

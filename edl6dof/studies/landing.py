@@ -29,7 +29,7 @@ from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.sim.underway import moments_at
+from edl6dof.sim.flight_state import snapshots_at
 from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.studies.samples import (
     column,
@@ -240,7 +240,7 @@ def call_time(loaded: LoadedScenario) -> float:
     onboard = build_records(loaded).onboard
     released = edl6dof.fly(loaded).metrics["backshell_s"]
     times = [released + after + later for after in SAVED_AFTER_S for later in (0.0, LATER_S)]
-    moments = moments_at(loaded, times)
+    moments = snapshots_at(loaded, times)
     if len(moments) < len(times):
         raise ValueError(f"the nominal flight is over before {times[len(moments)]:g} s")
     longest = 0.0

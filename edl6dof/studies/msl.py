@@ -14,8 +14,8 @@ from math import nan
 import numpy as np
 
 import edl6dof
+from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
 from edl6dof.campaign.executor import Row
-from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
 from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.frames import great_circle

@@ -14,8 +14,8 @@ import numpy as np
 import edl6dof
 from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
+from edl6dof.vehicle.aerodynamics.capsule_table import read_static_table
 from edl6dof.vehicle.aerodynamics.newtonian import capsule_rings, newtonian_coefficients
-from edl6dof.vehicle.aerodynamics.table import read_static_table
 
 #: Shape of Phoenix: diameter 2.65 m, nose D/4, shoulder D/40 as printed; the afterbody is an estimate.
 _FRONT: dict[str, Any] = {"diameter_m": 2.65, "nose_radius_m": 0.6638, "shoulder_radius_m": 0.0662}

@@ -26,8 +26,8 @@ from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, HEAT, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.propulsion.feed_system import propellant_left
 from edl6dof.vehicle.propulsion.rcs import efficiency
-from edl6dof.vehicle.propulsion.tanks import propellant_left
 from edl6dof.vehicle.surroundings import planet_rotation
 
 

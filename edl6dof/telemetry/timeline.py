@@ -156,7 +156,7 @@ def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, A
         "speed_m_s": telemetry["truth.speed_m_s"][i],
         "mach": telemetry["truth.mach"][i],
     }
-    # a flight that goes on from a saved state has no telemetry of what was before
+    # a flight continued from a saved state has no telemetry of what was before
     known = t >= telemetry["t_s"][0] - 1e-9
     values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
     return {**one, "detail": _in_words(values), **values}

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from edl6dof.interface.effectors import ENGINE_FULL
 from edl6dof.kernels import kernel
-from edl6dof.vehicle.faults.fault import inflict
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, command_bank
+from edl6dof.vehicle.plant import NOT_BEGUN
 
 
 @kernel
 def actuate(kinds, case, command, plant):
-    """Set valve intervals, engine level and the bank angle a point mass follows; pass on what the eyes
-    are told, and schedule what was requested with its delay.
+    """Set valve intervals, engine level and the bank angle a point mass follows; pass on the commands to the
+    imagers, and schedule requested events with their delay.
 
-    Faults and latch valves have the last word.
+    Faults and latch valves override the commands.
     """
     vehicle = case.vehicle
     for i in range(vehicle.rcs.n_thrusters):
@@ -33,3 +33,29 @@ def actuate(kinds, case, command, plant):
         # the latch valve of its branch lies upstream of whatever the thruster's own valve does
         if command.latch_closed[case.branches.of[i]] != 0:
             plant.valves.open_time[i] = plant.valves.close_time[i] = plant.t
+
+
+@kernel
+def begin(fault, index, command, plant):
+    """Note when fault ``index`` begins: in the first base cycle at or after its time."""
+    started = plant.t
+    if fault.phase >= 0:
+        if command.phase < fault.phase:
+            return
+        if plant.phase_seen[index] == NOT_BEGUN:
+            plant.phase_seen[index] = plant.t
+        started = plant.t - plant.phase_seen[index]
+    if started >= fault.after - 1e-9:
+        plant.fault_since[index] = plant.t
+
+
+@kernel
+def inflict(kinds, case, command, plant):
+    """Let every fault that has begun act on the commanded actuators."""
+    faults = case.faults
+    for i in range(faults.count):
+        fault = faults.slots[i]
+        if plant.fault_since[i] == NOT_BEGUN:
+            begin(fault, i, command, plant)
+        if plant.fault_since[i] != NOT_BEGUN:
+            kinds(fault.params.kind, fault, case, since=plant.fault_since[i], command=command, plant=plant)

@@ -64,20 +64,19 @@ def leg_force(gear, depth, v_normal, v_slip):
 
 
 @kernel
-def contact(gear, point, centre, clearance, up_B, v_B, w_B):
+def contact(gear, point, centre, plane, motion):
     """Ground reaction on a point of the vehicle: force and moment about the origin of B (two tuples), and
-    whether it touches.
+    True if it touches.
 
     Args:
         gear: landing-gear record.
         point: the point in B, m.
         centre: centre of mass in B, m.
-        clearance: height of the centre of mass above the plane of the ground under the point, along its
-            normal, m.
-        up_B: outward normal of that plane in B.
-        v_B: velocity of the centre of mass relative to the ground, in B, m/s.
-        w_B: body rate relative to the ground, in B, rad/s.
+        plane: of the ground under the point: outward normal in B, and height of the centre of mass above the
+            plane along the normal, m.
+        motion: relative to the ground, in B: velocity of the centre of mass, m/s, and body rate, rad/s.
     """
+    (up_B, clearance), (v_B, w_B) = plane, motion
     arm = (point[0] - centre[0], point[1] - centre[1], point[2] - centre[2])
     depth = -(clearance + arm[0] * up_B[0] + arm[1] * up_B[1] + arm[2] * up_B[2])
     if depth <= 0.0:
@@ -93,7 +92,7 @@ def contact(gear, point, centre, clearance, up_B, v_B, w_B):
 
 @kernel
 def contacts(gear):
-    """How many points can meet the ground: the footpads, then those of the underside."""
+    """Number of points that can meet the ground: the footpads, then those of the underside."""
     return gear.n_footpads + gear.n_underside
 
 

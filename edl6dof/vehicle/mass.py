@@ -1,5 +1,5 @@
 """Mass, centre of mass and inertia of what is still attached; the propellant that is left is added by
-:mod:`edl6dof.vehicle.propulsion.tanks`.
+:mod:`edl6dof.vehicle.propulsion.feed_system`.
 
 The file gives the whole entry vehicle, its propellant and the parts that leave it; the dry lander is what
 remains.

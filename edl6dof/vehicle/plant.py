@@ -9,10 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import (
+    MAX_ACCELEROMETERS,
+    MAX_BEAMS,
     MAX_BRANCHES,
     MAX_ENGINES,
     MAX_EVENTS,
     MAX_FAULTS,
+    MAX_GYROS,
     MAX_PARACHUTES,
     MAX_PARTS,
     MAX_SURFACES,
@@ -22,11 +25,45 @@ from edl6dof.interface.capacities import (
 from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
-from edl6dof.vehicle.debris import FALLING
-from edl6dof.vehicle.instruments import IMAGER_COMMANDS, INSTRUMENT_FAULTS
 from edl6dof.vehicle.landing_gear import MAX_CONTACTS, MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
+
+#: Modes of a reading: as it should be; always the last one before the fault; at the end of the range without
+#: a flag; none; at the end of the range with its flag; of something else than the ground.
+WORKING, STUCK, HARDOVER, OUTAGE, SATURATED, FALSE_LOCK = range(6)
+
+#: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam, kg/s of a
+#: flow meter.
+READING_FAULT = np.dtype(
+    [
+        ("mode", whole(0, FALSE_LOCK)),
+        ("offset", "f8"),  # added to it; the reading itself at a false lock
+        ("noise", "f8"),  # standard deviation of the noise added to it
+    ],
+    align=True,
+)
+
+#: Commands to camera, lidar and stereo cameras in this cycle.
+IMAGER_COMMANDS = np.dtype([("camera_trigger", FLAG), ("scan", FLAG)], align=True)
+
+#: Effect of the faults of instruments; faults write it, sensors read it.
+INSTRUMENT_FAULTS = np.dtype(
+    [
+        ("gyro", READING_FAULT, (MAX_GYROS,)),
+        ("accelerometer", READING_FAULT, (MAX_ACCELEROMETERS,)),
+        ("range", READING_FAULT, (MAX_BEAMS,)),
+        ("speed", READING_FAULT, (MAX_BEAMS,)),
+        ("flow", READING_FAULT, (MAX_BRANCHES,)),
+        ("star_tracker_lost", FLAG),
+        ("camera_lost", FLAG),
+        ("lidar_lost", FLAG),
+        ("stereo_lost", FLAG),
+        ("mirror_stuck", FLAG),  # that of the lidar, which turns the fan of rays from row to row
+    ],
+    align=True,
+)
+
 
 #: Layout of the integrated state ``y``.
 POSITION, VELOCITY, ATTITUDE, RATE, HEAT, PROPELLANT = 0, 3, 6, 10, 13, 14
@@ -58,7 +95,7 @@ VALVES = np.dtype(
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
-        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow, likewise
+        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
         ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
         # how each thruster fails, 0 for one that works
         ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
@@ -111,6 +148,8 @@ OUTPUTS = np.dtype(
     align=True,
 )
 
+#: States of a part that has left the vehicle: since this step, at rest on the ground, falling.
+LOOSE, RESTING, FALLING = 1, 2, 3
 #: A part that has left the vehicle: a point mass with drag.
 DEBRIS = np.dtype(
     [
@@ -124,7 +163,7 @@ DEBRIS = np.dtype(
     align=True,
 )
 
-#: Largest values met since the initial state (:mod:`edl6dof.vehicle.motion.peaks`).
+#: Largest values met since the initial state (:mod:`edl6dof.vehicle.motion.balance`).
 PEAKS = np.dtype(
     [
         ("entry_load", "f8"),  # up to the first deployment of a parachute
@@ -150,19 +189,19 @@ BALANCE = np.dtype(
         # since
         ("velocity", "f8", (3,)),  # m/s, I: by forces and separations
         ("separations", "f8"),  # m/s: momentum that was missing after them, sum of the magnitudes
-        ("work", "f8"),  # J/kg: by all forces but gravitation, likewise
+        ("work", "f8"),  # J/kg: by all forces but gravitation, summed up in the same way
         ("lost", "f8"),  # kg: propellant used, and parts that have left
     ],
     align=True,
 )
 
-#: What the derivative is given beside time and state, laid down for a step
+#: Inputs of the derivative in addition to time and state, set for a step
 #: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
 INPUTS = np.dtype(
     [
         ("middle", "f8"),  # s: time of the middle of the step
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
-        ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: likewise
+        ("rcs_moment", "f8", (3,)),  # N m, B, about its origin
         ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
         ("rcs_moment_slope", "f8", (3,)),  # N m/s
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
@@ -230,7 +269,7 @@ STATE = np.dtype(
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
         ("balance", BALANCE),
-        ("imagers", IMAGER_COMMANDS),  # commands to landing camera, lidar and stereo cameras
+        ("imagers", IMAGER_COMMANDS),  # to landing camera, lidar and stereo cameras
     ],
     align=True,
 )

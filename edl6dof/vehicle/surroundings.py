@@ -21,8 +21,8 @@ def planet_rotation(planet, t):
 
 @inlined_kernel
 def surroundings(case, tables, areoid, rotation, r_I):
-    """What surrounds the point ``r_I`` (m) at the time to which ``rotation`` (:func:`planet_rotation`)
-    belongs; ``areoid``: the plane of ``inputs`` that its height is on.
+    """Find place, gas and wind at the point ``r_I`` (m) at the time of ``rotation``
+    (:func:`planet_rotation`); ``areoid``: the plane of ``inputs`` that its height is on.
 
     Returns:
         place: sine and cosine of geodetic latitude and of longitude, altitude, and height above the areoid

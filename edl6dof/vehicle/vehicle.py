@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, field_validator, model_validator
@@ -11,7 +11,9 @@ from edl6dof.config.base import (
     REQUIRED,
     Capacity,
     Hardware,
+    Key,
     Title,
+    Vec3,
     group,
     param,
     section,
@@ -20,17 +22,84 @@ from edl6dof.config.base import (
 from edl6dof.config.errors import Inconsistent
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
 from edl6dof.spatial.arrays import total
-from edl6dof.vehicle.aerodynamics.bluff import BluffParams
+from edl6dof.vehicle.aerodynamics.constant_coefficients import BluffParams
 from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
 from edl6dof.vehicle.aerodynamics.wrench import AeroParams
-from edl6dof.vehicle.appearance import VehicleAppearanceParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
 from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
 from edl6dof.vehicle.parachutes.parachute import ParachuteParams
-from edl6dof.vehicle.propulsion.branches import branch_problems
 from edl6dof.vehicle.propulsion.engine import EngineParams
-from edl6dof.vehicle.propulsion.engine_models import thruster_set
+from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
+from edl6dof.vehicle.propulsion.feed_system import branch_problems
 from edl6dof.vehicle.propulsion.rcs import RcsParams
+
+#: The body of the entry vehicle, and what is inside it; ``derived`` follows from the rest of the file.
+BodyShape = Literal["derived", "sphere_cone", "sphere", "box", "none"]
+LanderKind = Literal["derived", "legs", "platform", "rover", "none"]
+
+
+class MeshFileParams(Hardware):
+    """A mesh of the user's own, drawn in place of a shape."""
+
+    file: str = param(
+        REQUIRED,
+        "glTF 2.0 (.glb, or .gltf with all inside) or STL (.stl), relative to the file that names it",
+        record=False,
+        min_length=1,
+    )
+    part: Key | None = param(
+        None, "part that it shows and leaves with; none: all that is not a part", record=False
+    )
+    scale: float = param(1.0, "metres per unit of the file", record=False, gt=0.0, le=1e4)
+    origin_m: Vec3 = param((0.0, 0.0, 0.0), "where the origin of the file lies in B", record=False)
+    yaw_pitch_roll_deg: Vec3 = param(
+        (0.0, 0.0, 0.0), "turns about z, y, x that carry B into the axes of the file", record=False
+    )
+
+
+class VehicleAppearanceParams(Hardware):
+    """Shapes as pictures show them; what is left out follows from mass, aerodynamics and landing gear."""
+
+    body: BodyShape = param(
+        "derived",
+        "what flies at entry; derived: of aero.model capsule its sphere-cone; else none of a lander that "
+        "nothing covers, a sphere where the moments of inertia are equal, a sphere-cone where two are, a box",
+        record=False,
+    )
+    nose_x_m: float = param(0.0, "station of the nose of a sphere-cone in B", record=False)
+    diameter_m: float | None = param(
+        None, "largest diameter; none: of the aerodynamics' capsule or area", record=False, gt=0.0
+    )
+    nose_radius_m: float | None = param(
+        None, "radius of the nose; none: of the capsule, or vehicle.nose_radius_m", record=False, gt=0.0
+    )
+    shoulder_radius_m: float | None = param(
+        None, "radius of the shoulder; none: of the capsule, or D/40", record=False, ge=0.0
+    )
+    cone_half_angle_deg: float | None = param(
+        None, "half angle of the forebody; none: of the capsule, or 70", record=False, gt=10.0, lt=90.0
+    )
+    backshell_m: list[tuple[float, float]] = param(
+        None,
+        "corners of the afterbody: distance behind the shoulder, and radius; none: the capsule's two cones, "
+        "or flat",
+        record=False,
+        factory=list,
+        max_length=20,
+    )
+    size_m: Vec3 | None = param(
+        None, "sides of a box along x, y, z; none: of one solid of the vehicle's inertia", record=False
+    )
+    lander: LanderKind = param(
+        "derived",
+        "what comes out of the aeroshell; derived: legs where there are footpads, else a platform where "
+        "there are engines, else none",
+        record=False,
+    )
+    meshes: list[MeshFileParams] = param(
+        None, "meshes drawn in place of these shapes", record=False, factory=list, max_length=8
+    )
+
 
 #: What a vehicle says itself of each aerodynamic model or shape that it flies.
 STATED = {
@@ -142,8 +211,8 @@ class VehicleParams(Hardware):
         return self
 
     def _unstated_aero(self) -> dict[str, str]:
-        """What the vehicle does not say of the shapes that it flies, by dotted key: a default would be that
-        of another vehicle.
+        """Find missing values of the shapes that the vehicle flies, by dotted key: a default would be that of
+        another vehicle.
         """
         flown: list[str] = [self.aero.model] if self.aero.model in STATED else []
         flown += ["backshell"] if self.showing("backshell") else []
@@ -159,7 +228,7 @@ class VehicleParams(Hardware):
         """An engine of thrusters that has none, another thrust than theirs, or a place before other engines,
         by dotted key.
         """
-        sets = [k for k, engine in enumerate(self.engines) if engine.model == thruster_set.NAME]
+        sets = [k for k, engine in enumerate(self.engines) if engine.model == THRUSTER_SET.name]
         axial = total(-jet.thrust_n * jet.direction[0] for jet in self.rcs.thrusters if jet.group == "axial")
         problems = {}
         for k in sets:
@@ -169,7 +238,7 @@ class VehicleParams(Hardware):
                     f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
                 )
         if sets and (len(sets) > 1 or sets[0] != len(self.engines) - 1):
-            problems["engines"] = f"at most one is a {thruster_set.NAME}, the last of the list"
+            problems["engines"] = f"at most one is a {THRUSTER_SET.name}, the last of the list"
         return problems
 
     def _feed_problems(self) -> dict[str, str]:
@@ -200,7 +269,7 @@ class VehicleParams(Hardware):
     @property
     def own_engines(self) -> list[EngineParams]:
         """Engines with a nozzle of their own: not the one that is made of thrusters."""
-        return [engine for engine in self.engines if engine.model != thruster_set.NAME]
+        return [engine for engine in self.engines if engine.model != THRUSTER_SET.name]
 
     @property
     def main_parachute(self) -> ParachuteParams:

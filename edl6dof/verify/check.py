@@ -6,21 +6,46 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from edl6dof.verify.case import History, NotInstalledError, Outcome, Result
-
-#: In the order they are shown; a new one is a file in ``cases`` and a name here.
-NAMES = (
-    *("rotations", "frames", "us76_table", "gravity_field", "rk4_order", "kepler"),
-    *("tumbling", "symmetric_top", "allen_eggers", "equilibrium_glide", "point_mass"),
-    *("capsule_trim", "damping", "impulses", "rocket_equation", "jettison"),
-    *("terminal_velocity", "pendulum", "nesc"),
+from edl6dof.verify.cases import (
+    allen_eggers,
+    capsule_pitch,
+    equilibrium_glide,
+    free_rotation,
+    jettison,
+    nesc,
+    parachute_descent,
+    planet,
+    point_mass,
+    point_motion,
+    propulsion,
+    rotations_and_frames,
 )
+
+#: In the order they are shown; a new one is a function in a file of ``cases`` and a line here.
 CASES: dict[str, Callable[..., Outcome]] = {
-    name: import_module(f"edl6dof.verify.cases.{name}").run for name in NAMES
+    "rotations": rotations_and_frames.rotations,
+    "frames": rotations_and_frames.frames,
+    "us76_table": planet.us76_table,
+    "gravity_field": planet.gravity_field,
+    "rk4_order": point_motion.rk4_order,
+    "kepler": point_motion.kepler,
+    "tumbling": free_rotation.tumbling,
+    "symmetric_top": free_rotation.symmetric_top,
+    "allen_eggers": allen_eggers.run,
+    "equilibrium_glide": equilibrium_glide.run,
+    "point_mass": point_mass.run,
+    "capsule_trim": capsule_pitch.capsule_trim,
+    "damping": capsule_pitch.damping,
+    "impulses": propulsion.impulses,
+    "rocket_equation": propulsion.rocket_equation,
+    "jettison": jettison.run,
+    "terminal_velocity": parachute_descent.terminal_velocity,
+    "pendulum": parachute_descent.pendulum,
+    "nesc": nesc.run,
 }
 
 

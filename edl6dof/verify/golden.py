@@ -2,7 +2,7 @@
 
 Kept are a hash of each part of the records that a flight reads, of each telemetry channel and of each figure,
 and the values of some channels at a few times.  ``edl6dof verify --golden`` flies them again; ``python
-tools/golden.py`` writes them anew after a change that moves bits.
+tools/golden.py`` writes them again after a change that moves bits.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Trace(NamedTuple):
 
 def golden_names() -> list[str]:
     """Names of the golden flights, and of the campaign; a campaign file flies as its scenario does, and a
-    scenario with a plugin as its plugin tells.
+    scenario with a plugin as its plugin declares.
     """
     flights = [
         name

@@ -40,9 +40,9 @@ def test_margins_of_a_proportional_and_derivative_law_are_those_of_the_book():
 
 
 def test_torque_turns_the_vehicle_by_its_inertia(flight):
-    plant = linear_plant(flight.underway)
-    flight.underway.look()
-    xx, yy, zz, xy, xz, yz = flight.underway.outputs["inertia"][0]
+    plant = linear_plant(flight.running)
+    flight.running.look()
+    xx, yy, zz, xy, xz, yz = flight.running.outputs["inertia"][0]
     inertia = np.array([[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]])
     turned = np.abs(plant.b[9:, :3] @ inertia)
     assert np.diag(turned) == pytest.approx(turned[0, 0], rel=0.02)  # less what the flow takes off
@@ -53,7 +53,7 @@ def test_gravity_gradient_is_newtons(nominal):
     flight = SteppedFlight(nominal.loaded, telemetry=False)
     r = flight.truth()["r_I_m"]
     expected = MU / np.linalg.norm(r) ** 3 * (3.0 * np.outer(r, r) / (r @ r) - np.eye(3))
-    found = linear_plant(flight.underway).a[3:6, :3]
+    found = linear_plant(flight.running).a[3:6, :3]
     assert np.allclose(found, expected, atol=0.02 * np.abs(expected).max())
 
 
@@ -61,23 +61,23 @@ def test_small_deviations_go_the_way_of_the_linear_model(flight):
     """A second of flight without thrusters, from a rate a little off: the difference is that of the matrix
     exponential, though the flight path bends meanwhile.
     """
-    begin, plant = flight.underway.moment(), linear_plant(flight.underway)
+    begin, plant = flight.running.snapshot(), linear_plant(flight.running)
     ends = []
     for sign in (1.0, -1.0):
         flight.restore(begin)
-        flight.underway.plant["y"][0, 11] += sign * 1e-4
+        flight.running.plant["y"][0, 11] += sign * 1e-4
         flight.step(REST, 25)
-        ends.append(flight.underway.plant["y"][0, 10:13].copy())
+        ends.append(flight.running.plant["y"][0, 10:13].copy())
     flight.restore(begin)
     change = expm(0.5 * plant.a)[9:, 10] * 1e-4
     assert (ends[0] - ends[1]) / 2.0 == pytest.approx(change, abs=0.03 * np.abs(change).max())
 
 
 def test_a_flight_is_as_it_was_after_it_was_looked_at(flight):
-    before = flight.underway.moment()
+    before = flight.running.snapshot()
     flight.linear_plant()
     flight.attitude_margins()
-    after = flight.underway.moment()
+    after = flight.running.snapshot()
     assert all(np.asarray(a).tobytes() == np.asarray(b).tobytes() for a, b in zip(before, after, strict=True))
 
 
@@ -87,7 +87,7 @@ def test_attitude_loop_of_powered_descent_has_margins(nominal):
     flight.step(cycles=round((burns + 15.0) / flight.cycle_s))
     found = flight.attitude_margins()
     assert all(one.phase_deg > 30.0 and one.gain_db > 6.0 and one.delay_s > 0.1 for one in found.values())
-    plant, gain = flight.linear_plant(), control_gain(flight.underway)
+    plant, gain = flight.linear_plant(), control_gain(flight.running)
     closed = plant.a[6:, 6:] - plant.b[6:, :3] @ gain
     assert np.linalg.eigvals(closed).real.max() < 0.05
 

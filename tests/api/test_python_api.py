@@ -6,10 +6,12 @@ import subprocess
 import sys
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
 import edl6dof
 from edl6dof.api.arguments import texts
+from edl6dof.api.campaign import worst_case
 from edl6dof.sim.flight import fly as fly_flight
 
 SHORT = {"simulation.time_limit_s": 20.0, "mission.goal": "time"}
@@ -229,6 +231,14 @@ def test_quantiles_are_those_that_the_cases_can_bound(result):
     assert [one.share for one in result.quantiles(column)] == [0.5]
     assert result.quantile(column, 0.5).value == pytest.approx(np.median(result[column]))
     assert result.quantile(column, 0.99) is None
+
+
+def test_the_worst_case_is_the_one_with_the_largest_figure_or_the_least_clearance(result):
+    assert result.worst("peak_load_g0") == np.argmax(result["peak_load_g0"])
+    table = pa.table({"case": [4, 5, 6, 7], "belly_clearance_m": [0.3, 0.1, None, 0.2]})
+    assert worst_case(table, "belly_clearance_m") == 5
+    with pytest.raises(edl6dof.ConfigError, match="did you mean 'peak_load_g0'"):
+        result.worst("peak_lod_g0")
 
 
 def test_a_case_flies_again_bit_for_bit(result):

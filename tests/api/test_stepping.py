@@ -53,7 +53,7 @@ def test_a_command_that_is_taken_back_leaves_the_flight_software_its_word(flight
     flight.step(cycles=3000)
     flight.step({"torque_nm": (0.0, 0.0, 0.0)}, 2)
     flight.step(cycles=2)
-    fsw = flight.underway.fsw
+    fsw = flight.running.fsw
     assert not any(fsw["external"]["given"].tolist()[0])
     assert np.array_equal(fsw["demand"]["wrench"][0, 3:], fsw["own"]["torque_B"][0])
 
@@ -62,11 +62,11 @@ def test_a_state_goes_on_bit_for_bit(flight, short):
     flight.step(cycles=1000)
     state = flight.state()
     flight.step(cycles=500)
-    later = flight.underway.moment()
+    later = flight.running.snapshot()
     flight.restore(state)
     assert flight.cycle == 1000
     flight.step(cycles=500)
-    again = flight.underway.moment()
+    again = flight.running.snapshot()
     assert all(np.asarray(a).tobytes() == np.asarray(b).tobytes() for a, b in zip(again, later, strict=True))
 
 
@@ -76,14 +76,14 @@ def test_a_state_goes_through_a_file(flight, short, tmp_path):
     flight.restore(State.load(tmp_path / "state.npz"))
     while flight.step(cycles=100):
         pass
-    assert flight.underway.plant.tobytes() == fly_flight(short).plant.tobytes()
+    assert flight.running.plant.tobytes() == fly_flight(short).plant.tobytes()
 
 
 def test_a_state_holds_no_command(flight):
     flight.step({"bank_deg": 10.0}, 100)
     flight.restore(flight.state())
     flight.step()
-    assert not flight.underway.fsw["external"]["given"]["bank"][0]
+    assert not flight.running.fsw["external"]["given"]["bank"][0]
 
 
 def test_state_of_another_scenario_is_refused(flight):
@@ -120,7 +120,7 @@ def test_seeds_of_a_scenario_are_its_random_profiles():
     plain = fly_flight(
         edl6dof.load("tianwen1", {**SHORT, "atmosphere.perturbation.enabled": True, "seed": 4})
     )
-    assert simulation.underway.plant.tobytes() == plain.plant.tobytes()
+    assert simulation.running.plant.tobytes() == plain.plant.tobytes()
 
 
 def test_seeds_of_a_campaign_are_its_cases():
@@ -131,7 +131,7 @@ def test_seeds_of_a_campaign_are_its_cases():
     case = SteppedFlight(case_scenario(plan, 3))
     simulation.step(cycles=600)
     case.step(cycles=600)
-    assert simulation.underway.plant.tobytes() == case.underway.plant.tobytes()
+    assert simulation.running.plant.tobytes() == case.running.plant.tobytes()
     assert simulation.reset(seed=4) != simulation.reset(seed=3)
 
 
@@ -142,9 +142,9 @@ def test_bank_turns_the_vehicle_at_no_more_than_its_rate(nominal):
     simulation = edl6dof.Simulation(nominal.loaded)
     simulation.step(cycles=5000)  # 100 s: lift control
     assert simulation.phase == "lift"
-    begin = float(simulation.underway.fsw["command"]["bank"][0])
+    begin = float(simulation.running.fsw["command"]["bank"][0])
     simulation.step({"bank_deg": 0.0})
-    moved = abs(float(simulation.underway.fsw["command"]["bank"][0]) - begin)
+    moved = abs(float(simulation.running.fsw["command"]["bank"][0]) - begin)
     assert np.degrees(moved) == pytest.approx(20.0 * simulation.cycle_s, rel=1e-9)
     simulation.step({"bank_deg": -30.0}, 750)
     assert simulation.observe()["bank_deg"] == pytest.approx(-30.0, abs=3.0)
@@ -154,16 +154,16 @@ def test_bank_turns_the_vehicle_at_no_more_than_its_rate(nominal):
         cycles=750
     )  # handed back: the command is guidance's own again, and the vehicle has turned
     own = simulation.own()["bank_deg"]
-    assert np.degrees(simulation.underway.fsw["command"]["bank"][0]) == pytest.approx(own, rel=1e-12)
+    assert np.degrees(simulation.running.fsw["command"]["bank"][0]) == pytest.approx(own, rel=1e-12)
     assert abs(simulation.observe()["bank_deg"] - own) < 0.5 * abs(-30.0 - own)
 
 
 def test_bank_rate_moves_the_command(nominal):
     simulation = edl6dof.Simulation(nominal.loaded)
     simulation.step(cycles=5000)
-    begin = np.degrees(simulation.underway.fsw["command"]["bank"][0])
+    begin = np.degrees(simulation.running.fsw["command"]["bank"][0])
     simulation.step({"bank_rate_deg_s": 2.0}, 50)
-    assert np.degrees(simulation.underway.fsw["command"]["bank"][0]) - begin == pytest.approx(2.0, rel=1e-9)
+    assert np.degrees(simulation.running.fsw["command"]["bank"][0]) - begin == pytest.approx(2.0, rel=1e-9)
 
 
 @pytest.fixture(scope="module")
@@ -174,7 +174,7 @@ def burning(nominal):
     simulation = SteppedFlight(nominal.loaded)
     hover = next(event["t_s"] for event in nominal.events if event.get("phase") == "hover_imaging")
     simulation.step(cycles=round((hover + 4.0) / simulation.cycle_s))
-    return simulation, simulation.underway.moment()
+    return simulation, simulation.running.snapshot()
 
 
 def test_thrust_vector_accelerates_the_lander(burning):
@@ -193,12 +193,12 @@ def test_thrust_vector_accelerates_the_lander(burning):
 def test_throttle_is_limited_to_what_the_engine_can(burning):
     simulation, moment = burning
     simulation.restore(moment)
-    full = float(simulation.underway.fsw["vehicle"]["engine"]["full_thrust"][0])
-    low = float(simulation.underway.fsw["vehicle"]["engine"]["throttle_min"][0])
+    full = float(simulation.running.fsw["vehicle"]["engine"]["full_thrust"][0])
+    low = float(simulation.running.fsw["vehicle"]["engine"]["throttle_min"][0])
     simulation.step({"throttle": 0.5})
-    assert simulation.underway.fsw["guide"]["thrust"][0] == pytest.approx(0.5 * full)
+    assert simulation.running.fsw["guide"]["thrust"][0] == pytest.approx(0.5 * full)
     simulation.step({"throttle": 0.0})
-    assert simulation.underway.fsw["guide"]["thrust"][0] == pytest.approx(low)
+    assert simulation.running.fsw["guide"]["thrust"][0] == pytest.approx(low)
 
 
 def test_lander_goes_to_the_spot_that_is_commanded(burning, nominal):
@@ -217,26 +217,24 @@ def test_duties_open_the_valves_of_the_thrusters_named(flight):
     flight.step(cycles=3000)  # check-out of the thrusters is over
     flight.step({"duties": {"D1": 1.0, "D7": 0.0}}, 20)  # pulses under way come to their ends
     names = flight.loaded.scenario.thruster_names
-    command = flight.underway.fsw["command"]
+    command = flight.running.fsw["command"]
     open_s = (command["valve_close_time"] - command["valve_open_time"])[0, : len(names)]
     assert {name for name, on in zip(names, open_s, strict=True) if on > 0.0} == {"D1"}
     assert np.array_equal(
-        flight.underway.fsw["external"]["duty"][0, : len(names)] > 0.0, [n == "D1" for n in names]
+        flight.running.fsw["external"]["duty"][0, : len(names)] > 0.0, [n == "D1" for n in names]
     )
 
 
 def test_torque_gives_way_to_the_one_commanded(flight):
     flight.step(cycles=3000)
     flight.step({"torque_nm": (1.0, 2.0, 3.0)}, 2)
-    assert flight.underway.fsw["demand"]["wrench"][0, 3:].tolist() == [1.0, 2.0, 3.0]
+    assert flight.running.fsw["demand"]["wrench"][0, 3:].tolist() == [1.0, 2.0, 3.0]
 
 
 def test_isolated_thrusters_are_used_no_more(flight):
     flight.step({"isolate": ["D7"]}, 2)
     flight.step(cycles=2)
-    assert (
-        flight.underway.fsw["health"]["thruster"][0, flight.loaded.scenario.thruster_names.index("D7")] == 0
-    )
+    assert flight.running.fsw["health"]["thruster"][0, flight.loaded.scenario.thruster_names.index("D7")] == 0
 
 
 def test_estimate_is_what_flight_software_works_with(flight):

@@ -42,6 +42,11 @@ def test_campaign_refly_and_report(edl6dof, tmp_path):
     status, out, _ = edl6dof("refly", "runs/drops", "17", "--no-replay")
     assert status == 0 and "identical to its row" in out
     assert (tmp_path / "runs/drops_case17/telemetry.parquet").is_file()
+    status, out, _ = edl6dof("refly", "runs/drops", "--worst", "peak_dynamic_pressure_pa", "--no-replay")
+    peaks = np.array(table()["peak_dynamic_pressure_pa"])
+    assert status == 0 and f"case {peaks.argmax()}, " in out and f"pressure: {peaks.max():.4g} Pa\n" in out
+    for words in (["--worst", "peak_dynamic_presure_pa"], [], ["3", "--worst", "peak_load_g0"]):
+        assert edl6dof("refly", "runs/drops", *words)[0] == 2
     status, out, _ = edl6dof("report", "runs/drops")
     page = Path("runs/drops/report.html").read_text(encoding="utf-8")
     assert status == 0 and "60 of 60 flights succeed" in page and "vehicle.mass.entry_kg" in page

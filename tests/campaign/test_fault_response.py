@@ -13,7 +13,7 @@ from edl6dof.campaign.fault_response import Failure, failures, fault_response
 from edl6dof.interface.effectors import ThrusterFailure
 from edl6dof.metrics.out_of_use import diagnosis_figures
 from edl6dof.registry import Member
-from edl6dof.vehicle.faults import registry
+from edl6dof.vehicle.faults import fault as fault_kinds
 from edl6dof.vehicle.faults.component import ThrusterFault
 from edl6dof.vehicle.plant import NOT_BEGUN
 
@@ -74,7 +74,7 @@ def test_a_new_kind_of_fault_is_judged_by_what_it_declares(monkeypatch):
     flight = made_up(OPEN, named=[("D1", "stuck on", 52.0)])
     truth = flight.loaded.truth
     torn = Member("seat_torn", SeatTornParams, {}, "a test")
-    monkeypatch.setattr(registry, "FAULT_KINDS", SimpleNamespace(member={"seat_torn": torn}.get))
+    monkeypatch.setattr(fault_kinds, "FAULT_KINDS", SimpleNamespace(member={"seat_torn": torn}.get))
     truth.faults[:] = [truth.faults[0].model_copy(update={"kind": "seat_torn"})]
     row = fault_response(flight)
     assert row["kind_right"] and row["wrongly_named"] is None and row["first_use_s"] == 50.0

@@ -11,7 +11,7 @@ from campaign_run import write_drop
 from scipy import stats
 
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.design.sampling import PROFILES, Swaps
+from edl6dof.campaign.design.sampling import PROFILES, SaltelliDesign
 from edl6dof.campaign.sensitivity import sobol_indices
 from edl6dof.config.errors import ConfigError
 from edl6dof.report.campaign.campaign_results import Results
@@ -34,7 +34,7 @@ TOTAL["a"] += TOTAL["c"]
 
 def flown(rows: int, seed: int = 1) -> dict[str, np.ndarray]:
     """The design of three groups, each of its matrices through the function."""
-    swaps = Swaps({"a": [0], "b": [1], "c": [2]}, rows, seed)
+    swaps = SaltelliDesign({"a": [0], "b": [1], "c": [2]}, rows, seed)
     unit = swaps.unit_numbers(0, rows * swaps.width)
     figure = ishigami(PI * (2.0 * unit - 1.0))
     return {swaps.matrix(k): figure[k :: swaps.width] for k in range(swaps.width)}
@@ -80,7 +80,7 @@ def test_rows_without_the_figure_are_left_out():
 
 
 def test_design_swaps_one_group_at_a_time():
-    swaps = Swaps({"one": [1], "two": [0, 2], PROFILES: []}, 8, 3)
+    swaps = SaltelliDesign({"one": [1], "two": [0, 2], PROFILES: []}, 8, 3)
     unit = swaps.unit_numbers(0, 8 * swaps.width).reshape(8, swaps.width, 3)
     a, b = unit[:, 0], unit[:, 1]
     assert not np.any(a == b)
@@ -94,7 +94,7 @@ def test_design_swaps_one_group_at_a_time():
 
 def test_plan_flies_the_design(tmp_path):
     plan = load_plan(write_drop(tmp_path), cases=16, sampling="sobol_indices")
-    assert list(plan.swaps.groups) == [
+    assert list(plan.saltelli.groups) == [
         *("vehicle.mass.entry_kg", "atmosphere.density_factor", "vehicle.rcs.thrusters.*.thrust_n", PROFILES)
     ]
     assert plan.count == 16 * 6

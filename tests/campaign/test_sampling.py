@@ -9,11 +9,7 @@ import pytest
 from scipy import stats
 from scipy.stats import qmc
 
-from edl6dof.campaign.design.distributions.discrete import Discrete
-from edl6dof.campaign.design.distributions.log_normal import LogNormal
-from edl6dof.campaign.design.distributions.normal import Normal
-from edl6dof.campaign.design.distributions.truncated_normal import TruncatedNormal
-from edl6dof.campaign.design.distributions.uniform import Uniform
+from edl6dof.campaign.design.distributions import Discrete, LogNormal, Normal, TruncatedNormal, Uniform
 from edl6dof.campaign.design.sampling import unit_numbers
 
 PLANS = ("monte_carlo", "latin_hypercube", "sobol")

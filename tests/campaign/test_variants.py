@@ -19,7 +19,7 @@ from edl6dof.scenario import records
 from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.schema import Scenario
-from edl6dof.vehicle.aerodynamics.table import FLOWN, AeroInputs, aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.capsule_table import FLOWN, AeroInputs, aero_inputs, build_aero_table
 
 CASES = {
     "truth only": {

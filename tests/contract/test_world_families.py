@@ -9,14 +9,14 @@ import pytest
 from given_functions import sense
 
 import edl6dof
-from edl6dof.campaign.design.distributions.registry import DISTRIBUTIONS
+from edl6dof.campaign.design.sections import DISTRIBUTIONS
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs, fill_atmosphere
+from edl6dof.environment.atmosphere_models import ATMOSPHERES, air_of_model
 from edl6dof.environment.atmosphere_table import build_table
-from edl6dof.environment.atmospheres.registry import ATMOSPHERES, air_of_model
 from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.environment.wind import WIND, WindParams
-from edl6dof.environment.winds.registry import WINDS, wind_of_model
+from edl6dof.environment.wind_models import WINDS, wind_of_model
 from edl6dof.interface.sensed import SENSED
 from edl6dof.scenario.records import build_records, initial_plant, initial_sensors
 from edl6dof.sensors.registry import (
@@ -28,11 +28,11 @@ from edl6dof.sensors.registry import (
     sensor_problems,
 )
 from edl6dof.spatial.quaternion import from_axes
-from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS, efficiency_of_model
+from edl6dof.vehicle.parachutes.canopy_models import PARACHUTE_MODELS, efficiency_of_model
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
 from edl6dof.vehicle.plant import OUTPUTS
 from edl6dof.vehicle.propulsion.engine import ENGINE, EngineParams, propellant_flow, thrust_goal, thrust_rate
-from edl6dof.vehicle.propulsion.engine_models.registry import ENGINE_MODELS
+from edl6dof.vehicle.propulsion.engine_models import ENGINE_MODELS
 
 #: Altitudes (m): below the ground of any planet, through the air, and far outside.
 ALTITUDES = (-8000.0, -1.0, 0.0, 3e3, 25e3, 79.9e3, 150e3, 1e6)

@@ -19,7 +19,7 @@ from edl6dof.metrics.figures import BALANCES
 from edl6dof.runs.run_files import summary
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import flight_of
-from edl6dof.sim.underway import Underway, moments_at
+from edl6dof.sim.flight_state import RunningFlight, snapshots_at
 from edl6dof.vehicle.plant import PROPELLANT, VELOCITY
 
 PROGRAM = Path(__file__).with_name("unbalanced.py")
@@ -33,7 +33,7 @@ def broken(figures):
 
 def with_mistakes(folder, loaded, t_s, seconds, *mistakes):
     """Figures by mistake, of a flight in plain Python from a time (s) of a healthy one on."""
-    (moment,) = moments_at(loaded, [t_s])
+    (moment,) = snapshots_at(loaded, [t_s])
     given = setting(loaded, State(*moment, ""))
     raw = {name: np.frombuffer(array.tobytes(), np.uint8) for name, array in given.arrays.items()}
     np.savez(folder / "given.npz", cycle=given.cycle, steps=given.steps, **raw)
@@ -81,7 +81,7 @@ def test_steps_far_too_large_break_the_balance():
 
 def tampered(name, t_s, change):
     """A flight whose state something changes at a time (s)."""
-    flight = Underway(edl6dof.load(name))
+    flight = RunningFlight(edl6dof.load(name))
     flight.advance(round(t_s * flight.loaded.scenario.flight_software.rates.base_hz))
     change(flight.plant["y"][0])
     flight.advance(10**7)
@@ -119,11 +119,13 @@ def test_a_balance_that_is_kept_is_no_limit_of_a_mission(nominal):
 def test_a_flight_goes_on_with_its_balance_and_may_change_its_mass(nominal):
     """What a saved flight continues with is no propellant that vanishes."""
     loaded = edl6dof.load("tianwen1")
-    (moment,) = moments_at(loaded, [60.0])
-    through = Underway(loaded, State(*moment, ""))
+    (moment,) = snapshots_at(loaded, [60.0])
+    through = RunningFlight(loaded, State(*moment, ""))
     through.advance(10**7)
     assert flight_of(through).metrics["energy_balance"] == nominal.metrics["energy_balance"]
-    light = Underway(edl6dof.load("tianwen1", ["vehicle.parts.heat_shield.mass_kg=60"]), State(*moment, ""))
+    light = RunningFlight(
+        edl6dof.load("tianwen1", ["vehicle.parts.heat_shield.mass_kg=60"]), State(*moment, "")
+    )
     light.advance(10**7)
     assert broken(flight_of(light).metrics) == set()
 

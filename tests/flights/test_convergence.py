@@ -15,7 +15,7 @@ import pytest
 from scipy.stats import f_oneway
 
 import edl6dof
-from edl6dof.campaign.neighbours import fly_neighbours
+from edl6dof.campaign.ensemble import fly_neighbours
 
 FREE = ["mission.phases=[]", "initial.rate_deg_s=[0, 0, 0]", "initial.alpha_deg=-10", "initial.beta_deg=0"]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from edl6dof.campaign.neighbours import fly_neighbours, sample_means
+from edl6dof.campaign.ensemble import fly_neighbours, sample_means
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.metrics.published import published_figures
 from edl6dof.telemetry.timeline import first_times

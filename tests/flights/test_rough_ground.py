@@ -9,10 +9,9 @@ from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof.environment.areoid import areoid_height
-from edl6dof.environment.landing_area.census import list_within
-from edl6dof.environment.landing_area.plane import place_of
-from edl6dof.environment.terrain import ground
-from edl6dof.scenario.terrain_preview import Relief
+from edl6dof.environment.landing_area.population import list_within
+from edl6dof.environment.terrain import ground, place_of
+from edl6dof.scenario.terrain_preview import TerrainPreview
 from edl6dof.sim.outcome import LANDED, TIME_LIMIT, TIPPED_OVER
 from edl6dof.spatial.frames import geodetic
 
@@ -141,7 +140,7 @@ def test_without_a_generated_landing_area_there_are_no_such_figures():
 
 def test_viewers_see_the_ground_of_the_flight(landed):
     scenario, case = landed.scenario, landed.case[0]
-    relief = Relief(scenario.terrain, scenario.planet, scenario.seed, scenario.profile)
+    relief = TerrainPreview(scenario.terrain, scenario.planet, scenario.seed, scenario.profile)
     lat, lon = (
         np.radians(25.066 + np.linspace(-0.01, 0.01, 40)),
         np.radians(109.925 + np.linspace(-0.02, 0.03, 40)),

@@ -15,7 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
 import edl6dof
-from edl6dof.vehicle.aerodynamics.table import read_static_table
+from edl6dof.vehicle.aerodynamics.capsule_table import read_static_table
 
 # ---- names -------------------------------------------------------------------------------------
 

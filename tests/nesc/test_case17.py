@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import edl6dof
-from edl6dof.environment.atmospheres import us76
+from edl6dof.environment.atmosphere_models import us76_air
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
 MU, RADIUS, J2, SPIN, G0 = 3.986004418e14, 6378137.0, 0.00108262982, 7.292115e-5, 9.80665
@@ -66,7 +66,7 @@ def pitching(t, y, staged, thrust, impulse, stack=whole):
     gravity = -MU / distance**3 * (1.0 + 1.5 * J2 * (RADIUS / distance) ** 2) * r
     air = v - SPIN * np.array([-r[1], r[0]])
     nose, down = np.array([math.cos(angle), math.sin(angle)]), np.array([-math.sin(angle), math.cos(angle)])
-    density = us76.air.py_func(None, None, None, distance - RADIUS)[0]
+    density = us76_air.py_func(None, None, None, distance - RADIUS)[0]
     push = 0.5 * density * (air @ air) * 7.0
     alpha = math.atan2(air @ down, air @ nose)
     degrees = min(max(math.degrees(alpha), -10.0), 10.0)

@@ -221,6 +221,9 @@ def test_entities_are_refused_at_once(tmp_path, kind, place):
         ("", "is not well-formed XML"),
         ("<a>", "is not well-formed XML"),
         ("<a/>", "its root is <a>, not <DAVEfunc>"),
+        ('<x:a xmlns:x="u"/>', "its root is <a>, not <DAVEfunc>"),
+        ("<a>" * 100_000, "is nested more than 100 elements deep"),
+        ('<!DOCTYPE a SYSTEM "a.dtd"><a>&x;</a>', "entities"),
         (HEAD + "</DAVEfunc>", ""),
     ],
 )

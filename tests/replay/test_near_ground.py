@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up import SHELL, read, synthetic_flight
 
-from edl6dof.environment.calendar import days_since_j2000, local_true_solar_time, solar_longitude, utc
+from edl6dof.environment.climate import days_since_j2000, local_true_solar_time, solar_longitude, utc
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.poses import ANYWHERE, Motion, Site, light, towards_sun
 from edl6dof.scenario.loading import load_scenario

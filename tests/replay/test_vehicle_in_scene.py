@@ -44,7 +44,7 @@ def test_site_frame_agrees_with_the_kernels(flight):
     )
     assert np.allclose(site.origin, origin, atol=1e-6)
     far = from_geodetic(site.radius, site.flattening, lat + 0.05, lon - 0.03, 1500.0)
-    east, north, up = fixed_to_enu(origin, np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon), far)
+    east, north, up = fixed_to_enu(origin, (np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon)), far)
     assert np.allclose(site.axes @ (np.array(far) - site.origin), [east, north, up], atol=1e-6)
     assert site.surface(np.array(east), np.array(north), 1500.0) == pytest.approx(up, abs=0.5)
 

@@ -190,7 +190,7 @@ def test_table_of_the_flight_agrees_with_its_figures(flown):
 def test_terminal_has_the_figures_of_navigation_of_a_flight_on_instruments_only(flown):
     def told(flight):
         console = Console(width=100, record=True, file=io.StringIO())
-        terminal.show_flight(console, flight)
+        terminal.show_flight(console, flight, verbose=True)
         return console.export_text()
 
     flight, text = flown[0], told(flown[0])

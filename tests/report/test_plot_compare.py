@@ -15,16 +15,26 @@ from types import SimpleNamespace
 import in_process
 import numpy as np
 import pytest
+from edl6dof.campaign.neighbours import SampleMean, clear_differences
 from PIL import Image, ImageChops
+from scipy.special import stdtrit
 
 from edl6dof.api import reports
+from edl6dof.cli import result_views
 from edl6dof.cli.result_views import MOST
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.report.catalogue import channel_plot, chosen
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table, overlaid
+from edl6dof.report.flight.overlay import (
+    comparison_report,
+    differences_table,
+    figures_table,
+    labels,
+    overlaid,
+    together,
+)
 from edl6dof.report.matplotlib_figure import matplotlib_figure, write_figure
 from edl6dof.report.pdf import write_pdf
 from edl6dof.runs.run import Run
@@ -176,12 +186,69 @@ def test_overlay_holds_the_curves_of_both(run, other):
     assert speed[names[0]].dash != speed[names[1]].dash, "they differ in print too"
 
 
+def test_plot_draws_several_flights_in_one_panel(run, other, tmp_path, capsys, monkeypatch):
+    """One channel has a colour for each flight; several have theirs, and flights their dashes."""
+    out = tmp_path / "p.svg"
+    words = ("plot", run.folder, other.folder, "truth.mach", "--out", out)
+    assert command(capsys, monkeypatch, *words) == (0, f"{out}\n", "")
+    names = labels(run, other)
+    one, three = (
+        together([channel_plot(of, channels, "t_s", of.t > 0.0) for of in (run, other)], names).panels[0]
+        for channels in (["truth.mach"], chosen(run, ["truth.rate_?_deg_s"], run.folder))
+    )
+    assert [(trace.name, trace.dash) for trace in one.coloured()] == list(
+        zip(names, ("solid", "dash"), strict=True)
+    )
+    assert len({trace.colour for trace in one.coloured()}) == 2
+    assert len(one.traces[0].x) - len(one.traces[1].x) == 500
+    assert three.traces[3].name == f"truth.rate_p_deg_s, {names[1]}" and three.traces[3].dash == "dash"
+    assert three.traces[3].colour == three.traces[0].colour != three.traces[1].colour
+
+
+def test_a_run_that_is_not_there_is_no_channel(run, capsys, monkeypatch):
+    code, _, err = command(capsys, monkeypatch, "plot", run.folder, "runs/nowhere", "truth.mach")
+    assert (code, err) == (2, "runs/nowhere: no such folder; name the folder of a run\n")
+
+
+def test_a_difference_is_clear_beyond_that_of_neighbours():
+    spread = {name: SampleMean(10.0, 0.1, 10) for name in ("peak_load_g0", "touchdown_s", "landing_east_m")}
+    spread |= {"bank_reversals": SampleMean(4.0, 0.0, 10), "mass_balance": SampleMean(0.0, 0.0, 10)}
+    one = dict.fromkeys(spread, 10.0)
+    width = stdtrit(9, 1.0 - 0.025 / 3) * np.sqrt(2.0) * 0.1
+    two = {"peak_load_g0": 10.0 + 0.99 * width, "touchdown_s": 10.0 + 1.01 * width, "bank_reversals": 4.0}
+    found = clear_differences(spread, one, {**two, "landing_east_m": None, "mass_balance": 11.0})
+    assert list(found) == ["bank_reversals", "touchdown_s"], "the largest of its own size first"
+    assert found["touchdown_s"] == pytest.approx(width) and found["bank_reversals"] == 0.0
+
+
+def test_compare_says_what_differs_more_than_neighbours_do(run, other, tmp_path, capsys, monkeypatch):
+    spreads = {name: SampleMean(0.0, 1e-3, 10) for name in run.summary["figures"]}
+    monkeypatch.setattr(result_views, "_spreads", lambda run: spreads)
+    code, out, _ = command(
+        capsys, monkeypatch, "compare", run.folder, other.folder, "--out", tmp_path / "c.html"
+    )
+    assert code == 0
+    (row,) = (line for line in out.splitlines() if "+3.00" in line)
+    assert row.split()[:3] == ["propellant", "used", "kg"] and "1 of 1 figure that differ clearly" in out
+    assert "bank reversals" not in out and "Events" not in out
+    monkeypatch.setattr(result_views, "_spreads", lambda run: {})
+    words = ("compare", run.folder, other.folder, "--out", tmp_path / "c.html", "--force")
+    assert "No figure differs by more than from flight to flight" in command(capsys, monkeypatch, *words)[1]
+    everything = command(capsys, monkeypatch, *words, "--all")[1]
+    assert "bank reversals" in everything and "\nEvents" in everything
+
+
 @pytest.mark.long
 def test_compare_writes_a_page_and_says_so(run, other, tmp_path, capsys, monkeypatch):
     code, out, _ = command(
         capsys, monkeypatch, "compare", run.folder, other.folder, "--out", tmp_path / "c.html"
     )
-    assert code == 0 and "\n  seed: 1 | 8\n" in out and out.endswith("c.html\n")
+    assert (
+        code == 0
+        and "from flight to flight" in out
+        and "\n  seed: 1 | 8\n" in out
+        and out.endswith("c.html\n")
+    )
     assert Path(tmp_path / "c.html").stat().st_size < 9_000_000
 
 
@@ -208,13 +275,18 @@ def test_terminal_shows_the_first_of_many_differences(run, other, tmp_path, caps
         re.sub(r"^( *\w+): \d+\.\d+\b", r"\1: 77.5", text, flags=re.MULTILINE)
     )
     seal(folder, "flight")
-    code, out, _ = command(capsys, monkeypatch, "compare", run.folder, folder, "--out", tmp_path / "c.html")
+    words = ("compare", run.folder, folder, "--out", tmp_path / "c.html")
+    code, out, _ = command(capsys, monkeypatch, *words)
+    _, reverse, _ = command(capsys, monkeypatch, "compare", folder, *words[1:2], *words[3:], "--force")
+    assert "scenario.yaml:" in reverse and "how much flights vary is not known" in reverse, (
+        "it cannot be flown"
+    )
     shown = [line for line in out.splitlines() if line.endswith(" | 77.5")]
     assert code == 0 and len(shown) == MOST - 1 and "\n  seed: 1 | 8\n" in out, (
         "the seed is the first of them"
     )
     assert out.endswith("c.html\n") and (tmp_path / "c.html").stat().st_size < 9_000_000
-    assert re.search(r"^  and \d{3} more, listed in the page$", out, re.MULTILINE)
+    assert re.search(r"^  and \d{3} more: --all, or the page$", out, re.MULTILINE)
 
 
 def test_a_campaign_is_compared_with_a_campaign_only(tmp_path, capsys, monkeypatch):

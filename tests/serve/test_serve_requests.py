@@ -142,12 +142,12 @@ REFUSED = [
 
 @pytest.mark.parametrize(("request_", "words"), REFUSED, ids=lambda value: str(value)[:60])
 def test_what_is_wrong_is_told_and_the_flight_stays_as_it_was(flown, request_, words):
-    before = flown.simulation.underway.moment()
+    before = flown.simulation.running.snapshot()
     answer = flown.answer(request_)
     assert not answer["ok"]
     assert words in answer["error"]
     assert len(answer["error"]) <= 500
-    after = flown.simulation.underway.moment()
+    after = flown.simulation.running.snapshot()
     assert (before.cycle, before.plant.tobytes()) == (after.cycle, after.plant.tobytes())
 
 

@@ -17,7 +17,7 @@ from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.kernels import kernel
 from edl6dof.scenario.records import build_records
-from edl6dof.sim.underway import moments_at
+from edl6dof.sim.flight_state import snapshots_at
 from edl6dof.studies import guidance
 from edl6dof.studies.guidance import CONDITIONS, DISPERSED
 
@@ -214,7 +214,7 @@ def test_no_entry_law_allocates(nominal):
     _nrt_python.memsys_enable_stats()
     assert allocations(_allocate, 50) - allocations(_allocate, 10) == 40
     loaded = edl6dof.load("tianwen1", ["flight_software.guidance.entry.law=etpc"])
-    onboard, (state,) = build_records(loaded).onboard, moments_at(loaded, [120.0])
+    onboard, (state,) = build_records(loaded).onboard, snapshots_at(loaded, [120.0])
     navs, memories = np.zeros(1, NAV), np.zeros(1, ENTRY_MEMORY)
     navs[0], memories[0] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     for law in range(len(ENTRY_LAWS.members)):

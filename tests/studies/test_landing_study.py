@@ -16,7 +16,7 @@ from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.scenario.records import build_records
-from edl6dof.sim.underway import moments_at
+from edl6dof.sim.flight_state import snapshots_at
 from edl6dof.studies import landing
 from edl6dof.studies.landing import DISPERSED, POWERED, divert
 
@@ -88,7 +88,7 @@ def test_no_powered_law_allocates():
     """Counted by numba's own runtime: twenty calls allocate no more than one."""
     _nrt_python.memsys_enable_stats()
     loaded = edl6dof.load("tianwen1")
-    onboard, state = build_records(loaded).onboard, moments_at(loaded, [460.0])[0].fsw
+    onboard, state = build_records(loaded).onboard, snapshots_at(loaded, [460.0])[0].fsw
     records = [np.zeros(1, dtype) for dtype in (VEHICLE_STATE, NAV, POWERED_TARGET)]
     for record, saved in zip(
         records, (state["vehicle"], state["nav"], state["guidance"]["target"]), strict=True

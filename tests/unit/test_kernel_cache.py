@@ -70,6 +70,25 @@ def call(root, **environment):
     return float(result), int(hits)
 
 
+TERMINAL = """
+import io, sys
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+sys.stderr = Terminal()
+{}
+print(sys.stderr.getvalue())
+"""
+
+
+def test_a_terminal_is_told_of_code_that_is_compiled_and_not_of_code_that_is_kept(package):
+    program = TERMINAL.format(CALL.format(root=str(package)))
+    assert run(program, package).count("edl6dof: compiling") == 1, "once, of two kernels"
+    assert "compiling" not in run(program, package)
+    write(package, "fsw/caller.py", CALLER + "# edited\n")
+    assert "edl6dof: compiling" in run(program, package)
+
+
 def test_edited_helper_recompiles_its_caller_and_a_room_that_it_cannot_see_does_not(package):
     assert call(package) == (6.0, 0)
     write(package, "vehicle/other.py", "x = 1\n")
@@ -101,6 +120,15 @@ def test_edited_member_recompiles_itself_alone(package):
         write(package, "fsw/law.py", law.format(factor))
         found.append(run(both.format(root=str(package)), package).splitlines())
     assert found == [["1.0", "6.0 0 True"], ["1.0 1", "6.0 1 True"], ["2.0", "6.0 1 True"]]
+
+
+def test_a_file_that_moves_with_its_content_is_another_source(tmp_path):
+    """A module that calls it by a list of functions does not name its place, but its machine code does."""
+    places = [tmp_path / name for name in ("here.py", "there.py")]
+    for place in places:
+        place.write_text("x = 1\n")
+        os.utime(place, (1e9, 1e9))
+    assert len({cache.stamp(str(place)) for place in places}) == 2
 
 
 def test_code_of_a_source_that_is_edited_while_the_program_runs_is_not_kept(package):

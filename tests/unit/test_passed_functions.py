@@ -58,7 +58,7 @@ LAW = function_type(
     kind_of(FAMILY.memory),
     types.float64,
 )
-ONE = Place(FAMILY.role("steer", "params", "memory", "x"), LAW, ("law",))
+ONE = Place(FAMILY.role("steer", "params", "memory", "x", own=("params", "memory")), LAW, ("law",))
 SEVERAL = Place(ONE.role, LAW)
 
 
@@ -185,3 +185,14 @@ def test_a_name_that_this_process_does_not_know_stays_what_it_is():
     unknown = pickle.loads(pickle.dumps(LAW).replace(LAW.title.encode(), b"x" * len(LAW.title)))
     assert unknown != LAW and unknown.title == "x" * len(LAW.title)
     assert pickle.loads(pickle.dumps(unknown)) is unknown and pickle.loads(pickle.dumps(LAW)) is LAW
+
+
+def test_functions_that_other_processes_know_stay_apart_in_an_index():
+    """Were their signatures equal, a third process would merge the code of two plugins' records."""
+    kinds = [function_type("steered", ("x",), types.float64, numbers(size)) for size in (7, 8)]
+    written = pickle.dumps([kind.signature for kind in kinds])
+    program = f"import pickle; from edl6dof.kernels import functions; read = pickle.loads({written!r}); "
+    program += "print(len(set(read)), pickle.dumps(read) == " + f"{written!r})"
+    done = small_programs.run(program, cwd=small_programs.ROOT)
+    assert done.stdout.split() == ["2", "True"], done.stderr
+    assert pickle.loads(written) == [kind.signature for kind in kinds]

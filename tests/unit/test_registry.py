@@ -87,7 +87,7 @@ BOTH = Family(
         Member("down", Gain, {"step": count_down}, "none", memory=COUNT),
     ),
 )
-STEP = BOTH.switch("step", "params", "memory", "x")
+STEP = BOTH.switch("step", "params", "memory", "x", own=("params", "memory"))
 
 
 @kernel

@@ -23,7 +23,7 @@ from edl6dof.campaign.design.dispersions import (
     check_values,
     dispersions,
 )
-from edl6dof.campaign.design.sampling import Swaps, swaps_of, unit_numbers
+from edl6dof.campaign.design.sampling import SaltelliDesign, saltelli_design, unit_numbers
 from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
@@ -71,13 +71,13 @@ class Plan:
         """Cases at each point of the sweep and in each cell of the fault matrix; all cases without one."""
         if self.campaign is None:
             return 1
-        return self.campaign.cases * (self.swaps.width if self.swaps is not None else 1)
+        return self.campaign.cases * (self.saltelli.width if self.saltelli is not None else 1)
 
     @cached_property
-    def swaps(self) -> Swaps | None:
+    def saltelli(self) -> SaltelliDesign | None:
         """The design of Sobol indices, where the campaign asks for one."""
         columns = [_column(target) for draw in self.draws for target in draw.targets]
-        return swaps_of(self.campaign, columns) if self.campaign is not None else None
+        return saltelli_design(self.campaign, columns) if self.campaign is not None else None
 
     @property
     def count(self) -> int:
@@ -119,20 +119,20 @@ class Plan:
                 changes["truth"]["faults"] = [*own, *faults[offset]]
             profile = start + offset if self.campaign is not None and self.campaign.profiles else None
             label: dict[str, Any] = dict(cell.label) if cell else {}
-            if self.swaps is not None:
+            if self.saltelli is not None:
                 label |= {
-                    MATRIX: self.swaps.matrix(start + offset),
-                    ROW: (start + offset) // self.swaps.width,
+                    MATRIX: self.saltelli.matrix(start + offset),
+                    ROW: (start + offset) // self.saltelli.width,
                 }
-                profile = self.swaps.profile(start + offset) if profile is not None else None
+                profile = self.saltelli.profile(start + offset) if profile is not None else None
             yield Case(point * self.per_point + start + offset, **changes, profile=profile, label=label)
 
     def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
         """Values drawn for cases ``start .. stop - 1`` of a point."""
         if self.campaign is None:
             return
-        if self.swaps is not None:
-            unit = self.swaps.unit_numbers(start, stop)
+        if self.saltelli is not None:
+            unit = self.saltelli.unit_numbers(start, stop)
         else:
             names = [name for draw in self.draws for name in draw.names]
             sampling, seed = self.campaign.sampling, self.campaign.seed

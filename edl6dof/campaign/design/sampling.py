@@ -82,7 +82,7 @@ PROFILES = "random profiles"
 
 
 @dataclass(frozen=True)
-class Swaps:
+class SaltelliDesign:
     """The design for Sobol indices: two matrices A and B of numbers from 0 to 1, and for each group of inputs
     a copy of A whose columns of that group are taken from B. Cases are numbered row by row.
 
@@ -127,7 +127,7 @@ class Swaps:
         return found
 
 
-def swaps_of(campaign: CampaignParams, columns: Sequence[str]) -> Swaps | None:
+def saltelli_design(campaign: CampaignParams, columns: Sequence[str]) -> SaltelliDesign | None:
     """The design of a campaign that asks for one; ``columns`` of the results, one for each unit number."""
     if campaign.sampling != "sobol_indices":
         return None
@@ -135,4 +135,6 @@ def swaps_of(campaign: CampaignParams, columns: Sequence[str]) -> Swaps | None:
     groups: dict[str, list[int]] = {}
     for number, column in enumerate(columns):
         groups.setdefault(group_of(column, section), []).append(number)
-    return Swaps(groups | ({PROFILES: []} if campaign.profiles else {}), campaign.cases, campaign.seed)
+    return SaltelliDesign(
+        groups | ({PROFILES: []} if campaign.profiles else {}), campaign.cases, campaign.seed
+    )

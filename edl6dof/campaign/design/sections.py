@@ -2,18 +2,55 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union, get_args, get_origin
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from edl6dof.campaign.design.case import Of
-from edl6dof.campaign.design.distributions.registry import Distribution
+from edl6dof.campaign.design.distributions import (
+    DISCRETE,
+    LOG_NORMAL,
+    NORMAL,
+    TRUNCATED_NORMAL,
+    UNIFORM,
+    DistributionParams,
+)
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
 from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.config.errors import refusal
+from edl6dof.registry import Family, Member
 from edl6dof.spatial.arrays import cholesky
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultStart
+
+DISTRIBUTIONS = Family(
+    "distribution",
+    (NORMAL, TRUNCATED_NORMAL, UNIFORM, LOG_NORMAL, DISCRETE),
+)
+
+
+def _params(member: Member) -> type[DistributionParams]:
+    """Parameter model of a distribution, which a plugin may have got wrong.
+
+    Raises:
+        ConfigError: it is no distribution that can be chosen by its name.
+    """
+    field = member.params.model_fields.get("kind")
+    named = field is not None and get_origin(field.annotation) is Literal and get_args(field.annotation)
+    if not issubclass(member.params, DistributionParams) or named != (member.name,):
+        wanted = f"its parameters must be DistributionParams with kind: Literal[{member.name!r}]"
+        raise refusal("plugins", f"distribution {member.name}: {wanted}")
+    return member.params
+
+
+if TYPE_CHECKING:
+    Distribution = DistributionParams
+else:  # which members there are, plugins included, is known only when it runs
+    Distribution = Annotated[
+        Union[tuple(_params(member) for member in DISTRIBUTIONS.members)],  # noqa: UP007  as many as there are
+        Field(discriminator="kind"),
+    ]
 
 
 class Correlated(Params):

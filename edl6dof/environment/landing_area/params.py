@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.environment.landing_area.craters import EDGE
+from edl6dof.config.dtype import extended
 from edl6dof.environment.landing_area.dtm import DtmParams
+from edl6dof.environment.landing_area.features import EDGE, rock_law
 from edl6dof.environment.landing_area.fractal import COARSE_CELLS, NODES, fractal_at, unit_slope
 from edl6dof.environment.landing_area.population import (
     CROWD,
@@ -17,8 +18,6 @@ from edl6dof.environment.landing_area.population import (
     fill_population,
     most_in_a_cell,
 )
-from edl6dof.environment.landing_area.rocks import rock_law
-from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GROUND_STREAM
 from edl6dof.spatial.elementary import pow, tan
 from edl6dof.spatial.random_numbers import Stream

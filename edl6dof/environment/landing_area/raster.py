@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.environment.landing_area.feature import with_member
+from edl6dof.environment.landing_area.features import with_member
 from edl6dof.environment.landing_area.fractal import fractal_row
-from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
 from edl6dof.environment.landing_area.surface import share_at
-from edl6dof.environment.terrain import regional
+from edl6dof.environment.terrain import geodetic_of, regional
 from edl6dof.kernels import kernel
 from edl6dof.spatial.table_index import endless_cell
 
@@ -76,7 +75,7 @@ def _finish_row(area, tiles, i, j, up, heights, work):
 
 @kernel
 def _share_of_node(area, i, j):
-    """What is left of the relief at a node."""
+    """Share of the relief that is left at a node."""
     return share_at(area, i * area.cell, j * area.cell)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.environment.landing_area.feature import with_member
+from edl6dof.environment.landing_area.features import with_member
 from edl6dof.environment.landing_area.fractal import fractal_at
 from edl6dof.environment.landing_area.params import FADE
 from edl6dof.environment.landing_area.population import (
@@ -60,13 +60,13 @@ def node_height(area, tiles, i, j, craters, rocks):
 
 @kernel
 def share_at(area, north, east):
-    """What is left of the relief at a place (m from the site): 1, and towards the edge of the area less."""
+    """Share of the relief left at a place (m from the site): 1, fading to 0 at the edge of the area."""
     return clamp((area.extent - max(abs(north), abs(east))) / FADE, 0.0, 1.0)
 
 
 @kernel
 def heights_at_corners(area, population, i, j):
-    """What a population gives (m) at the corners of a cell, in the order of :func:`corners`."""
+    """Heights (m) of a population at the corners of a cell, in the order of :func:`corners`."""
     step = area.cell
     south, north, west, east = i * step, (i + 1) * step, j * step, (j + 1) * step
     sw = se = nw = ne = 0.0

@@ -39,7 +39,10 @@ class AllocationParams(_Methods):
     """Thruster allocation: the method, and what all share."""
 
     torque_scale_nm: float = param(
-        250.0, "torque error that weighs one; a fifth of it unallocated counts as saturated", gt=0.0
+        250.0,
+        "torque error that weighs one; a fifth of it unallocated counts as saturated",
+        usual=(0.1, 1e5, "about the torque of one thruster: of 1 N to some kN"),
+        gt=0.0,
     )
     fine_share: float = param(
         0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0
@@ -49,6 +52,7 @@ class AllocationParams(_Methods):
 share_out = ALLOCATORS.role(
     "share_out",
     *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty", "unallocated"),
+    own=("params", "memory"),
 )
 
 

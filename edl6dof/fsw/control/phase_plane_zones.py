@@ -52,21 +52,20 @@ def target_rate(zone, error, bandwidth):
 
 
 @kernel
-def axis_acceleration(zone, memory, error, wanted, rate, dt, frozen, bandwidth):
+def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
     """Demanded angular acceleration (rad/s2) of one axis.
 
     Args:
         zone: ``ZoneParams`` record.
         memory: ``AXIS`` record.
-        error: goal minus actual angle, rad.
-        wanted: rate wanted outside the PID zone, rad/s: :func:`target_rate`, or this axis' part of a slew
-            about another axis.
-        rate: actual minus goal rate, rad/s.
+        motion: goal minus actual angle, rad; rate wanted outside the PID zone, rad/s (:func:`target_rate`, or
+            this axis' part of a slew about another axis); actual minus goal rate, rad/s.
         dt: control cycle, s.
-        frozen: whether the integral stands still (the thrusters could not deliver the last demand, or
+        frozen: true if the integral stands still (the thrusters could not deliver the last demand, or
             something else takes its place).
         bandwidth: factor on the natural frequency of the PID law; its damping ratio stays.
     """
+    error, wanted, rate = motion
     if abs(rate) > 1.15 * zone.rate:
         memory.zone = LIMITER
         return zone.rate_gain * (copysign(zone.rate, rate) - rate)
@@ -87,13 +86,5 @@ def follow(zone, memory, error, rate, dt, frozen):
     """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its
     gains.
     """
-    return axis_acceleration(
-        zone,
-        memory,
-        error,
-        wanted=target_rate(zone, error, 1.0),
-        rate=rate,
-        dt=dt,
-        frozen=frozen,
-        bandwidth=1.0,
-    )
+    motion = (error, target_rate(zone, error, 1.0), rate)
+    return axis_acceleration(zone, memory, motion, dt, frozen, bandwidth=1.0)

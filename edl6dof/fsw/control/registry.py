@@ -62,7 +62,9 @@ CONTROL_INPUTS = np.dtype(
 )
 CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
 
-attitude_control = CONTROLLERS.role("control", "params", "nav", "goal", "inputs", "dt", "memory")
+attitude_control = CONTROLLERS.role(
+    "control", "params", "nav", "goal", "inputs", "dt", "memory", own=("params", "memory")
+)
 
 
 @kernel

@@ -132,34 +132,13 @@ def control(params, nav, goal, inputs, dt, memory):
     frozen = inputs.saturated != 0 or p.against_disturbance == ESTIMATOR
     acceleration = (
         axis_acceleration(
-            p.roll,
-            memory=memory.axis[0],
-            error=error[0],
-            wanted=wanted[0],
-            rate=w[0],
-            dt=dt,
-            frozen=frozen,
-            bandwidth=bandwidth,
+            p.roll, memory.axis[0], (error[0], wanted[0], w[0]), dt, frozen, bandwidth=bandwidth
         ),
         axis_acceleration(
-            p.pitch_yaw,
-            memory=memory.axis[1],
-            error=error[1],
-            wanted=wanted[1],
-            rate=w[1],
-            dt=dt,
-            frozen=frozen,
-            bandwidth=bandwidth,
+            p.pitch_yaw, memory.axis[1], (error[1], wanted[1], w[1]), dt, frozen, bandwidth=bandwidth
         ),
         axis_acceleration(
-            p.pitch_yaw,
-            memory=memory.axis[2],
-            error=error[2],
-            wanted=wanted[2],
-            rate=w[2],
-            dt=dt,
-            frozen=frozen,
-            bandwidth=bandwidth,
+            p.pitch_yaw, memory.axis[2], (error[2], wanted[2], w[2]), dt, frozen, bandwidth=bandwidth
         ),
     )
     torque = inertia_torque(take3(inputs.inertia, 0), acceleration)

@@ -266,22 +266,20 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
 
 
 @kernel
-def weigh_explanations(params, vehicle, i, loss, most, by_flow, flow, memory):
-    """Weigh all faults that explain a loss of flow of thruster ``i``: its meter, all of its branch, and the
-    thruster; returns the evidence for the last.
+def weigh_explanations(params, flow, memory, b, found):
+    """Compare three explanations of a loss of flow at a thruster: the meter of its branch has failed, the
+    whole branch is dead, or the thruster itself has failed; returns the evidence for the thruster.
 
     Args:
         params: diagnosis record.
-        vehicle: believed vehicle (thrusters, branches).
-        i: the thruster.
-        loss: fraction of the flow lost.
-        most: evidence of flow, force and torque for its loss.
-        by_flow: evidence of the flow alone.
         flow: ``FLOW`` record.
         memory: ``HYPOTHESES`` record; the evidence against the meter (``against``) and for a dead branch
             (``lost``) is raised.
+        b: branch of the thruster.
+        found: fraction of the flow lost; evidence of flow, force and torque for the loss; evidence of the
+            flow alone.
     """
-    b = vehicle.branches.of[i]
+    loss, most, by_flow = found
     if flow.meter_check[b] == CONFIRMED:
         memory.against[b] = max(memory.against[b], by_flow - params.prior)
         return most
@@ -317,9 +315,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
                 params, vehicle, waiting, i, flow, memory=memory, least=least
             )
             if by_flow > 0.0:
-                most = weigh_explanations(
-                    params, vehicle, i, loss, most, by_flow=by_flow, flow=flow, memory=memory
-                )
+                most = weigh_explanations(params, flow, memory, b, (loss, most, by_flow))
         else:
             kind, loss, most = evidence_by_thrust(params, memory.off[i], memory.on[i], least)
         if most >= least:

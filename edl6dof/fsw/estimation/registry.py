@@ -137,7 +137,7 @@ class EstimationParams(_Estimators):
     )
 
 
-estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "out")
+estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "out", own=("params", "memory"))
 
 
 @kernel

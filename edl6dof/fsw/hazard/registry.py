@@ -50,5 +50,5 @@ class HazardParams(_Detectors):
 
 
 classify = HAZARD_DETECTION.role(
-    "classify", "params", "elevation_map", "footprint", "radius", "deviation", "out"
+    "classify", "params", "elevation_map", "footprint", "radius", "deviation", "out", own=("params",)
 )

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.base import Vec3
-from edl6dof.environment.appearance import Tint
+from edl6dof.environment.planet import Tint
 from edl6dof.replay.scene.mesh import (
     Mesh,
     bright,

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.base import Vec3, stated
-from edl6dof.vehicle.appearance import BodyShape, LanderKind
-from edl6dof.vehicle.vehicle import VehicleParams
+from edl6dof.vehicle.vehicle import BodyShape, LanderKind, VehicleParams
 
 #: A corner of a profile: station x in B and radius, m.
 Corner = tuple[float, float]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from edl6dof.config.base import stated
-from edl6dof.environment.calendar import (
+from edl6dof.environment.climate import (
     CalendarParams,
     days_since_j2000,
     local_true_solar_time,
@@ -18,7 +18,7 @@ from edl6dof.environment.calendar import (
 )
 from edl6dof.replay.history import History, vector
 from edl6dof.replay.scene.outline import outline
-from edl6dof.scenario.terrain_preview import Relief
+from edl6dof.scenario.terrain_preview import TerrainPreview
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Site:
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
         # : of L, in F
         self.origin = (prime + self.altitude) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]
-        self.relief = Relief(terrain, planet, scenario.seed, scenario.profile)
+        self.relief = TerrainPreview(terrain, planet, scenario.seed, scenario.profile)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
         """Return rotations from components in B to components in L.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from edl6dof.environment.appearance import Tint
+from edl6dof.environment.planet import Tint
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, Recorder
 from edl6dof.replay.scene.ground import TARGET

@@ -5,16 +5,19 @@ those of the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from itertools import cycle
+from typing import Any, get_args
 
+from edl6dof.config.document.scalars import write_flow
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
-from edl6dof.report.figure import Figure, Panel, Trace
+from edl6dof.report.figure import Dash, Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report, headline, mood
+from edl6dof.runs.folder import distinct_names
 from edl6dof.runs.run import Run
-from edl6dof.vehicle.faults.registry import FAULT_KINDS
+from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
 #: Brightness of the second flight's dashed curves, which lie over the first's full ones.
 DARKER = 0.45
@@ -48,10 +51,9 @@ def comparison_report(first: Run, second: Run) -> Report:
     return Report(f"{names[0]} and {names[1]}", words, worst, "Two flights compared", (), sections, footer)
 
 
-def labels(first: Run, second: Run) -> tuple[str, str]:
-    """Return distinct names of the runs: of their folders, or numbered if these are equal."""
-    one, two = (run.folder.resolve().name for run in (first, second))
-    return (one, two) if one != two else (f"{one} (1)", f"{two} (2)")
+def labels(*runs: Run) -> list[str]:
+    """Return distinct names of the runs, those of their folders."""
+    return distinct_names([run.folder for run in runs])
 
 
 def outcomes(first: Run, second: Run) -> Table:
@@ -64,11 +66,11 @@ def outcomes(first: Run, second: Run) -> Table:
     return Table(["flight", "outcome", "end (s)>", "edl6dof"], rows)
 
 
-def figures_table(first: Run, second: Run) -> Table:
-    """Tabulate every figure of either flight, and the difference."""
+def figures_table(first: Run, second: Run, names: Iterable[str] | None = None) -> Table:
+    """Tabulate figures of either flight, all of them if none are named, and the difference."""
     one, two = first.summary["figures"], second.summary["figures"]
     rows: list[Row] = []
-    for name in dict.fromkeys([*one, *two]):
+    for name in dict.fromkeys([*one, *two]) if names is None else names:
         figure = figure_of_merit(name)
         rows.append([figure.meaning, figure.unit.label, *_numbers(one.get(name), two.get(name))])
     return Table(["figure", "unit", *(f"{label}>" for label in labels(first, second)), "difference>"], rows)
@@ -95,6 +97,25 @@ def differences_table(first: Run, second: Run) -> Table | Text:
         if one.get(path) != two.get(path)
     ]
     return Table(["parameter", *labels(first, second)], rows) if rows else Text("The scenarios are the same.")
+
+
+def together(figures: Sequence[Figure], names: Sequence[str]) -> Figure:
+    """Draw the curves of several flights in the panels of one figure.
+
+    Flights differ by their dashes; a curve has a colour of its own, or where a panel has one curve only, each
+    flight has.
+    """
+    panels = []
+    for index, panel in enumerate(figures[0].panels):
+        alone, traces = len(panel.traces) == 1, list[Trace]()
+        for name, dash, figure in zip(names, cycle(get_args(Dash)), figures, strict=False):
+            for own, like in zip(figure.panels[index].traces, panel.coloured(), strict=True):
+                if alone:
+                    traces.append(replace(own, name=name, dash=dash))
+                else:
+                    traces.append(replace(own, name=f"{own.name}, {name}", dash=dash, colour=like.colour))
+        panels.append(replace(panel, traces=traces))
+    return replace(figures[0], panels=panels)
 
 
 def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
@@ -194,5 +215,5 @@ def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _shown(value: Any) -> str:
-    text = str(value)
+    text = write_flow(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -44,7 +44,7 @@ BODY_TABLE = np.dtype(
 
 
 class BodyAeroParams(Hardware):
-    """Body of any shape, by the file that tells its coefficients: a mesh, a table, or a DAVE-ML model."""
+    """Body of any shape, by the file of its coefficients: a mesh, a table, or a DAVE-ML model."""
 
     file: str = param(
         "",

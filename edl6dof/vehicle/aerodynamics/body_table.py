@@ -2,7 +2,7 @@
 time.
 
 A mesh is flown on Newtonian pressure with base pressure on what the flow does not see, and on free-molecular
-flow in thin air (:mod:`edl6dof.vehicle.aerodynamics.panels`), all around, every 4.5 degrees.  A csv or a
+flow in thin air (:mod:`edl6dof.vehicle.aerodynamics.newtonian`), all around, every 4.5 degrees.  A csv or a
 DAVE-ML model is what it says, held beyond its ends, at all densities.
 """
 
@@ -31,10 +31,13 @@ from edl6dof.vehicle.aerodynamics.body import (
 )
 from edl6dof.vehicle.aerodynamics.newtonian import (
     BASE_SUCTION,
+    Panels,
+    References,
     base_pressure_coefficient,
+    integrals,
+    panels_of,
     stagnation_pressure_coefficient,
 )
-from edl6dof.vehicle.aerodynamics.panels import Panels, References, integrals, panels_of
 
 #: Nodes of the table of a mesh: Mach numbers, and angles of attack and sideslip (deg).
 MESH_MACH = np.array([0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 40.0])
@@ -48,8 +51,8 @@ FLOWN = (
 
 
 class BodyInputs(NamedTuple):
-    """What the table follows from: the body, the ratio of specific heats behind the shock, whether it is
-    shed, and the content of its file.
+    """Inputs of the table: the body, the ratio of specific heats behind the shock, True if the body is shed,
+    and the content of its file.
     """
 
     body: BodyAeroParams
@@ -70,7 +73,7 @@ class Coefficients(NamedTuple):
 
 
 def body_inputs(body: BodyAeroParams, heat_capacity_ratio: float, sheds: bool) -> BodyInputs:
-    """What the table of a body follows from, in a gas of this ratio of specific heats behind the shock.
+    """Gather the inputs of the table of a body, in a gas of this ratio of specific heats behind the shock.
 
     Raises:
         ValueError: no file is named.
@@ -87,7 +90,7 @@ def body_inputs(body: BodyAeroParams, heat_capacity_ratio: float, sheds: bool) -
 
 @lru_cache(maxsize=4)
 def build_body_table(inputs: BodyInputs) -> np.ndarray:
-    """The table record (array of one, for nobody to write to).
+    """The table record (array of one, read-only).
 
     Raises:
         ValueError, OSError, ConfigError: no table can be built.
@@ -135,7 +138,7 @@ def body_panels(body: BodyAeroParams) -> Panels:
 
     Raises:
         ValueError, OSError: as :func:`edl6dof.interchange.meshes.read_triangles` and
-            :func:`edl6dof.vehicle.aerodynamics.panels.panels_of`.
+            :func:`edl6dof.vehicle.aerodynamics.newtonian.panels_of`.
     """
     return panels_of(placed_corners(body))
 

@@ -178,7 +178,7 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     table's reference.
 
     Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source:
-    :mod:`edl6dof.vehicle.aerodynamics.table`.
+    :mod:`edl6dof.vehicle.aerodynamics.capsule_table`.
     """
     low, b = cell_among(table.mach, table.n_mach, mach)
     i, t = cell(angle * DEG_PER_RAD, 180)

@@ -1,4 +1,4 @@
-"""What flies shows to the air, and the convention that every model of its force keeps.
+"""Shape that faces the air, and the convention of every aerodynamic model.
 
 Every model takes the air-relative velocity (u, v, w) in body axes `B` (x forward through the nose, y right, z
 down, m/s), the dynamic pressure ``qbar`` (Pa) and the rates (p, q, r) (rad/s), and returns (Fx, Fy, Fz, Mx,

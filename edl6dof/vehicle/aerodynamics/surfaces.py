@@ -1,4 +1,4 @@
-"""Surfaces that unfold, such as the trim wing (trim tab) of the Tianwen-1 entry capsule: a plate beside the
+"""Surfaces that unfold, such as the trim wing (trim tab) of the Tianwen-1 entry capsule: a plate next to the
 backshell, opened before parachute deployment.
 
 The wing cancels the moment of the radial CG offset, which moves the trim angle from -10 deg to 0.

@@ -7,12 +7,13 @@ from typing import Literal
 from edl6dof.config.base import Hardware, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.kernels import inlined_kernel
-from edl6dof.vehicle.aerodynamics.bluff import BluffParams, bluff_aero
 from edl6dof.vehicle.aerodynamics.body import BodyAeroParams, body_aero
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero
-from edl6dof.vehicle.aerodynamics.constant import (
+from edl6dof.vehicle.aerodynamics.constant_coefficients import (
+    BluffParams,
     ConstantAeroParams,
     LiftDragParams,
+    bluff_aero,
     constant_aero,
     lift_drag_aero,
 )

@@ -1,4 +1,4 @@
-"""What a fault is about: one component of the vehicle, such as a thruster or a gyro."""
+"""Component of the vehicle that a fault acts on, such as a thruster or a gyro."""
 
 from __future__ import annotations
 

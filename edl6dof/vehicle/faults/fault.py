@@ -1,10 +1,16 @@
 """Faults: what breaks, and when.  They change the true vehicle only; the flight computer has to find out.
 
 A fault acts on one component of the vehicle, given by its name; the only one of its kind need not be named.
-It begins at a flight time, or a while after a mission phase was entered, and lasts, unless its kind knows a
-duration.  It acts between the
-actuators and the plant: :func:`inflict` runs after the commands of a base cycle have reached the valves and
+It begins at a flight time, or a while after a mission phase was entered, and lasts, unless its kind has a
+duration.  It acts between the actuators and the plant:
+:func:`edl6dof.vehicle.actuate.inflict` runs after the commands of a base cycle have reached the valves and
 before the plant moves.
+
+A kind of fault is a member of :data:`FAULT_KINDS`: its parameters derive from the fault of a component
+(:mod:`edl6dof.vehicle.faults.component`), which declares the components that may break and, of thrusters, how
+they fail.  Its kernel ``inflict(fault, case, since, command, plant)`` runs in every base cycle from the time
+``since`` (s) at which the fault began; ``fault.component`` is the index of the component among those of its
+kind.
 
 Left out: intermittent faults, and valves that fail between open and shut.
 """
@@ -12,17 +18,60 @@ Left out: intermittent faults, and valves that fail between open and shut.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import Params, param, section
+from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.kernels import kernel
-from edl6dof.vehicle.faults.component import COMPONENTS, Component, Components
-from edl6dof.vehicle.faults.registry import FaultChoice, components_of
-from edl6dof.vehicle.plant import NOT_BEGUN
+from edl6dof.interface.effectors import ThrusterFailure
+from edl6dof.interface.events import Action
+from edl6dof.interface.roles import Role
+from edl6dof.registry import Family
+from edl6dof.vehicle.faults import actuators, instrument
+from edl6dof.vehicle.faults.component import (
+    COMPONENTS,
+    Component,
+    ComponentFault,
+    Components,
+    FailingThrusters,
+)
+
+FAULT_KINDS = Family("fault kind", (*actuators.MEMBERS, *instrument.MEMBERS))
+
+
+def components_of(kind: str) -> tuple[Component, ...]:
+    """The kinds of component of which a kind of fault is about one."""
+    return _about(kind).components
+
+
+def over_after(kind: str) -> tuple[Action, ...]:
+    """Actions on the component after which a kind of fault changes nothing."""
+    return _about(kind).over_after
+
+
+def happens_in(kind: str) -> tuple[Role, ...]:
+    """Roles of the phases in which a kind of fault happens, none if in every one."""
+    return _about(kind).happens_in
+
+
+def failure_of(kind: str) -> ThrusterFailure | None:
+    """How the thrusters fail that a kind of fault makes fail, ``None`` if it makes none fail."""
+    about = _about(kind)
+    return about.failure if issubclass(about, FailingThrusters) else None
+
+
+def _about(kind: str) -> type[ComponentFault]:
+    params = FAULT_KINDS.member(kind).params
+    assert issubclass(params, ComponentFault), f"the parameters of {kind} must derive from ComponentFault"
+    return params
+
+
+FaultChoice: Any = FAULT_KINDS.params_model("FaultChoice", "kind", REQUIRED, "What breaks.")
+
+inflict_kind = FAULT_KINDS.role("inflict", "fault", "case", "since", "command", "plant")
 
 
 class FaultStart(Params):
@@ -134,29 +183,3 @@ def fill_faults(
         slot["phase"] = phases.index(fault.at.phase) if fault.at.phase is not None else -1
         slot["after"] = fault.at.plus_s if fault.at.phase is not None else fault.at.time_s
         fill(slot["params"], fault)
-
-
-@kernel
-def begin(fault, index, command, plant):
-    """Note when fault ``index`` begins: in the first base cycle at or after its time."""
-    started = plant.t
-    if fault.phase >= 0:
-        if command.phase < fault.phase:
-            return
-        if plant.phase_seen[index] == NOT_BEGUN:
-            plant.phase_seen[index] = plant.t
-        started = plant.t - plant.phase_seen[index]
-    if started >= fault.after - 1e-9:
-        plant.fault_since[index] = plant.t
-
-
-@kernel
-def inflict(kinds, case, command, plant):
-    """Let every fault that has begun act on the commanded actuators."""
-    faults = case.faults
-    for i in range(faults.count):
-        fault = faults.slots[i]
-        if plant.fault_since[i] == NOT_BEGUN:
-            begin(fault, i, command, plant)
-        if plant.fault_since[i] != NOT_BEGUN:
-            kinds(fault.params.kind, fault, case, since=plant.fault_since[i], command=command, plant=plant)

@@ -1,6 +1,6 @@
 """Faults of one reading, of a gyro, an accelerometer, a beam or a flow meter, and of whole instruments.
 
-They are written where the sensors read them (:mod:`edl6dof.vehicle.instruments`), and show in the reading of
+They are written where the sensors read them (:mod:`edl6dof.vehicle.plant`), and show in the reading of
 the next cycle.
 """
 
@@ -14,7 +14,7 @@ from edl6dof.interface.roles import PARACHUTE, Role
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
-from edl6dof.vehicle.instruments import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
 CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
@@ -122,13 +122,13 @@ class MirrorStuckParams(InstrumentFault):
 
 @kernel
 def lasts(duration, since, t):
-    """Whether a fault that began at ``since`` (s) is there at ``t``."""
+    """True if a fault that began at ``since`` (s) still lasts at ``t``."""
     return duration == 0.0 or t < since + duration
 
 
 @kernel
 def set_mode(fault, plant, mode):
-    """How the reading comes about."""
+    """Set the mode of the reading."""
     i, instruments = fault.component, plant.instruments
     if fault.of == GYRO:
         instruments.gyro[i].mode = mode
@@ -142,18 +142,20 @@ def set_mode(fault, plant, mode):
 
 
 @kernel
-def set_offset(fault, plant, rate, acceleration, reach, speed, flow):
-    """What is added to the reading: of a gyro, an accelerometer, range and speed of a beam, a flow meter."""
+def set_offset(fault, plant, p, factor):
+    """Add a ``factor`` of the parameters ``p`` to the reading: of a gyro, an accelerometer, range and speed
+    of a beam, or a flow meter.
+    """
     i, instruments = fault.component, plant.instruments
     if fault.of == GYRO:
-        instruments.gyro[i].offset = rate
+        instruments.gyro[i].offset = factor * p.rate
     elif fault.of == ACCELEROMETER:
-        instruments.accelerometer[i].offset = acceleration
+        instruments.accelerometer[i].offset = factor * p.acceleration
     elif fault.of == FLOW_METER:
-        instruments.flow[i].offset = flow
+        instruments.flow[i].offset = factor * p.flow
     else:
-        instruments.range[i].offset = reach
-        instruments.speed[i].offset = speed
+        instruments.range[i].offset = factor * p.range
+        instruments.speed[i].offset = factor * p.speed
 
 
 @kernel
@@ -161,15 +163,7 @@ def reading_bias(fault, case, since, command, plant):
     """Add a constant."""
     p = fault.params.reading_bias
     on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(
-        fault,
-        plant,
-        rate=on * p.rate,
-        acceleration=on * p.acceleration,
-        reach=on * p.range,
-        speed=on * p.speed,
-        flow=on * p.flow,
-    )
+    set_offset(fault, plant, p, on)
 
 
 @kernel
@@ -177,15 +171,7 @@ def reading_drift(fault, case, since, command, plant):
     """Add what has grown since."""
     p = fault.params.reading_drift
     age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(
-        fault,
-        plant,
-        rate=age * p.rate,
-        acceleration=age * p.acceleration,
-        reach=age * p.range,
-        speed=age * p.speed,
-        flow=age * p.flow,
-    )
+    set_offset(fault, plant, p, age)
 
 
 @kernel
@@ -246,15 +232,9 @@ def false_lock(fault, case, since, command, plant):
     p = fault.params.false_lock
     on = lasts(p.duration, since, plant.t)
     set_mode(fault, plant, FALSE_LOCK if on else WORKING)
-    set_offset(
-        fault,
-        plant,
-        rate=0.0,
-        acceleration=0.0,
-        reach=p.range if on else 0.0,
-        speed=p.speed if on else 0.0,
-        flow=0.0,
-    )
+    i, instruments = fault.component, plant.instruments
+    instruments.range[i].offset = p.range if on else 0.0
+    instruments.speed[i].offset = p.speed if on else 0.0
 
 
 @kernel

@@ -10,6 +10,8 @@ The vehicle is the body that is balanced: the pull of a riser and the push of th
 All is per kilogramme of the vehicle but its mass, so that propellant that leaves takes nothing else along.
 At a separation the work of the springs follows from momentum (theorem of Koenig).  Left out: rotation, and
 the canopy between its own events.
+
+The largest loads that the vehicle has met are kept in the same way (:func:`update_peaks`).
 """
 
 from __future__ import annotations
@@ -19,11 +21,11 @@ from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
-from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING, PACKED, RELEASED
 from edl6dof.vehicle.plant import CANOPY_VELOCITY, POSITION, PROPELLANT, THRUST, VELOCITY
 from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_wrench
+from edl6dof.vehicle.propulsion.feed_system import load_within_reach, with_propellant
 from edl6dof.vehicle.propulsion.rcs import efficiency
-from edl6dof.vehicle.propulsion.tanks import load_within_reach, with_propellant
 
 
 @kernel
@@ -80,8 +82,8 @@ def engines(case, plant, thrusts, first):
 
 @kernel
 def weigh(case, plant, work, h, begun, ended):
-    """What a step of ``h`` s gives the vehicle, into ``work``; ``begun``, ``ended``: :func:`rates` at its
-    ends.
+    """Sum up the momentum and work of a step of ``h`` s in ``work``; ``begun``, ``ended``: :func:`rates` at
+    its ends.
     """
     for i in range(THRUST, THRUST + case.vehicle.n_engines):
         work.thrust[i - THRUST] = plant.y[i] - h / 6.0 * (work.k[1, i] + work.k[2, i] + work.k[3, i])
@@ -140,3 +142,22 @@ def settle(case, plant, outputs, before):
     fell = dot(take3(outputs.gravity_I, 0), sub(r_now, r))
     kept.work += 0.5 * (dot(due, due) - dot(v, v)) - fell
     kept.lost += others_now - others
+
+
+@kernel
+def update_peaks(plant, outputs, peaks):
+    """Bring ``peaks`` up to date with ``outputs``: the load of the entry up to the first deployment of a
+    parachute, that under a parachute by itself.  What the ground does to the vehicle is no load of flight.
+    """
+    if outputs.pads == 0:
+        load = norm(take3(outputs.specific_force_B, 0))
+        if plant.canopy == PACKED:
+            if load > peaks.entry_load:
+                peaks.entry_load, peaks.entry_load_time = load, plant.t
+        elif plant.canopy != RELEASED:
+            peaks.parachute_load = max(peaks.parachute_load, load)
+    if outputs.dynamic_pressure > peaks.dynamic_pressure:
+        peaks.dynamic_pressure, peaks.dynamic_pressure_time = outputs.dynamic_pressure, plant.t
+    if outputs.heat_flux > peaks.heat_flux:
+        peaks.heat_flux, peaks.heat_flux_time = outputs.heat_flux, plant.t
+    peaks.riser_tension = max(peaks.riser_tension, outputs.riser_tension)

@@ -29,7 +29,7 @@ from edl6dof.spatial.vector import (
 )
 from edl6dof.vehicle.aerodynamics.surfaces import extension, wing_force
 from edl6dof.vehicle.aerodynamics.wrench import aerodynamic_wrench
-from edl6dof.vehicle.motion.footing import ground_loads
+from edl6dof.vehicle.motion.ground_contact import ground_loads
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_motion
 from edl6dof.vehicle.parachutes.bridle import confluence
 from edl6dof.vehicle.parachutes.parachute import (
@@ -52,9 +52,9 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_rate, thrust_wrench
-from edl6dof.vehicle.propulsion.engine_models.registry import BY_THRUSTERS
+from edl6dof.vehicle.propulsion.engine_models import BY_THRUSTERS
+from edl6dof.vehicle.propulsion.feed_system import draw, load_within_reach, with_propellant
 from edl6dof.vehicle.propulsion.rcs import efficiency
-from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach, with_propellant
 from edl6dof.vehicle.surroundings import gravity, surroundings
 
 

@@ -21,22 +21,14 @@ from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 from edl6dof.vehicle.motion.balance import rates, weigh
 from edl6dof.vehicle.motion.body import derivatives, motion
-from edl6dof.vehicle.motion.footing import lay_footing
+from edl6dof.vehicle.motion.ground_contact import lay_ground_planes
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
-from edl6dof.vehicle.plant import (
-    ATTITUDE,
-    POSITION,
-    PROPELLANT,
-    STATES,
-    STATES_VEHICLE,
-    THRUST,
-    VELOCITY,
-)
+from edl6dof.vehicle.plant import ATTITUDE, POSITION, PROPELLANT, STATES, STATES_VEHICLE, THRUST, VELOCITY
 from edl6dof.vehicle.propulsion.engine import thrust_goal
-from edl6dof.vehicle.propulsion.engine_models.registry import UNCOMMANDED
+from edl6dof.vehicle.propulsion.engine_models import UNCOMMANDED
+from edl6dof.vehicle.propulsion.feed_system import load_within_reach
 from edl6dof.vehicle.propulsion.rcs import fire
-from edl6dof.vehicle.propulsion.tanks import load_within_reach
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 
 #: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far
@@ -96,7 +88,7 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
         out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
         areoid = areoid_at(tables.areoid, out.latitude, out.longitude)
         look_at_ground(case, tables, plant, outputs, areoid)
-        lay_footing(
+        lay_ground_planes(
             case,
             tables,
             plant,
@@ -135,8 +127,8 @@ def lay_down_inputs(case, plant, rotation, h):
 
 @kernel
 def set_goals(case, plant, h):
-    """What the thrust of each engine strives for in the step of ``h`` s that begins now: none where it does
-    not run or starves.
+    """Set the thrust goal of each engine in the step of ``h`` s that begins now: none for one that does not
+    run or has no propellant.
     """
     inputs, engines = plant.inputs, case.vehicle.engines
     for i in range(case.vehicle.n_engines):
@@ -245,8 +237,8 @@ def step(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def finite(y):
-    """Whether the states of the vehicle, or their derivatives, are finite; those of the canopy show in them
-    at once.
+    """True if the states of the vehicle, or their derivatives, are finite; a canopy that is not finite shows
+    in them at once.
     """
     total = 0.0
     for i in range(STATES_VEHICLE):

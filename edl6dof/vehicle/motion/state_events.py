@@ -14,7 +14,7 @@ from edl6dof.kernels import kernel
 from edl6dof.kernels.functions import choice
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3
-from edl6dof.vehicle.motion.footing import least_clearance, normal_of
+from edl6dof.vehicle.motion.ground_contact import minimum_clearance, normal_of
 from edl6dof.vehicle.motion.runge_kutta import NEAR_GROUND, take_attitude
 from edl6dof.vehicle.parachutes.bridle import confluence
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
@@ -73,7 +73,7 @@ def clearance(case, plant, outputs):
     place = (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon)
     q, rotation, centre = take_attitude(plant.y), planet_rotation(case.planet, plant.t), take3(out.centre, 0)
     if plant.legs != 0:
-        return least_clearance(case, inputs, centre, q, rotation, place=place, altitude=out.altitude)
+        return minimum_clearance(case, inputs, centre, q, rotation, place=place, altitude=out.altitude)
     up, inverse = normal_of(place, q, rotation, inputs.ground_slope[0], inputs.ground_slope[1])
     return height * inverse - (centre[0] * up[0] + centre[1] * up[1] + centre[2] * up[2])
 
@@ -89,7 +89,7 @@ def touch_down(case, plant):
 
 @kernel
 def still_to_empty(case, plant, tank):
-    """Whether a tank was loaded and has not run empty."""
+    """True if a tank was loaded and has not run empty."""
     return case.vehicle.tanks[tank].mass > 0.0 and isnan(plant.exhausted_time[tank])
 
 

@@ -34,7 +34,7 @@ def confluence(chute, canopy_B):
 
 @kernel
 def _all_taut(attachments, meeting, canopy):
-    """Whether the pull of the canopy on the point where the legs meet is a sum of pulls of all three."""
+    """True if the pull of the canopy on the point where the legs meet is a sum of pulls of all three."""
     a = sub(meeting, take3(attachments[0], 0))
     b = sub(meeting, take3(attachments[1], 0))
     c = sub(meeting, take3(attachments[2], 0))
@@ -82,7 +82,7 @@ def _nearer(attachments, meeting, canopy, best, point):
 
 @kernel
 def _reached(attachments, meeting, point):
-    """Whether every leg is long enough for a point."""
+    """True if every leg is long enough for a point."""
     for k in range(LEGS):
         a = take3(attachments[k], 0)
         if norm(sub(point, a)) > norm(sub(meeting, a)) * (1.0 + _ROUNDING):

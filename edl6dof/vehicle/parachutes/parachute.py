@@ -2,12 +2,12 @@
 
 The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
 it in its own air-relative velocity.  Inflation, opening load and drag over Mach number are those of a model
-(:mod:`edl6dof.vehicle.parachutes.models`).  Left out: the thrust term of growing apparent mass (opening-load
-factors are fitted without it) and canopy attitude of its own.  The skirt hangs on lines all around, which
-turn the canopy back with half the square of its radius times their stiffness: 0.5 (5.6 m)^2 40 kN/m = 630 kN
-m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m turns it by 0.01
-rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: its axis is that of the riser to
-0.6 deg, which is less than what is known of the trim angle (5 to 10 deg).
+(:mod:`edl6dof.vehicle.parachutes.canopy_models`).  Left out: the thrust term of growing apparent mass
+(opening-load factors are fitted without it) and canopy attitude of its own.  The skirt hangs on lines all
+around, which turn the canopy back with half the square of its radius times their stiffness: 0.5 (5.6 m)^2 40
+kN/m = 630 kN m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m
+turns it by 0.01 rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: its axis is
+that of the riser to 0.6 deg, which is less than what is known of the trim angle (5 to 10 deg).
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import clamp, cross, dot
 from edl6dof.vehicle.parachutes.bridle import LEGS
-from edl6dof.vehicle.parachutes.mach_table import MachTable, tabulated
-from edl6dof.vehicle.parachutes.models.registry import (
+from edl6dof.vehicle.parachutes.canopy_models import (
+    MachTable,
     ParachuteChoice,
     efficiency_of_model,
     inflation_of_model,
+    tabulated,
 )
 
 #: Index of the choice of ``area_oscillates`` in records.

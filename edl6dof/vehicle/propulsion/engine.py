@@ -12,7 +12,7 @@ from edl6dof.config.units import G0
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.vector import cross
-from edl6dof.vehicle.propulsion.engine_models.registry import (
+from edl6dof.vehicle.propulsion.engine_models import (
     EngineChoice,
     goal_of_model,
     rate_of_model,
@@ -68,8 +68,8 @@ ENGINE = dtype_of(EngineParams)
 
 @kernel
 def thrust_goal(engine, t, step, command):
-    """What ``command`` (N) makes the thrust strive for over a step from ``t`` (both s): mean (N) and slope
-    (N/s) of a line.
+    """Thrust goal of a ``command`` (N) over a ``step`` from ``t`` (both s): mean (N) and slope (N/s) of a
+    line.
     """
     return goal_of_model(engine.model, engine, engine, t, step, command=command)
 

@@ -3,7 +3,7 @@
 A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in
 ``rise_s`` while the valve is open and falls to zero in ``decay_s`` when it is shut.  Over one integration
 step the level is integrated twice in closed form and applied as a line
-(:mod:`edl6dof.vehicle.propulsion.line_in_step`), so the impulse of a pulse does not depend on the step, nor
+(:mod:`edl6dof.vehicle.propulsion.engine_models`), so the impulse of a pulse does not depend on the step, nor
 does the displacement that it leaves.
 """
 
@@ -20,9 +20,8 @@ from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.effectors import ThrusterGroup
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
-from edl6dof.vehicle.propulsion.branches import Branch
+from edl6dof.vehicle.propulsion.feed_system import Branch, draw, load_within_reach
 from edl6dof.vehicle.propulsion.line_in_step import line_in_step
-from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach
 
 
 class Thruster(Hardware):

@@ -1,1 +1,3 @@
-"""One file for each check case, with what it verifies and against what."""
+"""Check cases: each a function whose docstring, or that of its file, states what it verifies and against
+what.
+"""

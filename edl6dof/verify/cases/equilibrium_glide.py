@@ -19,7 +19,7 @@ from math import exp, pi
 import numpy as np
 
 from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, History, Outcome, Result, flown, largest
-from edl6dof.verify.cases.capsule_trim import DIAMETER, PLAIN, STATION, TRIM_DEG, Published
+from edl6dof.verify.cases.capsule_pitch import DIAMETER, PLAIN, STATION, TRIM_DEG, Published
 
 MASS, ALTITUDE, SCALE, RADIUS, MU = 1285.0, 10e3, 200.0, 3396190.0, 4.282837285418775e13
 _TOP = 30.0

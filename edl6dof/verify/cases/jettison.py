@@ -4,7 +4,7 @@ backshell release.
 gravity none | atmosphere none | winds none | vehicle Tianwen-1, tumbling at 25 deg/s | source: conservation,
 summed over all bodies in numpy; a part that has left is a point that keeps the spin it left with | tolerance
 1e-9 relative to the impulse of the spring: rounding only, on a planet of 1 km, where positions resolve 2e-13
-m.  After mortar fire the flight goes on through line
+m.  After mortar fire the flight continues through line
 stretch, where the riser pulls vehicle and canopy together: 1e-5 there, RK4 turns a riser of 30 rad/s in steps
 of 10 ms.
 """
@@ -20,7 +20,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.vehicle.propulsion.tanks import with_propellant
+from edl6dof.vehicle.propulsion.feed_system import with_propellant
 from edl6dof.verify.case import (
     BARE,
     ENDLESS,

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.cli.fault_tables import _LEGEND, _shares, _times
-from edl6dof.vehicle.faults.registry import FAULT_KINDS
+from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
 
 def rows_of(folder):

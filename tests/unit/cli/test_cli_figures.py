@@ -9,7 +9,7 @@ import pytest
 from cli_run import run
 
 import edl6dof
-from edl6dof.campaign.neighbours import SPEED_STEP_M_S, fly_neighbours, neighbours, sample_means
+from edl6dof.campaign.ensemble import SPEED_STEP_M_S, fly_neighbours, neighbours, sample_means
 from edl6dof.metrics.published import PublishedFigure
 
 FEW = 3

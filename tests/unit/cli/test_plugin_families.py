@@ -2,6 +2,7 @@
 each mistake is named in one line.
 """
 
+import ast
 import json
 from pathlib import Path
 
@@ -15,21 +16,27 @@ from edl6dof.scenario.loading import viewed_scenario
 PACKAGE = Path(edl6dof.__file__).parent
 AIR = {"density_kg_m3": 0.02, "scale_height_m": 9e3, "temperature_k": 200.0}
 
+#: The member of families whose members share a file, and the base class of all distributions.
+SHARED = {
+    **{"atmosphere": "EXPONENTIAL", "wind": "SHEAR", "parachute_model": "REEFED", "engine_model": "PULSED"},
+    "distribution": "UNIFORM",
+}
+BASE = "DistributionParams"
 #: What the navigation filter cannot do without.
 INSTRUMENTS = ("inertial_unit", "star_tracker", "ground_tracking")
 #: From the ground up: FAMILY, the file of a member, its name there and as a plugin, and the sections of a
 #: scenario that choose it.
 FAMILIES = [
     (
-        *("atmosphere", "environment/atmospheres/exponential.py", "exponential", "isothermal"),
+        *("atmosphere", "environment/atmosphere_models.py", "exponential", "isothermal"),
         {"atmosphere": {"model": "isothermal", "isothermal": AIR}},
     ),
     (
-        *("wind", "environment/winds/shear.py", "shear", "gradient"),
+        *("wind", "environment/wind_models.py", "shear", "gradient"),
         {"wind": {"model": "gradient", "gradient": {"east_m_s": 3.0}}},
     ),
     (
-        *("parachute_model", "vehicle/parachutes/models/reefed.py", '"reefed"', '"skirt"'),
+        *("parachute_model", "vehicle/parachutes/canopy_models.py", '"reefed"', '"skirt"'),
         {
             "truth": {
                 "vehicle.parachutes.main.model": "skirt",
@@ -38,7 +45,7 @@ FAMILIES = [
         },
     ),
     (
-        *("engine_model", "vehicle/propulsion/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
+        *("engine_model", "vehicle/propulsion/engine_models.py", '"pulsed"', '"bang_bang"'),
         {
             "truth": {
                 "vehicle.engines.main.model": "bang_bang",
@@ -55,17 +62,48 @@ FAMILIES = [
         {"flight_software": {"navigation": {"filter": "unaided", "unaided": {"every_s": 2.0}}}},
     ),
     (
-        *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
+        *("distribution", "campaign/design/distributions.py", "uniform", "level"),
         {"campaign": {"cases": 5, "truth": {"wind.scale": {"kind": "level", "half_width": 0.2}}}},
     ),
 ]
+
+
+def source(family, member):
+    """Source of a plugin: the file of a member; of families whose members share a file, the imports and all
+    that one member needs.
+    """
+    text = (PACKAGE / member).read_text(encoding="utf-8")
+    if family not in SHARED:
+        return text
+    body = [node for node in ast.parse(text).body if not isinstance(node, ast.If)]
+    nodes = {}
+    for node in body:
+        names = [
+            one.id for one in ast.walk(node) if isinstance(one, ast.Name) and isinstance(node, ast.Assign)
+        ]
+        nodes[getattr(node, "name", names[0] if names else "")] = node
+    needed, found = [SHARED[family]], {}
+    while needed:
+        one = needed.pop()
+        found[one] = nodes[one]
+        used = {node.id for node in ast.walk(nodes[one]) if isinstance(node, ast.Name)}
+        needed += sorted(used & nodes.keys() - found.keys() - {BASE})
+    imports = [node for node in body if isinstance(node, ast.Import | ast.ImportFrom)]
+    lines, kept = text.splitlines(), sorted((*imports, *found.values()), key=lambda node: node.lineno)
+    begin = [
+        min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", []))]) for node in kept
+    ]
+    blocks = ["\n".join(lines[a - 1 : node.end_lineno]) for a, node in zip(begin, kept, strict=True)]
+    if BASE in nodes:
+        blocks.insert(1, f"from edl6dof.{member[:-3].replace('/', '.')} import {BASE}")
+    return "\n\n".join([*blocks, f"MEMBER = {SHARED[family]}", ""])
 
 
 def checked(folder, *members):
     """What the program says of a scenario that chooses a member outside the package of each family."""
     sections = {"extends": "tianwen1", "name": "mine", "plugins": []}
     for family, member, old, new, chosen in members:
-        text = (PACKAGE / member).read_text(encoding="utf-8")
+        text = source(family, member)
         assert old in text
         file = folder / f"my_{family}.py"
         file.write_text(f'{text.replace(old, new)}\nFAMILY = "{family}"\n', encoding="utf-8")
@@ -96,7 +134,7 @@ def test_members_outside_the_package_are_chosen_by_their_names(tmp_path, names):
 def mistaken(family, before, after):
     """A member that is chosen, its file's text with a mistake in the place of what is right."""
     family, member, old, new, chosen = next(row for row in FAMILIES if row[0] == family)
-    text = (PACKAGE / member).read_text(encoding="utf-8")
+    text = source(family, member)
     wrong = text.replace(old, new).replace(before, after)
     assert before in text.replace(old, new)
     return family, member, text, wrong, chosen

@@ -10,13 +10,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.environment.atmosphere import (
-    ATMOSPHERE,
-    AtmosphereParams,
-    air,
-    air_inputs,
-    fill_atmosphere,
-)
+from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air, air_inputs, fill_atmosphere
 from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.gas import GAS, GasParams, fill_gas
 

@@ -6,7 +6,7 @@ from math import degrees, pi, radians
 import pytest
 
 import edl6dof
-from edl6dof.environment.calendar import (
+from edl6dof.environment.climate import (
     days_since_j2000,
     equation_of_time,
     local_true_solar_time,

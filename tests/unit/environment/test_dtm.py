@@ -12,12 +12,12 @@ import pytest
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment.landing_area.params import LandingAreaParams
-from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
 from edl6dof.environment.terrain import (
     TERRAIN,
     TerrainParams,
     fill_terrain,
+    geodetic_of,
     ground,
     ground_arrays,
     ground_inputs,

@@ -10,21 +10,20 @@ import pytest
 from scipy import integrate, stats
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.environment.landing_area.census import list_within, within
-from edl6dof.environment.landing_area.craters import DEPTH, EDGE, RIM, WORN_DEPTH, crater_height
+from edl6dof.environment.landing_area.features import DEPTH, EDGE, RIM, WORN_DEPTH, crater_height, rock_height
 from edl6dof.environment.landing_area.params import CRATER_DIAMETER, LandingAreaParams, landing_area_problems
-from edl6dof.environment.landing_area.plane import geodetic_of, place_of
-from edl6dof.environment.landing_area.population import POPULATION, drawn_in
+from edl6dof.environment.landing_area.population import POPULATION, drawn_in, list_within, within
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
-from edl6dof.environment.landing_area.rocks import rock_height
 from edl6dof.environment.landing_area.surface import corners, relief
 from edl6dof.environment.terrain import (
     TERRAIN,
     TerrainParams,
     fill_terrain,
+    geodetic_of,
     ground,
     ground_arrays,
     ground_inputs,
+    place_of,
     regional,
 )
 from edl6dof.scenario.loading import load_scenario
@@ -114,10 +113,7 @@ def test_metres_of_the_plane_are_metres_on_the_ground(north, east):
     site = from_geodetic(*shape, *at, altitude)
     enu = fixed_to_enu(
         site,
-        np.sin(at[0]),
-        np.cos(at[0]),
-        np.sin(at[1]),
-        np.cos(at[1]),
+        (np.sin(at[0]), np.cos(at[0]), np.sin(at[1]), np.cos(at[1])),
         from_geodetic(*shape, lat, lon, altitude),
     )
     turned = 1e-6 + (north**2 + east**2) / PLANET.mean_radius_m

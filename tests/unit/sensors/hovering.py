@@ -7,8 +7,7 @@ from instrument_bench import Bench
 
 import edl6dof
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
-from edl6dof.environment.landing_area.plane import geodetic_of
-from edl6dof.environment.terrain import ground
+from edl6dof.environment.terrain import geodetic_of, ground
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.sensors.ray_ground import height_over_ground, point_motion
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed

@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from hovering import Hovering, area, bare
 
-from edl6dof.environment.landing_area.census import list_within
-from edl6dof.environment.landing_area.plane import geodetic_of
+from edl6dof.environment.landing_area.population import list_within
+from edl6dof.environment.terrain import geodetic_of
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.sensors.landing_camera import smeared
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.vehicle.debris import FALLING, LOOSE
 from edl6dof.vehicle.parachutes.parachute import RELEASED
-from edl6dof.vehicle.plant import ATTITUDE
+from edl6dof.vehicle.plant import ATTITUDE, FALLING, LOOSE
 
 STILL = {"misalignment_deg": 0.0, "exposure_s": 0.0}
 #: Rocks and nothing else.

@@ -19,8 +19,7 @@ from edl6dof.metrics.evaluation import checks, peak_figures
 from edl6dof.metrics.figures import BALANCES, FIGURES, LIMITS, figure_of_merit
 from edl6dof.metrics.out_of_use import IsolatedFault, diagnosis_figures, failed_thrusters
 from edl6dof.metrics.published import PublishedFigure, published_problems
-from edl6dof.metrics.touchdown import touchdown_state
-from edl6dof.metrics.touchdown_terrain import footing_figures
+from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
 from edl6dof.report.document import Cell
 from edl6dof.report.flight.flight_report import limits_and_published, mood
 from edl6dof.report.terminal import LIMIT_STATUS, comparison, headline, published_table, show_flight
@@ -75,7 +74,7 @@ def test_figures_come_from_where_the_table_says(nominal, faulty, rough):
     assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
     assert balance_figures(nominal.case, nominal.plant).keys() == by_source["balance"]
-    footing = footing_figures(rough.case, rough.tables, rough.plant, rough.outputs)
+    footing = touchdown_terrain_figures(rough.case, rough.tables, rough.plant, rough.outputs)
     assert footing.keys() == by_source["footing"] | {"touchdown_slope_deg"}
     truth = faulty.loaded.truth
     figures = diagnosis_figures(
@@ -179,12 +178,13 @@ def test_a_published_figure_says_one_thing(given, message):
 
 
 def test_a_broken_requirement_is_called_so_on_the_terminal_and_in_the_report(tmp_path):
-    flight = edl6dof.fly(
-        "msl", ["published={parachute_mach: {at_most: 0.5}}", "limits.parachute_mach_max=0.5"]
-    )
-    console = Console(record=True, width=100, file=StringIO())
-    show_flight(console, flight)
-    assert console.export_text().count(" violated") == 2
+    bounds = "published: {parachute_altitude_m: {at_most: 0.5}}\nlimits: {parachute_mach_max: 0.5}"
+    (tmp_path / "low.yaml").write_text(f"extends: msl\n{bounds}\n")
+    flight = edl6dof.fly(tmp_path / "low.yaml")
+    for verbose, violated in ((True, 2), (False, 1)):
+        console = Console(record=True, width=100, file=StringIO())
+        show_flight(console, flight, verbose)
+        assert console.export_text().count(" violated") == violated
     with atomic_folder(tmp_path / "run", "flight", False) as folder:
         write_run(flight, folder)
     tables = limits_and_published(Run(tmp_path / "run"))

@@ -26,9 +26,9 @@ def test_flights_side_by_side_in_portions_are_the_flight_alone(short):
     """The second begins anew on the way, from elsewhere."""
     alone = SteppedFlight(short, telemetry=False)
     records = build_records(short)
-    start = Start.of(records, alone.underway.moment())
+    start = Start.of(records, alone.running.snapshot())
     alone.step(cycles=1500)
-    later = Start.of(records, alone.underway.moment())
+    later = Start.of(records, alone.running.snapshot())
     fleet = fleet_of(short, 2, 2)
     for index in range(2):
         fleet.put(index, start)
@@ -41,8 +41,8 @@ def test_flights_side_by_side_in_portions_are_the_flight_alone(short):
     while alone.step(cycles=1000):
         pass
     for index in range(2):
-        assert fleet.plants[index].tobytes() == alone.underway.plant.tobytes()
-        assert fleet.memories[index].tobytes() == alone.underway.fsw.tobytes()
+        assert fleet.plants[index].tobytes() == alone.running.plant.tobytes()
+        assert fleet.memories[index].tobytes() == alone.running.fsw.tobytes()
 
 
 def helpers():

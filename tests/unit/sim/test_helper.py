@@ -4,7 +4,7 @@ from threading import Event
 
 import pytest
 
-from edl6dof.sim.helper import Helper
+from edl6dof.sim.fleet import Helper
 
 
 def test_work_is_done_once_for_each_time_it_is_told():

@@ -162,7 +162,7 @@ def test_east_north_up_from_the_landing_site():
     }
     for expected, position in walks.items():
         # curvature: 1.5 mm
-        assert frames.fixed_to_enu(site, *trig(lat, lon), position) == pytest.approx(expected, abs=2e-3)
+        assert frames.fixed_to_enu(site, trig(lat, lon), position) == pytest.approx(expected, abs=2e-3)
 
 
 def test_great_circle_from_los_angeles_to_new_york():

@@ -10,7 +10,7 @@ import edl6dof
 from edl6dof.config.dtype import fill
 from edl6dof.environment.gas import GAS
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero, capsule_coefficients
-from edl6dof.vehicle.aerodynamics.table import aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.capsule_table import aero_inputs, build_aero_table
 from edl6dof.vehicle.aerodynamics.wrench import AERO, AeroParams
 
 D, AREA = 3.4, pi / 4 * 3.4**2

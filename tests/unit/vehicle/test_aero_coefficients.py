@@ -22,12 +22,12 @@ from aero_capsule import (
 )
 
 from edl6dof.vehicle.aerodynamics.capsule import free_molecular_weight
+from edl6dof.vehicle.aerodynamics.capsule_table import PACKAGED, read_static_table
 from edl6dof.vehicle.aerodynamics.newtonian import (
     capsule_rings,
     stagnation_pressure_coefficient,
     surface_integrals,
 )
-from edl6dof.vehicle.aerodynamics.table import PACKAGED, read_static_table
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 from edl6dof.interchange.aero_table import read_aero_csv
 from edl6dof.vehicle.aerodynamics.body import BodyAeroParams
 from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table, of_csv
-from edl6dof.vehicle.aerodynamics.table import read_static_table
+from edl6dof.vehicle.aerodynamics.capsule_table import read_static_table
 
 HEADING = "# remark\nalpha_deg,mach,Cm_xcg0253,CL,CD\n"
 FULL = HEADING + "0,1,0,0,1.5\n4,1,-0.1,-0.2,1.4\n0,2,0,0,1.6\n4,2,-0.1,-0.3,1.5\n"

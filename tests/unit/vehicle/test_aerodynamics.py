@@ -21,12 +21,16 @@ from aero_capsule import (
 )
 from pydantic import ValidationError
 
-from edl6dof.vehicle.aerodynamics.bluff import BluffParams, bluff_aero
 from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero
-from edl6dof.vehicle.aerodynamics.constant import ConstantAeroParams, constant_aero
+from edl6dof.vehicle.aerodynamics.capsule_table import AERO_TABLE
+from edl6dof.vehicle.aerodynamics.constant_coefficients import (
+    BluffParams,
+    ConstantAeroParams,
+    bluff_aero,
+    constant_aero,
+)
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE, CONFIG_LANDER
-from edl6dof.vehicle.aerodynamics.table import AERO_TABLE
 from edl6dof.vehicle.aerodynamics.wrench import AeroParams, aerodynamic_wrench
 
 

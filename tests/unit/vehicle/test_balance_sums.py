@@ -22,8 +22,8 @@ from edl6dof.verify.case import (
     state_of,
     to_the_end,
 )
-from edl6dof.verify.cases.gravity_field import potential
-from edl6dof.verify.cases.rocket_equation import _SCENE, ISP
+from edl6dof.verify.cases.planet import potential
+from edl6dof.verify.cases.propulsion import _BURN_SCENE, ENGINE_ISP
 
 AT_REST = ("initial.speed_m_s=0", "initial.rate_deg_s=[0, 0, 0]")
 
@@ -57,13 +57,13 @@ def test_free_fall_gives_gravity_times_time_and_no_work():
 
 
 def test_a_burn_gives_what_its_propellant_gives_by_tsiolkovsky():
-    _, loaded = scenes([*_SCENE, "simulation.time_limit_s=20"])
+    _, loaded = scenes([*_BURN_SCENE, "simulation.time_limit_s=20"])
     state = state_of(loaded)
     state.plant["running"][0, 0], state.fsw["command"]["thrust"][0, 0] = 1, 7500.0
     state.fsw["command"]["engine_mode"] = 2
     kept = balance(flight := to_the_end(loaded, state))
     assert kept["lost"] > 40.0
-    gained = ISP * G0 * np.log(kept["mass"] / (kept["mass"] - kept["lost"]))
+    gained = ENGINE_ISP * G0 * np.log(kept["mass"] / (kept["mass"] - kept["lost"]))
     assert np.linalg.norm(kept["velocity"]) == pytest.approx(gained, rel=1e-5)
     assert max(flight.metrics["energy_balance"], flight.metrics["mass_balance"]) < 1e-6
 

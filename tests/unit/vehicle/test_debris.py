@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 import edl6dof
 from edl6dof.environment.gravity import central
 from edl6dof.scenario import records
-from edl6dof.vehicle.debris import LOOSE, RESTING, step_part
-from edl6dof.vehicle.plant import INPUTS
+from edl6dof.vehicle.motion.staging import step_part
+from edl6dof.vehicle.plant import INPUTS, LOOSE, RESTING
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation, surroundings
 
 STEP_S = 0.02

@@ -10,7 +10,7 @@ import edl6dof
 from edl6dof.config.dtype import duplicate
 from edl6dof.kernels import kernel
 from edl6dof.scenario import records
-from edl6dof.sim.underway import Underway
+from edl6dof.sim.flight_state import RunningFlight
 from edl6dof.vehicle.motion.body import derivatives
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step
 from edl6dof.vehicle.parachutes.parachute import canopy_force
@@ -31,10 +31,10 @@ def points():
     for name, times in (("tianwen1", MOMENTS), ("zheng2015", (60.0,))):
         loaded = edl6dof.load(name, ["wind.gust.enabled=true"])
         case, tables, _ = records.build_records(loaded)
-        underway = Underway(loaded)
+        running = RunningFlight(loaded)
         for t in times:
-            underway.advance(round(t * loaded.scenario.flight_software.rates.base_hz) - underway.cycle)
-            plant = underway.state().plant
+            running.advance(round(t * loaded.scenario.flight_software.rates.base_hz) - running.cycle)
+            plant = running.state().plant
             for away in (0.0, 1e-3, 1.0, 1e4):
                 y = plant["y"][0].copy()
                 y[:3] += away * rng.normal(size=3)

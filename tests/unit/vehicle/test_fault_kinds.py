@@ -9,7 +9,7 @@ from given_functions import actuate
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.effectors import THRUSTER_FAILURES
-from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of, failure_of
+from edl6dof.vehicle.faults.fault import FAULT_KINDS, components_of, failure_of
 from edl6dof.vehicle.parachutes.parachute import INFLATING
 
 INSTRUMENTS = (

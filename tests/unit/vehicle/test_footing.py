@@ -11,7 +11,7 @@ import edl6dof
 from edl6dof.environment.terrain import ground
 from edl6dof.scenario import records
 from edl6dof.vehicle.landing_gear import contacts
-from edl6dof.vehicle.motion.footing import ground_loads, least_clearance, normal_of
+from edl6dof.vehicle.motion.ground_contact import ground_loads, minimum_clearance, normal_of
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
 PLACE = np.sin(LATITUDE), np.cos(LATITUDE), np.sin(LONGITUDE), np.cos(LONGITUDE)
@@ -126,7 +126,7 @@ def test_a_foot_pressed_on_one_side_turns_that_side_up():
 @pytest.mark.parametrize("seed", range(6))
 def test_clearance_is_that_of_the_point_nearest_to_its_plane(seed):
     lander = Footed(seed)
-    found = least_clearance(
+    found = minimum_clearance(
         lander.case,
         lander.plant["inputs"],
         tuple(CENTRE),

@@ -31,7 +31,7 @@ def gear(pads=PADS, **changes):
 def contact(record, centre, clearance, up, v, w):
     """Of all points, over one plane: force, moment about the origin of B, and how many touch."""
     parts = [
-        one_contact(record, contact_point(record, k), centre, clearance, up, v, w)
+        one_contact(record, contact_point(record, k), centre, (up, clearance), (v, w))
         for k in range(contacts(record))
     ]
     force, moment = (np.sum([part[i] for part in parts], axis=0) if parts else np.zeros(3) for i in (0, 1))
@@ -161,10 +161,10 @@ def test_a_tilted_lander_is_pushed_upright_by_its_lower_leg():
 def test_underside_is_pushed_where_it_meets_the_ground_and_is_no_footpad():
     record = gear(underside_m=[(0.5, 0.0, 0.0), (0.5, 0.4, 0.0)])
     assert contacts(record) == 6 and contact_point(record, 5) == (0.5, 0.4, 0.0)
-    one = one_contact(record, contact_point(record, 5), CENTRE, 0.28, UP, REST, REST)
+    one = one_contact(record, contact_point(record, 5), CENTRE, (UP, 0.28), (REST, REST))
     assert one[2] and np.array(one[0]) == pytest.approx((-STIFFNESS * 0.02, 0.0, 0.0))
     assert np.array(one[1]) == pytest.approx(np.cross((0.5, 0.4, 0.0), one[0]))
-    assert not one_contact(record, contact_point(record, 5), CENTRE, 0.31, UP, REST, REST)[2]
+    assert not one_contact(record, contact_point(record, 5), CENTRE, (UP, 0.31), (REST, REST))[2]
 
 
 def test_without_points_nothing_pushes():

@@ -26,7 +26,7 @@ from edl6dof.vehicle.mass import (
     showing,
 )
 from edl6dof.vehicle.plant import PROPELLANT, STATES
-from edl6dof.vehicle.propulsion.tanks import with_propellant
+from edl6dof.vehicle.propulsion.feed_system import with_propellant
 
 
 def part(name, **numbers):

@@ -10,6 +10,7 @@ from aero_capsule import GAS_PARAMS, RARE, D, capsule_with, coefficients
 from pydantic import ValidationError
 
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
+from edl6dof.vehicle.aerodynamics.capsule_table import aero_inputs, build_aero_table, read_static_table
 from edl6dof.vehicle.aerodynamics.newtonian import (
     base_pressure_coefficient,
     capsule_rings,
@@ -18,7 +19,6 @@ from edl6dof.vehicle.aerodynamics.newtonian import (
     surface_integrals,
     windward_integrals,
 )
-from edl6dof.vehicle.aerodynamics.table import aero_inputs, build_aero_table, read_static_table
 
 RATIO = GAS_PARAMS.shock_layer_heat_capacity_ratio
 #: Phoenix's own shape: 2.65 m, nose D/4, shoulder D/40.

@@ -21,12 +21,15 @@ from edl6dof.vehicle.aerodynamics.body_table import (
 )
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 from edl6dof.vehicle.aerodynamics.newtonian import (
+    References,
     capsule_rings,
+    hull_share,
+    integrals,
+    panels_of,
     stagnation_pressure_coefficient,
     surface_integrals,
     windward_integrals,
 )
-from edl6dof.vehicle.aerodynamics.panels import References, hull_share, integrals, panels_of
 from edl6dof.vehicle.aerodynamics.wrench import AERO, AeroParams
 
 UNIT = References(pi, np.array([2.0, 2.0, 2.0]), np.zeros(3))

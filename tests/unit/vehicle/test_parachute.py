@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import fill
 from edl6dof.vehicle.parachutes import parachute as kernels
-from edl6dof.vehicle.parachutes.models.registry import efficiency_of_model
+from edl6dof.vehicle.parachutes.canopy_models import efficiency_of_model
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams
 
 CANOPY = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from edl6dof.vehicle.aerodynamics.pchip import curve
+from edl6dof.vehicle.aerodynamics.capsule_table import curve
 
 
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(n, marks=pytest.mark.long) for n in range(2, 5))])

@@ -15,9 +15,9 @@ from edl6dof.config.dtype import fill
 from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.plant import INPUTS, VALVES
+from edl6dof.vehicle.propulsion.feed_system import FEEDS, fill_feeds
 from edl6dof.vehicle.propulsion.rcs import RCS, RcsParams, Thruster, climb, efficiency, linear_level
 from edl6dof.vehicle.propulsion.rcs import fire as fire_from_tanks
-from edl6dof.vehicle.propulsion.tanks import FEEDS, fill_feeds
 
 G0 = 9.80665
 RISE, DECAY, THRUST, ISP = 0.012, 0.019, 25.0, 220.0

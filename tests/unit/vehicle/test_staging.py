@@ -42,7 +42,7 @@ from edl6dof.vehicle.plant import (
     STATE,
     VELOCITY,
 )
-from edl6dof.vehicle.propulsion.tanks import with_propellant
+from edl6dof.vehicle.propulsion.feed_system import with_propellant
 
 VEHICLE = np.dtype(
     [

@@ -52,7 +52,9 @@ ENTRY_LAWS = Family(
 
 ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
 
-wanted_bank = ENTRY_LAWS.role("guide", "params", "plan", "onboard", "nav", "memory", "out")
+wanted_bank = ENTRY_LAWS.role(
+    "guide", "params", "plan", "onboard", "nav", "memory", "out", own=("params", "plan", "memory")
+)
 
 
 @kernel

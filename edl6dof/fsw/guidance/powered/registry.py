@@ -25,5 +25,5 @@ POWERED_LAWS = Family(
 )
 
 powered_guidance = POWERED_LAWS.role(
-    "guide", *("params", "vehicle", "state", "nav", "target", "memory", "out")
+    "guide", *("params", "vehicle", "state", "nav", "target", "memory", "out"), own=("params", "memory")
 )

@@ -52,7 +52,11 @@ class NavigationParams(_Filters):
     drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")
 
 
-start_filter = NAVIGATION_FILTERS.role("start", "params", "onboard", "sensed", "solution", "memory")
+start_filter = NAVIGATION_FILTERS.role(
+    "start", "params", "onboard", "sensed", "solution", "memory", own=("params", "memory")
+)
 correct_solution = NAVIGATION_FILTERS.role(
-    "correct", *("params", "onboard", "health", "sensed", "motion", "solution", "memory")
+    "correct",
+    *("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
+    own=("params", "memory"),
 )

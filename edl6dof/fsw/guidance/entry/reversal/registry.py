@@ -20,4 +20,6 @@ REVERSALS = Family(
     ),
 )
 
-bank_side = REVERSALS.role("side", "params", "onboard", "nav", "memory", "out", "wanted", "sign")
+bank_side = REVERSALS.role(
+    "side", "params", "onboard", "nav", "memory", "out", "wanted", "sign", own=("params", "memory")
+)

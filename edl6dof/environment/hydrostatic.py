@@ -1,0 +1,151 @@
+"""Column of air in hydrostatic balance over a place: pressure at the ground, temperature against height.
+
+The balance is d(ln p)/dh = -g / (R T) = -s.  What is kept is s, a smooth curve of the height above the
+areoid; its integral is ln p and g / (R s) is T, so that pressure, density, temperature and gravity agree
+everywhere and not in the rows alone.
+Source: hydrostatics of an ideal gas, Anderson, Introduction to Flight (1989), section 3.2; the change of the
+temperature with the hour, one wave that dies out upwards, is an estimate [E].
+"""
+
+from __future__ import annotations
+
+from math import tau
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.environment.areoid import areoid_at, areoid_map
+from edl6dof.environment.gravity import gravity_F
+from edl6dof.environment.map_file import MapFile
+from edl6dof.environment.planet import PLANET, PlanetParams, fill_planet
+from edl6dof.environment.profiles import MAX_ROWS, cubic_coefficients, integral, monotone_slopes
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import cos, log, sin
+from edl6dof.spatial.frames import from_geodetic
+from edl6dof.spatial.vector import dot
+
+#: Climate of the place in the rows of the table: temperature (K) and gravity with rotation (m/s2), gas
+#: constant (J/(kg K)); place of the ground in rows, and natural log of the pressure (Pa) there.
+CLIMATE = np.dtype(
+    [
+        ("temperature", "f8", (MAX_ROWS,)),
+        ("gravity", "f8", (MAX_ROWS,)),
+        ("gas_constant", "f8"),
+        ("ground", "f8"),
+        ("ln_ground_pressure", "f8"),
+    ],
+    align=True,
+)
+
+#: Column of one case: cubics of s, 1/m, and ln p (Pa) in the row below each.
+COLUMN = np.dtype(
+    [("inverse_scale_height", "f8", (MAX_ROWS - 1, 4)), ("ln_pressure", "f8", (MAX_ROWS - 1,))], align=True
+)
+
+#: Coldest air (K) that a dispersion may make.
+_COLDEST = 30.0
+
+
+class Ground(NamedTuple):
+    """The place that a column stands on.
+
+    Attributes:
+        latitude: geodetic, rad.
+        longitude: rad.
+        elevation: of the ground, m above the areoid.
+        pressure: there, Pa.
+        areoid: map of the areoid, from which heights count; ``None``: from the ellipsoid.
+    """
+
+    latitude: float
+    longitude: float
+    elevation: float
+    pressure: float
+    areoid: MapFile | None = None
+
+
+class Warmth(NamedTuple):
+    """Temperature that a column adds to its table.
+
+    Attributes:
+        lapse_rate: by which it gets warmer downwards below the table, K/m.
+        near_ground: at the ground at this hour, K.
+        depth: height above ground over which that falls by e, m.
+    """
+
+    lapse_rate: float
+    near_ground: float
+    depth: float
+
+
+def warming_at(hour: float, amplitude: float, warmest_hour: float) -> float:
+    """By how much (K) the air at the ground is warmer than in the mean of the day."""
+    return amplitude * cos(tau * (hour - warmest_hour) / 24.0)
+
+
+def gravity_along(planet: PlanetParams, ground: Ground, heights: np.ndarray) -> np.ndarray:
+    """Gravity (m/s2) with rotation, downwards along the vertical of the ground, at ``heights`` (m)
+    above the areoid.
+    """
+    record = np.zeros(1, PLANET)[0]
+    fill_planet(record, planet)
+    lat, lon, spin = ground.latitude, ground.longitude, planet.rotation_rate_rad_s
+    up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
+    base, found = areoid_at(areoid_map(ground.areoid), lat, lon)[0], np.empty(len(heights))
+    for i, height in enumerate(heights):
+        r = from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, height + base)
+        pull = gravity_F(record["gravity"], tuple(r))
+        found[i] = -dot(pull, up) - spin * spin * (r[0] * up[0] + r[1] * up[1])
+    return found
+
+
+def fill_climate(
+    record: np.void,
+    grid: np.ndarray,
+    temperature: np.ndarray,
+    first: float,
+    planet: PlanetParams,
+    ground: Ground,
+    warmth: Warmth,
+) -> None:
+    """Fill a ``CLIMATE`` record.
+
+    Args:
+        record: to be filled.
+        grid: height of the rows above the areoid, m, evenly spaced.
+        temperature: in the rows, K, as the table has it; below it held.
+        first: height at which the table begins, m.
+        planet: its gravity and gas.
+        ground: the place.
+        warmth: what comes to the temperature of the table.
+    """
+    rows = len(grid)
+    below, above_ground = np.maximum(first - grid, 0.0), np.maximum(grid - ground.elevation, 0.0)
+    warmed = (
+        temperature
+        + warmth.lapse_rate * below
+        + warmth.near_ground * arrays.exp(-above_ground / warmth.depth)
+    )
+    record["temperature"][:rows] = warmed
+    record["gravity"][:rows] = gravity_along(planet, ground, grid)
+    record["gas_constant"] = planet.gas.gas_constant_j_kg_k
+    record["ground"] = (ground.elevation - grid[0]) / (grid[1] - grid[0])
+    record["ln_ground_pressure"] = log(ground.pressure)
+
+
+def fill_column(
+    record: np.void, climate: np.void, rows: int, step: float, pressure_factor: float, warmer: np.ndarray
+) -> None:
+    """Fill a ``COLUMN`` record: the climate with a factor on the pressure at the ground, and ``warmer`` (K,
+    shape (rows,)) in the rows, ``step`` (m) apart.
+    """
+    temperature = np.maximum(climate["temperature"][:rows] + warmer, _COLDEST)
+    s = climate["gravity"][:rows] / (climate["gas_constant"] * temperature)
+    curve = cubic_coefficients(s, monotone_slopes(s, sloping_ends=False))
+    fallen = np.concatenate([[0.0], np.cumsum(arrays.product(curve, (1.0, 1 / 2, 1 / 3, 1 / 4)))])
+    ground = float(climate["ground"])
+    row = min(max(int(ground), 0), rows - 2)
+    to_ground = fallen[row] + integral(curve, row, ground - row)
+    ln_pressure = climate["ln_ground_pressure"] + log(pressure_factor) + step * (to_ground - fallen)
+    record["inverse_scale_height"][: rows - 1] = curve
+    record["ln_pressure"][: rows - 1] = ln_pressure[:-1]
