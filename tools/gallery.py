@@ -78,7 +78,7 @@ PICTURES = (
     page("two_flights", "Two flights in one replay.", "Flight", 480.0, "runs/tianwen1", "runs/heavy"),
     Picture(
         "faults",
-        "Every two of twelve thrusters stuck open at 200 s: who is named, and when.",
+        "Every pair of twelve thrusters stuck on at 200 s: thrusters isolated, and times of isolation.",
         ("runs/faults",),
         "report runs/faults --png",
         "runs/faults/report/faults_stuck_on_0.png",

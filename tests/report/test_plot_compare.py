@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import in_process
 import numpy as np
 import pytest
-from edl6dof.campaign.neighbours import SampleMean, clear_differences
+from edl6dof.campaign.ensemble import SampleMean, clear_differences
 from PIL import Image, ImageChops
 from scipy.special import stdtrit
 
