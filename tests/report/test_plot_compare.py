@@ -15,11 +15,11 @@ from types import SimpleNamespace
 import in_process
 import numpy as np
 import pytest
-from edl6dof.campaign.ensemble import SampleMean, clear_differences
 from PIL import Image, ImageChops
 from scipy.special import stdtrit
 
 from edl6dof.api import reports
+from edl6dof.campaign.ensemble import SampleMean, clear_differences
 from edl6dof.cli import result_views
 from edl6dof.cli.result_views import MOST
 from edl6dof.config.errors import ConfigError
