@@ -16,9 +16,19 @@ pytest.importorskip("rerun")
 FOLDER = Path(edl6dof.__file__).parents[1] / "scenarios"
 #: Those of the same vehicle and planet as another one are left out.
 ALIKE = {"tianwen1_mc", "tianwen1_range_trigger", "msl_range_trigger", "case04", "case05", "case07"}
-ALIKE |= {"case08", "case09", "case10", "energy_law", "msl_mc", "msl_landing_mc", "mars2020", "mars2020_mc"}
+ALIKE |= {
+    "case08",
+    "case09",
+    "case10",
+    "energy_law",
+    "stop_rates",
+    "msl_mc",
+    "msl_landing_mc",
+    "mars2020",
+    "mars2020_mc",
+}
 ALIKE |= {"viking1_mc", "pathfinder_mc", "stardust_mc", "genesis_mc", "genesis_planned", "genesis_planned_mc"}
-ALIKE |= {"phoenix_mc", "insight", "insight_mc", "schiaparelli_mc"}
+ALIKE |= {"stop_rates", "phoenix_mc", "insight", "insight_mc", "schiaparelli_mc"}
 #: Those that have no part which no other one has.
 LONG = {"tianwen1", "msl", "genesis", "yan2016", "zheng2015", "case01", "case02", "case03"}
 LONG |= {"pathfinder", "phoenix", "schiaparelli", "titan_probe"}

@@ -18,6 +18,7 @@ from edl6dof.manifest import seal
 from edl6dof.replay import viewer
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.viewer import NoViewer
+from edl6dof.runs.folder import distinct_names
 from edl6dof.runs.run_files import write_run
 
 
@@ -77,8 +78,8 @@ def test_what_is_drawn_from_the_folder_is_what_was_drawn_from_the_flight(run, tm
 
 
 def test_several_runs_get_labels_that_tell_them_apart(run):
-    assert replays._labels([run, run.parent / "other"]) == ["short", "other"]
-    assert replays._labels([Path("/x/a/run"), Path("/x/b/run")]) == ["a/run", "b/run"]
+    assert distinct_names([run, run.parent / "other"]) == ["short", "other"]
+    assert distinct_names([Path("/x/a/run"), Path("/x/b/run")]) == ["a/run", "b/run"]
 
 
 def test_refusals_name_the_file(run, tmp_path):

@@ -300,7 +300,7 @@ def test_folder_follows_a_model_compiled_with_the_loop_and_no_member_that_is_pas
 FAMILIES = """
 import json
 from edl6dof import registry
-import edl6dof.campaign.design.distributions, edl6dof.sim.functions
+import edl6dof.campaign.design.sections, edl6dof.sim.functions
 from edl6dof.plugins import FAMILIES
 print(json.dumps([sorted(registry._built), sorted(place.title for place in FAMILIES.values())]))
 """
