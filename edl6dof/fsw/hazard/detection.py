@@ -139,7 +139,7 @@ def work_out(classify, params, terminal, deviation, nav, state, memory):
     """Classify the cells of the map, and choose the spot.
 
     Args:
-        classify: the way of detection that flies.
+        classify: kernel of the selected detection method.
         params: hazard parameters.
         terminal: parameters of the terminal phases: how the spot is flown to.
         deviation: of the elevation of a point, m.

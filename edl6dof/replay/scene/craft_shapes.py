@@ -139,7 +139,7 @@ def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
 
 def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
     """Return body, deck and rover, as large as the aeroshell allows, with struts to the thrusters; ``None``
-    if nothing comes out of it.
+    for a vehicle without a lander (``lander: none``).
     """
     if shape.lander == "none":
         return None

@@ -48,8 +48,8 @@ MEMORY = np.dtype(
 
 @kernel
 def too_fast(p, state, nav, target):
-    """Return whether a constant deceleration within the throttle band, less the reserve, is too little from
-    here.
+    """Return whether the largest deceleration within the throttle band, less the reserve, is too small to
+    stop the descent before the target height.
     """
     height = max(nav.height - target.height, LEAST_HEIGHT)
     weak = planned_upward(p.thrust_reserve, state, nav, target)
