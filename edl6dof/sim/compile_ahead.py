@@ -47,7 +47,7 @@ def is_compiled() -> bool:
 
 
 @contextmanager
-def flight_software_beside(scenario: BaseModel) -> Iterator[Sequence[str] | None]:
+def compiling_flight_software(scenario: BaseModel) -> Iterator[Sequence[str] | None]:
     """Compile the flight software in parallel to the block; hands out the members of families to
     compile the loop with, ``None`` where loop and flight software are compiled already.
 

@@ -23,7 +23,7 @@ from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
+from edl6dof.sim.compile_ahead import compile_loop, compiling_flight_software
 from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import look, prepare, take_up
@@ -85,7 +85,7 @@ class RunningFlight:
         log: np.ndarray | None = None,
     ):
         self.loaded, scenario = loaded, loaded.scenario
-        with flight_software_beside(scenario) as members:
+        with compiling_flight_software(scenario) as members:
             self.case, self.tables, self.onboard = parts or records.build_records(loaded)
             self.outputs, self.work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
             self.code, self.rows, self.cycle = FLYING, 0, 0

@@ -28,7 +28,7 @@ def started(monkeypatch, tmp_path):
 
 def test_the_other_process_is_waited_for_even_if_it_fails(started, nominal):
     commands, _ = started
-    with compile_ahead.flight_software_beside(nominal.scenario) as members:
+    with compile_ahead.compiling_flight_software(nominal.scenario) as members:
         assert {"drag_tracking", "radar"} <= set(members)
     assert [process.returncode for process in commands] == [1]
 
@@ -36,7 +36,7 @@ def test_the_other_process_is_waited_for_even_if_it_fails(started, nominal):
 def test_an_interrupted_flight_does_not_leave_the_other_process_behind(started, nominal):
     commands, popen = started
     popen.body = "import time; time.sleep(600)"
-    with pytest.raises(KeyboardInterrupt), compile_ahead.flight_software_beside(nominal.scenario):
+    with pytest.raises(KeyboardInterrupt), compile_ahead.compiling_flight_software(nominal.scenario):
         raise KeyboardInterrupt
     assert commands[0].returncode not in (None, 0)
 
@@ -45,7 +45,7 @@ def test_the_other_process_has_the_same_plugins(started, nominal, monkeypatch, t
     _, popen = started
     popen.body = f"import os; open({str(tmp_path / 'said')!r}, 'w').write(os.environ['EDL6DOF_PLUGINS'])"
     monkeypatch.setattr(cache, "received", {"/a/law.py": b"x", "/b/sensor.py": b"y"})
-    with compile_ahead.flight_software_beside(nominal.scenario):
+    with compile_ahead.compiling_flight_software(nominal.scenario):
         pass
     assert (tmp_path / "said").read_text() == os.pathsep.join(["/a/law.py", "/b/sensor.py"])
 
@@ -53,20 +53,20 @@ def test_the_other_process_has_the_same_plugins(started, nominal, monkeypatch, t
 def test_no_process_is_started_when_the_simulator_was_compiled(started, nominal):
     for compiles in (True, False):
         assert compile_ahead.is_compiled() != compiles
-        with compile_ahead.flight_software_beside(nominal.scenario) as members:
+        with compile_ahead.compiling_flight_software(nominal.scenario) as members:
             assert (members is not None) == compiles
     assert len(started[0]) == 1
 
 
 def test_one_core_compiles_alone(started, nominal, monkeypatch):
     monkeypatch.setattr(compile_ahead, "_cores", lambda: 1)
-    with compile_ahead.flight_software_beside(nominal.scenario) as members:
+    with compile_ahead.compiling_flight_software(nominal.scenario) as members:
         assert "radar" in members
     assert started[0] == [] and compile_ahead.is_compiled()
 
 
 def test_what_was_not_compiled_to_its_end_is_compiled_by_the_next(started, nominal):
-    with pytest.raises(KeyboardInterrupt), compile_ahead.flight_software_beside(nominal.scenario):
+    with pytest.raises(KeyboardInterrupt), compile_ahead.compiling_flight_software(nominal.scenario):
         raise KeyboardInterrupt
     assert not compile_ahead.is_compiled()
 
