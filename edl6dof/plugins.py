@@ -26,13 +26,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from edl6dof.config.accepted import is_accepted
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import shipped_folders, shown
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.plugin_scan import LARGEST, VARIABLE, files_from_environment, files_naming_plugins
+from edl6dof.config.plugin_files import (
+    LARGEST,
+    VARIABLE,
+    files_from_environment,
+    files_naming_plugins,
+    is_accepted,
+)
 from edl6dof.kernels.cache import receive
 from edl6dof.registry import Member, is_built, join
 

@@ -10,8 +10,8 @@ from pydantic import BaseModel
 from edl6dof.calibration.section import CalibrationFile
 from edl6dof.campaign.design.sections import CampaignFile
 from edl6dof.config.document.document import EXTENDS
-from edl6dof.config.document.scalars import BOOLEAN_WORDS
 from edl6dof.config.document.source import INCLUDES
+from edl6dof.config.document.yamltree import BOOLEAN_WORDS
 from edl6dof.config.units import split_unit
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.scenario.schema import Scenario

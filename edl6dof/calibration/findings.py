@@ -13,7 +13,7 @@ from edl6dof.calibration.fit import DESIGNS, Fit, fit
 from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.executor import Progress
 from edl6dof.config.document.document import EXTENDS
-from edl6dof.config.document.scalars import write_scalar
+from edl6dof.config.document.yamltree import write_scalar
 
 #: A residual beyond which a figure is not explained, in standard deviations.
 UNEXPLAINED = 2.0

@@ -14,7 +14,7 @@ from rich.table import Table
 from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.overrides import with_values
-from edl6dof.config.document.scalars import write_scalar
+from edl6dof.config.document.yamltree import write_scalar
 from edl6dof.config.errors import refusal
 from edl6dof.design.convex_step import propagate
 from edl6dof.design.entry_profile import Design, Goal, Plan

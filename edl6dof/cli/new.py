@@ -181,8 +181,8 @@ def _filled(template: str, values: Mapping[str, str]) -> str:
 
 def _write_plugin(shipped: str, name: str, force: bool) -> int:
     """Write a shipped plugin and its scenario under another name; as it comes from here, it may run."""
-    from edl6dof.config.accepted import accept
     from edl6dof.config.document.locate import find_shipped
+    from edl6dof.config.plugin_files import accept
 
     if not name.isidentifier() or name != name.lower():
         raise refusal(name, "must be a lower-case identifier, such as my_law")

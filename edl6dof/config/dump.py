@@ -13,8 +13,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import to_jsonable_python
 
-from edl6dof.config.base import STATUS_MARKS
-from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.config.base import STATUS_MARKS, extra_of
+from edl6dof.config.document.yamltree import write_flow, write_scalar
 
 
 def json_text(value: Any) -> str:
@@ -146,7 +146,7 @@ def _has_entries(value: Any) -> bool:
 
 def declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
     """Status and source of the declaration, if the value is the declared default or the printed number."""
-    if info is None or not isinstance(extra := info.json_schema_extra, dict):
+    if info is None or not (extra := extra_of(info)):
         return "", ""
     source = str(extra.get("source", ""))
     if "printed" in extra and value == extra["printed"]:

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
-from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
+from edl6dof.config.model_paths import Slot, is_tag_of, literal_names, root_slot
 from edl6dof.config.wording import did_you_mean, expected, got, in_bounds, in_length, unknown_key
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -184,7 +184,7 @@ def _count(value: Any, slot: Slot) -> str:
 
 
 def _hint(slot: Slot, value: Any) -> str:
-    """Return what was probably meant by text in the place of a mapping or a number."""
+    """Probable meaning of a text in the place of a mapping or a number, as the end of a message."""
     if isinstance(value, str) and slot.models and re.match(r"\w+:\S", value):
         return "; a blank is missing behind the colon"
     if not isinstance(value, str) or not {float, int} & set(slot.options):

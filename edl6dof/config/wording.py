@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable
 from typing import Any, Literal, get_args, get_origin
 
-from edl6dof.config.introspect import Slot, bounds, is_model, own_bounds
+from edl6dof.config.model_paths import Slot, bounds, is_model, own_bounds
 from edl6dof.config.units import split_unit
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}

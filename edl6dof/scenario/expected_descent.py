@@ -24,7 +24,7 @@ from edl6dof.fsw.mission.sequencer import SEQUENCE, enter, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
-from edl6dof.interface.events import DEPLOY, JETTISON
+from edl6dof.interface.effectors import DEPLOY, JETTISON
 from edl6dof.kernels import kernel
 from edl6dof.vehicle.parachutes.parachute import drag_efficiency, inflation, nominal_area
 

@@ -12,8 +12,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import dist, pi, sqrt
 
+from pydantic.fields import FieldInfo
+
 from edl6dof.config.document.document import Document
-from edl6dof.config.usual import unusual
+from edl6dof.config.document.yamltree import dotted
+from edl6dof.config.model_paths import leaves, numbers, usual_range
+from edl6dof.config.units import split_unit
 from edl6dof.config.validate import steps
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -53,7 +57,25 @@ class LoadedScenario:
 def unusual_in(scenario: Scenario) -> dict[str, str]:
     """Return what is unusual in a validated scenario: dotted path to one line."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
-    return unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
+    alone = {
+        dotted(keys): words
+        for _, keys, info, value in leaves(scenario)
+        if (words := _why_unusual(str(keys[-1]), info, numbers(value)))
+    }
+    return alone | {f"vehicle.{path}": words for path, words in proportions.items()}
+
+
+def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:
+    usual = usual_range(info) if values else None
+    if usual is None:
+        return ""
+    if usual.of_magnitude:
+        values = [largest] if (largest := max(map(abs, values))) else []
+    odd = [value for value in values if not usual.low <= value <= usual.high]
+    if not odd:
+        return ""
+    unit = f" {label}" if (label := split_unit(name)[1].label) else ""
+    return f"{odd[0]:g}{unit} is unusual: {usual.low:g} to {usual.high:g}{unit} ({usual.reason})"
 
 
 def radius_m(vehicle: VehicleParams) -> float:

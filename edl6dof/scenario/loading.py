@@ -17,7 +17,7 @@ from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.introspect import Slot, literal_names, root_slot
+from edl6dof.config.model_paths import Slot, literal_names, root_slot
 from edl6dof.config.validate import refuse, validate
 from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require

@@ -9,7 +9,7 @@ import numpy as np
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Phase, Transition, Trigger
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_TRANSITIONS
-from edl6dof.interface.events import ACTIONS, LANDING_GEAR, group_of
+from edl6dof.interface.effectors import ACTIONS, LANDING_GEAR, group_of
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Quantities that guidance works out, and which guidance does; navigation always gives the others.

@@ -10,8 +10,7 @@ from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_PARACHUTES, MAX_SURFACES
-from edl6dof.interface.effectors import BRANCHES
-from edl6dof.interface.events import EVENT_TABLE
+from edl6dof.interface.effectors import BRANCHES, EVENT_TABLE
 from edl6dof.records import FLAG
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.mission_events import event_number, fill_events

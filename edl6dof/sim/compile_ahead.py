@@ -18,7 +18,7 @@ import numba
 from pydantic import BaseModel
 
 from edl6dof.child import python
-from edl6dof.config.plugin_scan import VARIABLE
+from edl6dof.config.plugin_files import VARIABLE
 from edl6dof.fsw.functions import PLACES as OF_SOFTWARE
 from edl6dof.kernels import cache
 from edl6dof.sim.functions import FUNCTIONS, RUN

@@ -17,7 +17,7 @@ from edl6dof.campaign.design.distributions import (
     DistributionParams,
 )
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
-from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.config.document.yamltree import write_flow, write_scalar
 from edl6dof.config.errors import refusal
 from edl6dof.registry import Family, Member
 from edl6dof.spatial.arrays import cholesky

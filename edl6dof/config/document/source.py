@@ -23,7 +23,7 @@ from edl6dof.config.document.locate import (
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.yamltree import Mark, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem, refusal
-from edl6dof.config.plugin_scan import LARGEST
+from edl6dof.config.plugin_files import LARGEST
 from edl6dof.config.wording import got
 
 __all__ = [

@@ -29,8 +29,7 @@ from edl6dof.fsw.mission.phases import (
     G_HOVER,
     G_POWERED,
 )
-from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_OFF
-from edl6dof.interface.events import CUT_OFF, IGNITE
+from edl6dof.interface.effectors import CUT_OFF, ENGINE_FULL, ENGINE_OFF, IGNITE
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.quaternion import from_frame

@@ -16,8 +16,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section,
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
 from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_TRANSITIONS
-from edl6dof.interface.effectors import THRUSTER_GROUPS, ThrusterGroup
-from edl6dof.interface.events import EVENT_TABLE, Action
+from edl6dof.interface.effectors import EVENT_TABLE, THRUSTER_GROUPS, Action, ThrusterGroup
 from edl6dof.interface.roles import NO_ROLE, Role
 
 NEVER = 1e9

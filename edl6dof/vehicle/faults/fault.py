@@ -26,8 +26,7 @@ from pydantic import model_validator
 from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.interface.effectors import ThrusterFailure
-from edl6dof.interface.events import Action
+from edl6dof.interface.effectors import Action, ThrusterFailure
 from edl6dof.interface.roles import Role
 from edl6dof.registry import Family
 from edl6dof.vehicle.faults import actuators, instrument

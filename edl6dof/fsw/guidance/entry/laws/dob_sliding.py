@@ -20,8 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.base import param
-from edl6dof.config.paper_values import PrintedParams
+from edl6dof.config.base import PrintedParams, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
