@@ -29,7 +29,7 @@ from edl6dof.environment.profile_file import profile_path
 from edl6dof.environment.terrain import MAP
 from edl6dof.kernels.cache import received
 from edl6dof.manifest import digest, sha256
-from edl6dof.scenario.data_files import PROFILES, TABLES
+from edl6dof.scenario.checks import PROFILES, TABLES
 
 #: Folders of the package from which no row follows.
 _ASIDE = {

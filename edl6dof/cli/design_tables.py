@@ -16,7 +16,6 @@ from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.yamltree import write_scalar
 from edl6dof.config.errors import refusal
-from edl6dof.design.convex_step import propagate
 from edl6dof.design.entry_profile import Design, Goal, Plan
 from edl6dof.design.powered_start import landing_of, powered_rows, states_of
 from edl6dof.design.rigid_landing import (
@@ -28,7 +27,7 @@ from edl6dof.design.rigid_landing import (
     figures_of,
     tilt_of,
 )
-from edl6dof.design.successive import Converged, land
+from edl6dof.design.successive import Converged, land, propagate
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import GREY

@@ -31,8 +31,7 @@ def validate(model: type[Model], document: Document) -> Model:
         ConfigError: every problem of every value.
     """
     try:
-        # JSON mode is pydantic's strict mode for text formats: a list is accepted for a tuple, text never for
-        # a number.
+        # JSON mode is pydantic's strict mode for text formats: a list for a tuple, never text for a number
         return model.model_validate_json(json.dumps(document.data, allow_nan=False))
     except ValidationError as error:
         found = error.errors(include_url=False)

@@ -22,10 +22,9 @@ from scipy.optimize import linprog
 
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.entry.reference import MAX_POINTS, reference_bank
-from edl6dof.scenario.places import Start, start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, Start, start_of
 
 #: One standard deviation of what an open-loop entry meets: density and lift-to-drag ratio over the expected
 #: ones, and the entry angle (deg).  A third of the three-sigma values of tianwen1_mc [E].

@@ -188,7 +188,7 @@ def figures_of(landing: RigidLanding, t: np.ndarray, x: np.ndarray) -> LandingFi
     )
 
 
-#: A design asks for its limits at some points of each interval (``transcription.CHECKED``); between them they
+#: A design asks for its limits at some points of each interval (``successive.CHECKED``); between them they
 #: may be exceeded by this share [S].  Seen: 3.3 % of the body rate.
 TOLERANCE = 0.05
 #: What an excess must be to be shown, in deg and deg/s: half of the last place of a figure.

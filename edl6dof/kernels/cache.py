@@ -1,9 +1,9 @@
-"""Machine code on disk: numba's own files, named by a hash of all sources that the code in them follows from.
+"""Machine code on disk: numba's own files, named by a hash of all sources that their code depends on.
 
 numba stamps a cache entry with the file of the compiled function only; when a helper in another file is
 edited, its callers keep running the old machine code (numba issues 1833 and 8851).  Here the name of a file
 contains a hash of the function's source and of those it imports, so that no entry is ever stale.  Files
-are sealed with a hash of their content, which Python's ``pickle`` reads past: a flipped bit is found.
+are sealed with a hash of their content, which ``pickle`` does not read: a flipped bit is found.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from pickle import UnpicklingError
 from shutil import disk_usage, rmtree
 from stat import S_IMODE, S_ISDIR
 from tempfile import TemporaryFile, gettempdir
@@ -52,6 +53,8 @@ _STARTED = time.time() - 0.1
 #: Time (s) to wait for another process that writes.
 _PATIENCE_S = 20.0
 _IMPORT = re.compile(rb"^from edl6dof\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
+#: Exceptions of Python's ``pickle``, which no kernel raises.
+_UNREADABLE = (AttributeError, EOFError, ImportError, UnpicklingError)
 _ADVICE = "(NUMBA_CACHE_DIR can name a better place)"
 
 #: Files that numba changed and that are to be sealed: folder and begin of their names.
@@ -181,8 +184,8 @@ def say_once(message: str) -> None:
     print(f"edl6dof: {message}", file=sys.stderr)
 
 
-def drop() -> None:
-    """Remove all machine code: a file of it is damaged."""
+def _drop_all() -> None:
+    """Remove all machine code: a file of it is damaged, or contains types that no longer exist."""
     if (place := folder()) is not None:
         for file in place.iterdir():
             _drop(file)
@@ -218,9 +221,14 @@ def experimental() -> Iterator[None]:
 
 
 def compiled(call: Callable[..., Any], *given: Any, **named: Any) -> Any:
-    """Result of a call that may compile; where the code cannot be written, of another: it is in memory."""
+    """Result of a call that may compile, which is repeated if code cannot be read, or is not kept if it
+    cannot be written.
+    """
     with experimental():
         try:
+            return call(*given, **named)
+        except _UNREADABLE:
+            _drop_all()
             return call(*given, **named)
         except OSError as error:  # no kernel raises it
             say_once(f"machine code is not kept: {error.strerror}: {folder()} {_ADVICE}")

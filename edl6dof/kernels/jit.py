@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, update_wrapper
-from pickle import UnpicklingError
 from types import FunctionType
 from typing import Any
 
@@ -12,7 +11,7 @@ import numba
 from numba import types
 from numba.extending import models, register_model, typeof_impl
 
-from edl6dof.kernels.cache import SETTINGS, compiled, drop, in_own_folder
+from edl6dof.kernels.cache import SETTINGS, compiled, in_own_folder
 
 
 class Kernel:
@@ -40,11 +39,7 @@ class Kernel:
 
     def __call__(self, *given: Any, **named: Any) -> Any:
         """Call the function from Python, compiled."""
-        try:
-            return compiled(self.called, *given, **named)
-        except (EOFError, UnpicklingError):  # no kernel raises them
-            drop()
-            return compiled(self.called, *given, **named)
+        return compiled(self.called, *given, **named)
 
     @cached_property
     def called(self) -> Any:

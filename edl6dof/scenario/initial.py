@@ -1,8 +1,8 @@
 """The initial state: where the vehicle is, how it moves and how it points at t = 0.
 
-The height is given above the ellipsoid or above the areoid.  Velocity is given either by speed, flight-path
-angle and azimuth or by its north, east and down components; attitude either by angle of attack, sideslip and
-bank or by yaw, pitch and roll.  Two ways at once are refused.
+Height is given above the ellipsoid or above the areoid; velocity by speed, flight-path angle and azimuth, or
+by its north, east and down components; attitude by angle of attack, sideslip and bank, or by yaw, pitch and
+roll.  Both ways at once are refused.
 """
 
 from __future__ import annotations
@@ -74,10 +74,7 @@ class InitialState(Params):
     )
     velocity_ned_m_s: Vec3 | None = param(
         None,
-        (
-            "velocity relative to the rotating planet: north, east, down; instead of speed, flight-path "
-            "angle and azimuth"
-        ),
+        "planet-relative velocity north, east, down; instead of speed, flight-path angle and azimuth",
         record=False,
     )
     vertical: Literal["geodetic", "geocentric"] = param(
@@ -143,6 +140,11 @@ class InitialState(Params):
         return problems
 
     @property
+    def place(self) -> tuple[float, float]:
+        """Geodetic latitude and east longitude, rad."""
+        return radians(self.latitude_deg), radians(self.longitude_deg)
+
+    @property
     def velocity_ned(self) -> Vec3:
         """Planet-relative velocity north, east, down, m/s."""
         if self.velocity_ned_m_s is not None:
@@ -176,6 +178,4 @@ class InitialState(Params):
     @property
     def wind_angles(self) -> Vec3:
         """Bank, angle of attack and sideslip, rad."""
-        given = (self.bank_deg, self.alpha_deg, self.beta_deg)
-        bank, alpha, beta = (radians(value or 0.0) for value in given)
-        return bank, alpha, beta
+        return radians(self.bank_deg or 0.0), radians(self.alpha_deg or 0.0), radians(self.beta_deg or 0.0)

@@ -21,8 +21,7 @@ from edl6dof.config.model_paths import Slot, literal_names, root_slot
 from edl6dof.config.validate import refuse, validate
 from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
-from edl6dof.scenario.cross_checks import section_problems
-from edl6dof.scenario.data_files import file_problems, with_whole_paths
+from edl6dof.scenario.checks import file_problems, section_problems, with_whole_paths
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario

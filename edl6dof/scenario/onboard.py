@@ -6,7 +6,7 @@ case are drawn from.
 
 from __future__ import annotations
 
-from math import radians, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -17,12 +17,10 @@ from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.fsw.onboard import NODES, ONBOARD
-from edl6dof.scenario.entry_target import plan
-from edl6dof.scenario.expected_descent import wind_at, wind_of
+from edl6dof.scenario.entry_target import plan, wind_at, wind_of
 from edl6dof.scenario.mission_events import event_number, fill_mission
 from edl6dof.scenario.onboard_vehicle import believe_drifter, believe_vehicle
-from edl6dof.scenario.places import fill_site
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, fill_site
 from edl6dof.sensors.registry import SENSOR_FAMILY
 from edl6dof.spatial.arrays import product
 from edl6dof.spatial.elementary import cos, hypot, log, sin, tan
@@ -104,13 +102,8 @@ def _span_of_air(scenario: Scenario) -> tuple[float, float]:
 
 def _set_site(record: np.void, scenario: Scenario) -> None:
     fill_site(record["frame"], scenario)
-    terrain = scenario.terrain
-    record["latitude"], record["longitude"] = (
-        radians(terrain.site_latitude_deg),
-        radians(terrain.site_longitude_deg),
-    )
+    record["latitude"], record["longitude"], record["altitude"] = scenario.site
     record["aim_latitude"], record["aim_longitude"] = record["latitude"], record["longitude"]
-    record["altitude"] = scenario.site_areoid_m + terrain.site_elevation_m
 
 
 def _believe_instruments(record: np.void, scenario: Scenario) -> None:
@@ -194,10 +187,9 @@ def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
 
 def _orbit_axes(scenario: Scenario) -> np.ndarray:
     """Up, along the ground track and across it, at the initial state, as rows in I (as F at t = 0)."""
-    initial = scenario.initial
-    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    lat, lon = scenario.initial.place
     place = (sin(lat), cos(lat), sin(lon), cos(lon))
-    north, east, _ = initial.velocity_ned
+    north, east, _ = scenario.initial.velocity_ned
     ahead = np.array([north, east]) / (hypot(north, east) or 1.0)
     in_ned = ((0.0, 0.0, -1.0), (*ahead, 0.0), (-ahead[1], ahead[0], 0.0))
     return np.array([ned_to_fixed(*place, row) for row in in_ned])

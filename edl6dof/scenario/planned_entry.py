@@ -31,8 +31,7 @@ from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.kernels import kernel
-from edl6dof.scenario.places import Start, start_of
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, Start, start_of
 from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic
 from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, unit

@@ -7,7 +7,6 @@ are filled from the same nominal configuration and never touch again.
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from math import radians
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +24,7 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.onboard import believe
-from edl6dof.scenario.places import start_of, vertical_axes
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, start_of, vertical_axes
 from edl6dof.scenario.truth import build_case
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
@@ -152,8 +150,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     """The state of the plant at t = 0, shape (1,)."""
     plant = duplicate(_new_plant())
     record = plant[0]
-    initial, planet = scenario.initial, scenario.planet
-    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    initial, planet, (lat, lon) = scenario.initial, scenario.planet, scenario.initial.place
     axes, start = vertical_axes(scenario), np.array(start_of(scenario))
     r, v_relative = start[:3], start[3:]
     place = (sin(lat), cos(lat), sin(lon), cos(lon))

@@ -14,8 +14,7 @@ from edl6dof.interface.effectors import BRANCHES, EVENT_TABLE
 from edl6dof.records import FLAG
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.mission_events import event_number, fill_events
-from edl6dof.scenario.places import fill_site
-from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
+from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams, fill_site
 from edl6dof.sensors.registry import SENSOR_UNITS, draw_sensor_units, fill_sensor_params
 from edl6dof.spatial.frames import LOCAL_FRAME
 from edl6dof.vehicle.faults.fault import FAULTS, fill_faults
