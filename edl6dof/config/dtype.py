@@ -96,23 +96,14 @@ def _put_list(record: np.ndarray | np.void, place: _Place, most: int, items: lis
 
 
 class _Place(NamedTuple):
-    """Place of a field of a model in its record, read once from the declaration.
+    """Place of a field of a model in its record, read once from the declaration."""
 
-    Attributes:
-        name: of the field in the model.
-        target: its name in the record.
-        fields: of the dtype; none for text.
-        to_si: factor to SI.
-        slots: of a list.
-        names: of a ``Literal``, or of the items of a list of them.
-    """
-
-    name: str
-    target: str
-    fields: tuple[tuple, ...]
-    to_si: float
-    slots: int | None
-    names: tuple[str, ...] | None
+    name: str  # of the field in the model
+    target: str  # its name in the record
+    fields: tuple[tuple, ...]  # of the dtype; none for text
+    to_si: float  # factor to SI
+    slots: int | None  # of a list
+    names: tuple[str, ...] | None  # of a ``Literal``, or of the items of a list of them
 
 
 @cache

@@ -40,13 +40,12 @@ class ConfigError(Exception):
 
 
 def refusal(place: object, message: str) -> ConfigError:
-    """The error of a file, a folder or an option that cannot be used: one line, of at most 300 characters."""
+    """The error of an unusable file, folder or option: one line, of at most 300 characters."""
     return ConfigError([Problem(str(place), 0, 0, "", " ".join(message.split())[:300])])
 
 
 class Inconsistent(ValueError):
-    """Raised by a model validator for values that do not fit together: each problem at its own key instead of
-    at the section's.
+    """Raised by a model validator for values that do not fit together, each problem at its own key.
 
     >>> raise Inconsistent({"simulation.step_s": "must divide the base cycle"})
     """
@@ -60,12 +59,7 @@ class Inconsistent(ValueError):
 
 
 class UnknownName(KeyError):
-    """There is no such thing; the text says which was probably meant, worked out only when it is read.
-
-    Attributes:
-        kind: what the names are of, such as ``channel``.
-        name: what was asked for.
-    """
+    """An unknown ``name`` of a ``kind`` such as ``channel``; its text suggests a similar one."""
 
     def __init__(self, kind: str, name: object, known: Iterable[str]):
         super().__init__(name)
@@ -85,7 +79,7 @@ class Named(dict[str, Value]):
     """
 
     def __init__(self, kind: str, values: Mapping[str, Value]):
-        """``kind``: what the names are of, such as ``figure``."""
+        """``kind``: of the names, such as ``figure``."""
         super().__init__(values)
         self._kind = kind
 

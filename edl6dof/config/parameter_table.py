@@ -1,6 +1,4 @@
-"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, one per value
-that it has.
-"""
+"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, one per value."""
 
 from __future__ import annotations
 
@@ -55,19 +53,12 @@ def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
 
 
 class Value(NamedTuple):
-    """A value of a scenario.
+    """A value of a scenario."""
 
-    Attributes:
-        row: its parameter, with the claim of this value.
-        value: as it stands in YAML.
-        place: its path with the indices of lists; that of ``row`` has the names of their items.
-        origin: ``file:line`` where it is given, or ``default``.
-    """
-
-    row: Row
-    value: str
-    place: str
-    origin: str
+    row: Row  # its parameter, with the claim of this value
+    value: str  # as it stands in YAML
+    place: str  # its path with the indices of lists; that of ``row`` has the names of their items
+    origin: str  # ``file:line`` where it is given, or ``default``
 
 
 def values(model: BaseModel, document: Document) -> Iterator[Value]:

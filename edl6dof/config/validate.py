@@ -39,10 +39,10 @@ def validate(model: type[Model], document: Document) -> Model:
 
 
 def refuse(document: Document, problems: Mapping[str, str]) -> None:
-    """Refuse a document for problems by dotted path, if there are any.
+    """Refuse a document that has problems, given by dotted path.
 
     Raises:
-        ConfigError: there are.
+        ConfigError: it has some.
     """
     if problems:
         raise ConfigError(document.problem(steps(path), message) for path, message in problems.items())

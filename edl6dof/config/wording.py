@@ -1,4 +1,4 @@
-"""Plain words for what a parameter must be, what it got, and which name was probably meant."""
+"""Plain words for the allowed values of a parameter, for a given value, and for similar names."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def nearest(name: str, allowed: Iterable[str]) -> str | None:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """``; did you mean 'entry'?`` where a known name resembles ``name``, else ``otherwise``."""
+    """``; did you mean 'entry'?`` if a known name is similar to ``name``, else ``otherwise``."""
     near = nearest(name, known)
     return f"; did you mean {near!r}?" if near else otherwise
 
 
 def unknown(kind: str, name: object, known: Iterable[str]) -> str:
-    """Message for a name that does not exist: the one probably meant, or all there are."""
+    """Message for a name that does not exist: with the one probably meant, or all known names."""
     return f"no {kind} {name!r}" + did_you_mean(str(name), known, f" (there are: {', '.join(known)})")
 
 
@@ -47,7 +47,7 @@ def unknown_key(key: str, inside: Slot | None) -> str:
 
 
 def got(value: Any) -> str:
-    """A value as it would stand in YAML, kept short."""
+    """A value as in YAML, shortened."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):

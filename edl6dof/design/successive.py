@@ -53,25 +53,19 @@ DEFECT, GAIN = 5e-7, 2e-6
 AGAIN = 1e-4
 #: Runge-Kutta steps of an interval.
 STEPS = 8
-#: Steps after which limits are looked at; the last is the end.
+#: Steps after which limits are checked; the last is the end.
 CHECKED = (2, 4, 6, 8)
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """A flight by its nodes.
+    """A flight by its nodes."""
 
-    Attributes:
-        x: states, shape (n + 1, 14).
-        u: controls, shape (n + 1, 4); the thrust of a node where two parts meet is that of the second.
-        durations: of the part at full level, if any, and of that in the throttle band, s.
-        full: intervals of the part at full level.
-    """
-
-    x: np.ndarray
+    x: np.ndarray  # states, shape (n + 1, 14)
+    #: controls, shape (n + 1, 4); the thrust of a node where two parts meet is that of the second
     u: np.ndarray
-    durations: np.ndarray
-    full: int
+    durations: np.ndarray  # of the part at full level, if any, and of the part in the throttle band, s
+    full: int  # intervals of the part at full level
 
     @property
     def parts(self) -> np.ndarray:
@@ -102,15 +96,11 @@ class Nodes:
 
 @dataclass(frozen=True)
 class Linear:
-    """States at ``CHECKED`` points of the intervals, the last of them the end, and their derivatives.
+    """States at ``CHECKED`` points of the intervals, the last of them the end, and their derivatives."""
 
-    Attributes:
-        x: shape (points, n, 14).
-        by: shape (points, n, 14, 23): by the state at the beginning (14), the controls there (4) and at the
-            end (4), and the duration of the part.
-    """
-
-    x: np.ndarray
+    x: np.ndarray  # shape (points, n, 14)
+    #: shape (points, n, 14, 23): by the state at the beginning (14), the controls there (4) and at the
+    #: end (4), and the duration of the part
     by: np.ndarray
 
 
@@ -147,8 +137,8 @@ def linearise(landing: RigidLanding, nodes: Nodes) -> Linear:
 
 
 def propagate(landing: RigidLanding, nodes: Nodes, samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Fly the controls from the start by scipy's DOP853: times (s), states and controls, ``samples`` of each
-    interval and the end.
+    """Fly the controls from the start by scipy's DOP853: times (s), states and controls at ``samples`` points
+    of each interval and at the end.
     """
     first, last = nodes.ends(landing)
     t, x, u = [], [], []
@@ -170,9 +160,9 @@ def propagate(landing: RigidLanding, nodes: Nodes, samples: int) -> tuple[np.nda
     return np.append(np.concatenate(t), began), np.vstack([*x, state]), np.vstack([*u, last[-1]])
 
 
-#: Price of a unit of virtual control, in masses at the start; mass out of nothing would save one.
+#: Price of a unit of virtual control, in masses at the start (a unit of virtual mass saves one).
 PRICE = 10.0
-#: Longest over shortest time of a part of the flight beside the first guess.
+#: Longest duration of a part of the flight over the time of the first guess.
 LONGEST = 4.0
 
 
@@ -297,23 +287,15 @@ def _path_limits(landing: RigidLanding, scales: Scales, states: Any) -> list[Any
 
 @dataclass(frozen=True)
 class Converged:
-    """Result of successive convexification.
+    """Result of successive convexification."""
 
-    Attributes:
-        nodes: the last flight.
-        fuel: kg.
-        defect: largest difference between the end of an interval and the node there, in units of the problem.
-        programs: convex programs solved.
-        seconds: of computing.
-        landed: whether it is a flight: no defect, and no better one near it.
-    """
-
-    nodes: Nodes
-    fuel: float
+    nodes: Nodes  # the last flight
+    fuel: float  # kg
+    #: largest difference between the end of an interval and the node there, in units of the problem
     defect: float
-    programs: int
-    seconds: float
-    landed: bool
+    programs: int  # convex programs solved
+    seconds: float  # of computing
+    landed: bool  # whether it is a flight: no defect, and no better one near it
 
 
 def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:

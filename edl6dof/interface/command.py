@@ -1,8 +1,8 @@
-"""Commands: of the flight software to the effectors, and from outside in the place of a part of it.
+"""Commands: of the flight software to the effectors, and external ones that replace a part of it.
 
-Whoever steps a flight writes ``EXTERNAL`` between two cycles (:mod:`edl6dof.sim.simulation`); the flight
-software reads it after the part in question has run (:mod:`edl6dof.fsw.external`).  It contains nothing of
-the true state except what its writer puts there.
+A program that steps a flight writes ``EXTERNAL`` between two cycles (:mod:`edl6dof.sim.simulation`); the
+flight software reads it after the replaced part has run (:mod:`edl6dof.fsw.external`).  It contains nothing
+of the true state except what that program writes.
 """
 
 from __future__ import annotations

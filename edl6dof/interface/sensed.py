@@ -1,7 +1,7 @@
 """Measurements: the record that crosses from the plant to the flight software in a base cycle.
 
-Ideal instruments give the state itself, as the first fields; real ones give readings, as the records below,
-from which the flight software has to estimate the state.
+Ideal instruments measure the state itself, in the first fields; real ones give readings, in the records
+below, from which the flight software estimates the state.
 
 All imagers share one geometry.  An imager looks along x of B, down when the vehicle stands upright, from its
 place in B.  Its square field of view is cut into cells of equal size on a plane across the line of sight;

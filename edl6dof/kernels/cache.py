@@ -76,8 +76,8 @@ def receive(path: Path, content: bytes, *, in_loop: bool) -> None:
 
 @cache
 def stamp(file: str) -> str:
-    """Hash of a source, its place, and those of the package that it imports; empty where it is not known,
-    and where one was written after this process began: nobody knows which version it has imported.
+    """Hash of a source, its place, and the sources of the package that it imports; empty if it is not known,
+    or if one was written after this process began, which may have imported another version.
     """
     try:
         if file not in received and os.stat(file).st_mtime > _STARTED:
@@ -95,7 +95,7 @@ def _inside(file: str) -> str:
 
 
 def _imported(content: bytes) -> list[str]:
-    """Files of the package that a source imports, but for members of families that flights receive."""
+    """Files of the package that a source imports, except members of families that flights receive."""
     found = set()
     for module, names in _IMPORT.findall(content):
         place = str(PACKAGE.joinpath(*module.decode().split(".")))
@@ -174,7 +174,7 @@ def _can_be_written(place: Path) -> bool:
 
 
 def _user() -> int:
-    """Number of the user; Windows has none, and gives each user a folder for temporary files of his own."""
+    """Number of the user, 0 on Windows, where each user has a folder for temporary files."""
     return os.getuid() if hasattr(os, "getuid") else 0
 
 
@@ -214,7 +214,7 @@ def _seal(place: Path, name: str) -> None:
 
 @contextmanager
 def experimental() -> Iterator[None]:
-    """Spare callers numba's warning that functions which are passed are an experimental feature."""
+    """Ignore numba's warning that functions as arguments are an experimental feature."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", numba.NumbaExperimentalFeatureWarning)
         yield
@@ -267,7 +267,7 @@ class Locator:
         return None if place is None else cls(function, file, place)._examined()
 
     def _examined(self) -> Locator:
-        """Itself, once damaged files of its function are removed, and it is said that it has none."""
+        """Remove damaged files of the function; print a line if it has none."""
         own = [name for name in _left_behind(self._folder).get(self._name, ()) if self._stamp in name]
         for name in own:
             if not _is_sound(self._folder / name):
@@ -279,8 +279,8 @@ class Locator:
         return self
 
     def ensure_cache_path(self) -> None:
-        """Keep other processes from writing until :func:`written`, since numba reads, changes and writes an
-        index now; and remove the code of other sources.
+        """Lock the folder until :func:`written`, since numba reads, changes and writes an index now, and
+        remove the code of other sources.
         """
         with suppress(Timeout):
             _writing(self._folder).acquire(timeout=_PATIENCE_S)
@@ -294,7 +294,7 @@ class Locator:
         return str(self._folder)
 
     def get_source_stamp(self) -> str:
-        """Nothing: the files of another source have other names."""
+        """Return no stamp: the files of another source have other names."""
         return ""
 
     def get_disambiguator(self) -> str:
@@ -308,7 +308,7 @@ def _stamps(function: Any) -> list[str]:
 
 @cache
 def _left_behind(place: Path) -> dict[str, list[str]]:
-    """Names of the files that there were by function."""
+    """Names of the files at first sight, by function."""
     found: dict[str, list[str]] = {}
     for name in os.listdir(place):
         found.setdefault(name.rpartition("-")[0], []).append(name)
@@ -317,8 +317,8 @@ def _left_behind(place: Path) -> dict[str, list[str]]:
 
 @contextmanager
 def in_own_folder(function: Any) -> Iterator[bool]:
-    """Let numba ask :class:`Locator` where a variant of a kernel is kept, and other users of numba where it
-    always does; hands out whether it can be kept.
+    """Make numba ask :class:`Locator` for the place of a variant of a kernel, without effect on other users
+    of numba; yield whether it can be kept.
     """
     before = SETTINGS.CACHE_LOCATOR_CLASSES
     SETTINGS.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"

@@ -39,18 +39,12 @@ _KEYS = ("", ".value", ".magnitude", ".at_most", ".at_least")
 
 @dataclass(frozen=True)
 class Mission:
-    """A real flight and the flights that predict it.
+    """A real flight and the flights that predict it."""
 
-    Attributes:
-        plan: the dispersed flights.
-        beside: published values, in the order of the file.
-        status: mark of each published figure by its name, such as ``published`` or ``recalled``.
-        fitted: published figures that were used to calibrate the scenario, so that it does not predict them.
-    """
-
-    plan: Plan
-    beside: tuple[Beside, ...]
-    status: dict[str, str]
+    plan: Plan  # the dispersed flights
+    beside: tuple[Beside, ...]  # published values, in the order of the file
+    status: dict[str, str]  # mark of each published figure by its name, such as ``published`` or ``recalled``
+    #: published figures that were used to calibrate the scenario, which it therefore does not predict
     fitted: frozenset[str]
 
     @property
@@ -140,26 +134,16 @@ WITHIN, GOAL = 3.0, 0.9
 
 
 class Predicted(NamedTuple):
-    """A figure of a mission, predicted by dispersed flights, and its published value.
+    """A figure of a mission, predicted by dispersed flights, and its published value."""
 
-    Attributes:
-        figure: its declaration.
-        published: flown value or requirement.
-        status: mark of the published value.
-        fitted: whether the scenario was calibrated on it.
-        mean, deviation: over the flights that reached it.
-        flights: number of these flights.
-        below: share of them below the flown value, or that meet the requirement.
-    """
-
-    figure: FigureOfMerit
-    published: PublishedFigure
-    status: str
-    fitted: bool
-    mean: float
-    deviation: float
-    flights: int
-    below: float
+    figure: FigureOfMerit  # its declaration
+    published: PublishedFigure  # flown value or requirement
+    status: str  # mark of the published value
+    fitted: bool  # whether the scenario was calibrated on it
+    mean: float  # over the flights that reached it
+    deviation: float  # standard deviation over them
+    flights: int  # number of these flights
+    below: float  # share of them below the flown value, or that meet the requirement
 
     @property
     def counted(self) -> bool:
@@ -178,21 +162,13 @@ class Predicted(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """Comparison of a mission with its real flight.
+    """Comparison of a mission with its real flight."""
 
-    Attributes:
-        name: name of the mission.
-        flights: number of dispersed flights.
-        successes: number of them within all limits.
-        causes: causes of the other outcomes, with their numbers.
-        predicted: every published figure with its prediction.
-    """
-
-    name: str
-    flights: int
-    successes: int
-    causes: dict[str, int]
-    predicted: tuple[Predicted, ...]
+    name: str  # name of the mission
+    flights: int  # number of dispersed flights
+    successes: int  # number of them within all limits
+    causes: dict[str, int]  # causes of the other outcomes, with their numbers
+    predicted: tuple[Predicted, ...]  # every published figure with its prediction
 
     @property
     def counted(self) -> list[Predicted]:

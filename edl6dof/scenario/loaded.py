@@ -1,9 +1,9 @@
-"""A validated scenario, the files it was read from, and its warnings: values that are allowed and unusual,
+"""A validated scenario, the files it was read from, and warnings of values that are allowed and unusual,
 alone or for a vehicle of this size.
 
-Nozzles lie within two radii of the centre of mass, the radii of gyration between a tenth and the whole of the
-radius, and the ballistic coefficient at a drag coefficient of 1.5 between 10 and 1,000 kg/m2 (Stardust 60,
-Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
+Usually nozzles lie within two radii of the centre of mass, the radii of gyration are between a tenth and the
+whole of the radius, and the ballistic coefficient at a drag coefficient of 1.5 is between 10 and 1,000 kg/m2
+(Stardust 60, Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ class LoadedScenario:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
+        """Unusual values, one line each with file, line and key: allowed, perhaps by mistake."""
         found = unusual_in(self.scenario) | unusual_in(self.truth)
         return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 
 
 def unusual_in(scenario: Scenario) -> dict[str, str]:
-    """Return what is unusual in a validated scenario: dotted path to one line."""
+    """Unusual values of a validated scenario: dotted path to one line."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
     alone = {
         dotted(keys): words
@@ -79,7 +79,7 @@ def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:
 
 
 def radius_m(vehicle: VehicleParams) -> float:
-    """Radius of the vehicle at entry, from its aerodynamic shape; 0 where that says nothing of its size."""
+    """Radius of the vehicle at entry, from its aerodynamic shape; 0 if that has no size."""
     aero = vehicle.aero
     if aero.model == "capsule":
         return 0.5 * aero.capsule.diameter_m

@@ -1,7 +1,7 @@
-"""The records one flight is made of, built from a validated scenario.
+"""The records of one flight, built from a validated scenario.
 
-``CASE`` is the truth, ``TABLES`` the large arrays all cases share, ``ONBOARD`` the belief.  Truth and belief
-are filled from the same nominal configuration and never touch again.
+``CASE`` is the truth, ``TABLES`` the large arrays that all cases share, ``ONBOARD`` the belief.  Truth and
+belief are filled from the same nominal configuration and are independent from then on.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class TableInputs(NamedTuple):
 
 
 def table_inputs(scenario: Scenario) -> TableInputs:
-    """Return the inputs of the tables, with the content of the files as it is now.
+    """Inputs of the tables, with the present content of the files.
 
     Raises:
         ValueError: a file is not named or is no table.
@@ -97,24 +97,15 @@ def _tables(inputs: TableInputs) -> np.ndarray:
     return tables
 
 
-#: Sections of a scenario that the flight computer's belief follows from.
+#: Sections of a scenario that the belief of the flight computer depends on.
 BELIEVED = frozenset(
-    [
-        "planet",
-        "atmosphere",
-        "terrain",
-        "vehicle",
-        "initial",
-        "dynamics",
-        "sensors",
-        "flight_software",
-        "mission",
-    ]
+    ("planet", "atmosphere", "terrain", "vehicle", "initial", "dynamics")
+    + ("sensors", "flight_software", "mission")
 )
 
 
 def build_onboard(scenario: Scenario) -> np.ndarray:
-    """Build the belief of the flight computer, shape (1,); planned once for all scenarios that share it.
+    """Build the belief of the flight computer, shape (1,); scenarios with the same belief share the plan.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
@@ -172,7 +163,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 
 @cache
 def _new_plant() -> np.ndarray:
-    """Return the state that every plant begins with: nothing has left it, and nothing has happened."""
+    """State of every plant at the begin: all parts attached, no event past."""
     plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
@@ -206,7 +197,7 @@ def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
 
 @cache
 def _new_fsw(layout: np.dtype) -> np.ndarray:
-    """Return the memory that every flight computer begins with."""
+    """Memory of every flight computer at the begin."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in INSTRUMENT_HEALTH.names or ():
@@ -220,7 +211,7 @@ def _new_fsw(layout: np.dtype) -> np.ndarray:
 
 
 def initial_peaks() -> np.ndarray:
-    """The largest loads met so far at t = 0, shape (1,)."""
+    """The largest loads at t = 0, shape (1,)."""
     return np.zeros(1, PEAKS)
 
 

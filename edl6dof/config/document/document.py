@@ -1,4 +1,4 @@
-"""The data of a scenario with the file, line and claim of every value, and files that extend it."""
+"""The data of a scenario with the file, line and claim of every value, and the merging of extending files."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ Keys = tuple[str | int, ...]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 40
-#: Tag of a list that stands in the place of the one in the base of its file.
+#: Tag of a list that replaces the one in the base of its file.
 REPLACE = "!replace"
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -74,8 +74,8 @@ def parse_yaml(text: str, file: str) -> Tree:
     """Read one YAML document; an empty one gives ``None``.
 
     Raises:
-        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags other than
-            ``!replace``, several documents, NaN, ...).
+        ConfigError: the text is not YAML, or has unsupported parts (aliases, tags other than ``!replace``,
+            several documents, NaN, ...).
     """
     if bad := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, bad.start()) + 1
@@ -109,7 +109,7 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
 
 
 class _TooDeep(Exception):
-    """Nesting that no configuration needs; ends the walk before the stack does."""
+    """Nesting beyond any configuration; ends the walk before the stack overflows."""
 
 
 class _Builder:
@@ -149,7 +149,7 @@ class _Builder:
         self.problems.append(Problem(self.file, mark.line + 1, mark.column + 1, dotted(path), message))
 
     def _value(self, path: Keys, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
-        """Value that begins with ``event``; ``key_lines`` is the line of its key, where a mark may stand."""
+        """Value that begins with ``event``; ``key_lines`` has the line of its key, which may have a mark."""
         if len(path) > DEEPEST:
             self._problem(event, path[:4], f"nested more than {DEEPEST} levels deep")
             raise _TooDeep
