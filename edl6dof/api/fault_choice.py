@@ -16,8 +16,7 @@ from edl6dof.campaign.faults import (
     phases_of,
     usual_phases_of,
 )
-from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.wording import did_you_mean
+from edl6dof.config.errors import ConfigError, Problem, did_you_mean
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly

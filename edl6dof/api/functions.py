@@ -413,7 +413,7 @@ def verify(*cases: str) -> list[Report]:
     Raises:
         ValueError: there is no such case.
     """
-    from edl6dof.config.wording import did_you_mean
+    from edl6dof.config.errors import did_you_mean
     from edl6dof.verify.check import CASES, run_case
 
     for name in cases:

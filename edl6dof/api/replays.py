@@ -20,8 +20,7 @@ from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.run import resumed_plan
 from edl6dof.campaign.store import Store
-from edl6dof.config.errors import refusal
-from edl6dof.config.wording import did_you_mean
+from edl6dof.config.errors import did_you_mean, refusal
 from edl6dof.replay import browser, film, viewer
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recording import history, recorded_span, write_replay

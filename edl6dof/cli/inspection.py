@@ -17,10 +17,9 @@ from edl6dof.campaign.design.plan import plan_of
 from edl6dof.cli.exit_status import BAD_INPUT, NOT_WITHIN_LIMITS, refuse
 from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipped_names, shown
 from edl6dof.config.document.source import parse_document, read_document
-from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.config.errors import ConfigError, did_you_mean, refusal
 from edl6dof.config.parameter_table import Value, rows, values
 from edl6dof.config.plugin_files import accept, accepted_file, is_accepted
-from edl6dof.config.wording import did_you_mean
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario

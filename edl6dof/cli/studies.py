@@ -17,7 +17,8 @@ from rich.text import Text
 
 from edl6dof.cli.exit_status import refuse
 from edl6dof.cli.progress import count_runs
-from edl6dof.config.wording import counted, did_you_mean
+from edl6dof.config.errors import did_you_mean
+from edl6dof.config.wording import counted
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
@@ -58,6 +59,19 @@ class Inconsistent(ValueError):
         )
 
 
+def nearest(name: str, allowed: Iterable[str]) -> str | None:
+    """The allowed name that ``name`` was probably meant to be."""
+    by_fold = {str(item).casefold(): str(item) for item in allowed}
+    found = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.6)
+    return by_fold[found[0]] if found else None
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """``; did you mean 'entry'?`` if a known name is similar to ``name``, else ``otherwise``."""
+    near = nearest(name, known)
+    return f"; did you mean {near!r}?" if near else otherwise
+
+
 class UnknownName(KeyError):
     """An unknown ``name`` of a ``kind`` such as ``channel``; its text suggests a similar one."""
 
@@ -66,8 +80,6 @@ class UnknownName(KeyError):
         self.kind, self.name, self._known = kind, name, known
 
     def __str__(self) -> str:
-        from edl6dof.config.wording import did_you_mean  # which loads pydantic
-
         return f"no {self.kind} {self.name!r}{did_you_mean(str(self.name), self._known)}"
 
 

@@ -96,7 +96,7 @@ def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
     extra = extra_of(info)
     words = [word.removeprefix("a ") for word in kinds(slot)]
     limits = in_bounds(slot).removesuffix(slot.unit.label).strip()
-    length, given = in_length(slot), usual_range(info)
+    length, usual = in_length(slot), usual_range(info)
     return Row(
         path=path,
         type=" or ".join(words),
@@ -107,9 +107,7 @@ def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
         status=str(extra.get("status", "")),
         source=str(extra.get("source", "")),
         printed=write_flow(extra["printed"]) if "printed" in extra else "",
-        usual=""
-        if given is None or given.of_magnitude
-        else f"{given.low:g} to {given.high:g}: {given.reason}",
+        usual=f"{usual.low:g} to {usual.high:g}: {usual.reason}" if usual and not usual.of_magnitude else "",
     )
 
 

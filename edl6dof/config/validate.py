@@ -12,9 +12,9 @@ from pydantic import BaseModel, ValidationError
 
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
-from edl6dof.config.errors import ConfigError, Inconsistent, Problem
+from edl6dof.config.errors import ConfigError, Inconsistent, Problem, did_you_mean
 from edl6dof.config.model_paths import Slot, is_tag_of, literal_names, root_slot
-from edl6dof.config.wording import did_you_mean, expected, got, in_bounds, in_length, unknown_key
+from edl6dof.config.wording import expected, got, in_bounds, in_length, unknown_key
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -2,29 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import Any, Literal, get_args, get_origin
 
+from edl6dof.config.errors import did_you_mean
 from edl6dof.config.model_paths import Slot, bounds, is_model, own_bounds
 from edl6dof.config.units import split_unit
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 _ONE = {float: "a number", int: "a whole number", bool: "true or false", str: "text", Any: "a value"}
 _MANY = {float: "numbers", int: "whole numbers", bool: "true or false values", str: "texts"}
-
-
-def nearest(name: str, allowed: Iterable[str]) -> str | None:
-    """The allowed name that ``name`` was probably meant to be."""
-    by_fold = {str(item).casefold(): str(item) for item in allowed}
-    found = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.6)
-    return by_fold[found[0]] if found else None
-
-
-def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """``; did you mean 'entry'?`` if a known name is similar to ``name``, else ``otherwise``."""
-    near = nearest(name, known)
-    return f"; did you mean {near!r}?" if near else otherwise
 
 
 def unknown(kind: str, name: object, known: Iterable[str]) -> str:

@@ -12,8 +12,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from edl6dof.config.errors import refusal
-from edl6dof.config.wording import nearest
+from edl6dof.config.errors import nearest, refusal
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.numbers import printed
 from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN

@@ -4,6 +4,7 @@ landing site and initial state in planet-fixed axes.
 
 from __future__ import annotations
 
+from functools import partial
 from math import radians
 from typing import Annotated, Any, Literal
 
@@ -54,9 +55,8 @@ class SimulationParams(Params):
     )
 
 
-def _limit(meaning: str) -> Any:
-    """A limit that a mission may set."""
-    return param(None, meaning, record=False, gt=0.0)
+#: A limit that a mission may set.
+_limit = partial(param, None, record=False, gt=0.0)
 
 
 class LimitParams(Params):
@@ -145,26 +145,20 @@ class Scenario(Params):
     limits: LimitParams = group(LimitParams, "limits that a success keeps")
     faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
         None,
-        "what breaks; the flight computer is not told",
+        "faults, unknown to the flight computer",
         record=False,
         factory=list,
         max_length=MAX_FAULTS,
     )
     truth: dict[str, Any] = param(
         None,
-        (
-            "dotted paths whose true value differs from what the flight computer was told, such as "
-            "'vehicle.mass.entry_kg: 1300'"
-        ),
+        "dotted paths whose true value differs from the belief, such as 'vehicle.mass.entry_kg: 1300'",
         record=False,
         factory=dict,
     )
     published: dict[str, float | PublishedFigure | None] = param(
         None,
-        (
-            "figures of the real flight, shown beside this one's: a flown value, or what is required; null "
-            "takes back that of an extended scenario"
-        ),
+        "figures of the real flight: a flown value, or a requirement; null removes that of the extended file",
         status="published",
         record=False,
         factory=dict,

@@ -13,9 +13,9 @@ from edl6dof.config.base import Params
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import INCLUDES, Mark, include
 from edl6dof.config.document.yamltree import REPLACE, Keys, dotted, parse_yaml
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import ConfigError, Problem, did_you_mean
 from edl6dof.config.model_paths import Slot, root_slot
-from edl6dof.config.wording import did_you_mean, got, unknown_key
+from edl6dof.config.wording import got, unknown_key
 
 _FORM = "must have the form path.to.key=value"
 
