@@ -118,9 +118,9 @@ def text() -> str:
     """The page."""
     parts = [
         "# Gallery\n",
-        "Each picture shows a real run, with the commands that made it. `python tools/gallery.py` makes",
+        "Each picture shows a simulated flight, with the commands that made it. `python tools/gallery.py`",
     ]
-    parts[-1] += " all of them again.\n"
+    parts[-1] += " makes all of them again.\n"
     for picture in PICTURES:
         commands = [*(FLIGHTS[run] for run in picture.flights), picture.command]
         lines = "\n".join(f"edl6dof {command}" for command in commands)
