@@ -36,9 +36,9 @@ _WIDE, _WORDS = 430.0, 50
 _SQUARE = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]])
 
 CAPTION = (
-    "CM: centre of mass with full tanks. Arrows show the exhaust; the force on the vehicle is opposite. "
-    "Dots: exhaust towards the reader, crosses: away; the top view has their names. The length of an arrow "
-    "says nothing of the thrust. A tank is the ellipsoid that has the moments of inertia of its load."
+    "CM: centre of mass with full tanks. The force on the vehicle is opposite to the exhaust. Dots: exhaust "
+    "towards the reader, crosses: away; the top view has their names. The length of an arrow does not show "
+    "the thrust. A tank is the ellipsoid that has the moments of inertia of its load."
 )
 NOTE = (
     "Duties from 0 to 1, nominal thrust in vacuum. Torque: the largest while the other two torques are zero. "
@@ -96,7 +96,8 @@ def vehicle_figure(vehicle: VehicleParams, states: Sequence[Configuration]) -> F
         up = Axis(view.axes[1], (y - half[1], y + half[1]))
         panels.append(Panel(across, up, traces, title=view.title, equal=True))
     height = round(_WIDE * half[1] / half[0]) + _WORDS
-    return Figure("vehicle", vehicle.name, panels, CAPTION, columns=2, height=height)
+    title = f"{vehicle.name}; arrows show the exhaust"
+    return Figure("vehicle", title, panels, CAPTION, columns=2, height=height)
 
 
 def _drawn(
@@ -149,9 +150,11 @@ def _arrows(arrows: Arrows, view: View, size: float) -> Iterator[Trace]:
     head, aside = tips - 0.28 * step, 0.11 * step[:, ::-1] * [-1.0, 1.0]
     ways = np.stack([start, tips, head + aside, tips, head - aside, np.full_like(step, np.nan)], axis=1)
     look: Any = {"colour": arrows.colour, "width": 1.8}
-    yield _trace(ways[seen].reshape(-1, 2), arrows.kind, **look)
-    for hidden, symbol in ((~seen & (depth > 0.0), "circle"), (~seen & (depth < 0.0), "x")):
-        yield _trace(start[hidden], arrows.kind, "points", symbol=symbol, **look)
+    if seen.any():
+        yield _trace(ways[seen].reshape(-1, 2), arrows.kind, **look)
+    for along, symbol in ((~seen & (depth > 0.0), "circle"), (~seen & (depth < 0.0), "x")):
+        if along.any():
+            yield _trace(start[along], arrows.kind, "points", symbol=symbol, **look)
     named: dict[tuple[float, ...], list[int]] = {}
     for k in np.flatnonzero(seen | (view is TOP) | (not arrows.kind)):
         named.setdefault(tuple(np.round(tips[k] / (_SAME * size))), []).append(k)
