@@ -20,8 +20,9 @@ from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Components of force and torque: x, y, z of each.
 FORCES, TORQUES = (0, 1, 2), (3, 4, 5)
-#: Shares of the largest component below which one is zero: of the solver's tolerance.
-_NOTHING = 1e-6
+#: Share of the largest force, or torque, below which an entry of the matrix is a rounding error; and share of
+#: the sum below which a result is the solver's tolerance.
+_ROUNDING, _TOLERANCE = 1e-9, 1e-6
 
 
 class Authority(NamedTuple):
@@ -85,6 +86,8 @@ def effectiveness(thrusters: Sequence[Thruster], centre_m: np.ndarray) -> np.nda
 
 def authority(matrix: np.ndarray) -> Authority:
     """Return the authority of thrusters with an effectiveness matrix, shape (n, 6)."""
+    largest_entries = np.repeat([np.abs(matrix[:, :3]).max(), np.abs(matrix[:, 3:]).max()], 3)
+    matrix = np.where(np.abs(matrix) > _ROUNDING * largest_entries, matrix, 0.0)
     pure, total = np.zeros((6, 2)), np.zeros((6, 2))
     for row in range(6):
         unwanted = [k for k in (*FORCES, *TORQUES) if k != row and (k in TORQUES or row in FORCES)]
@@ -92,7 +95,7 @@ def authority(matrix: np.ndarray) -> Authority:
             wanted = sign * matrix[:, row]
             pure[row, side] = sign * largest(wanted, matrix[:, unwanted].T)
             total[row, side] = sign * np.maximum(wanted, 0.0).sum()
-    floor = _NOTHING * np.abs(total).max(axis=1, keepdims=True)
+    floor = _TOLERANCE * np.abs(total).max(axis=1, keepdims=True)
     return Authority(*(np.where(np.abs(one) > floor, one, 0.0) for one in (pure, total)))
 
 

@@ -47,6 +47,12 @@ def test_four_thrusters_about_a_centre_beside_them():
     np.testing.assert_allclose(found.total, symmetric(2, 20.0) + symmetric(3, 20.0), atol=1e-12)
 
 
+def test_rounding_of_the_centre_is_no_unwanted_torque():
+    """The row of the pitch torque would hold nothing but 1e-16 m of an arm, and forbid the pair."""
+    found = authority(effectiveness(FOUR, np.array([1e-16, 0.0, 0.0])))
+    np.testing.assert_allclose(found.pure, symmetric(2, 20.0) + symmetric(3, 20.0), atol=1e-9)
+
+
 def test_group_without_means_against_its_unwanted_torque_has_none():
     """One nozzle beside the centre pushes and turns; it can do neither alone, nor two torques apart."""
     jet = SimpleNamespace(position_m=(1.0, 1.0, 0.0), direction=(0.0, 0.0, 1.0), thrust_n=10.0)
