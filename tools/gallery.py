@@ -77,6 +77,12 @@ PICTURES = (
     page("hazards", "The hazard map that the lander made at the hover.", "Hazards", 508.0, "runs/rocks"),
     page("two_flights", "Two flights in one replay.", "Flight", 480.0, "runs/tianwen1", "runs/heavy"),
     Picture(
+        "vehicle",
+        "A vehicle with its nozzles, tank and centres of mass.",
+        (),
+        "show tianwen1 --vehicle -o vehicle.png",
+    ),
+    Picture(
         "faults",
         "Every pair of twelve thrusters stuck on at 200 s: thrusters isolated, and times of isolation.",
         ("runs/faults",),
