@@ -1,4 +1,4 @@
-"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, one per value."""
+"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, per value."""
 
 from __future__ import annotations
 
