@@ -53,7 +53,7 @@ REMARKS = (
 
 def run(session: Session) -> Report:
     """Fly dispersed landings each way over each ground."""
-    session.expect(len(session.parts) * len(ABUNDANCES) * session.flights)
+    session.total = len(session.parts) * len(ABUNDANCES) * session.flights
     rows: list[Row] = []
     for abundance in ABUNDANCES:
         for way in session.parts:
@@ -176,6 +176,4 @@ def _pictures(rows: list[Row]) -> dict[str, list[Panel]]:
 
 
 TITLE = "Landings among rocks with and without hazard avoidance, at rock abundances of 4, 10 and 20 %"
-STUDY = Study(
-    "hazards", TITLE, "this simulator, 2026", run, runs=200, quick_runs=10, counted=True, parts=WAYS
-)
+STUDY = Study("hazards", TITLE, "this simulator, 2026", run, runs=200, quick_runs=10, parts=WAYS)

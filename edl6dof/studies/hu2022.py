@@ -10,27 +10,28 @@ descent (section 6.2), a 100 N m step against the disturbance estimator and agai
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import product
 from math import nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import State
-from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
+from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, fly_neighbours, sample_means
 from edl6dof.campaign.executor import Row, in_threads
 from edl6dof.config.wording import counted
 from edl6dof.fsw.control.attitude_error import goal_attitude
 from edl6dof.interface.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
-from edl6dof.metrics.published import published_figures
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.quaternion import about_axis, multiply
 from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
-from edl6dof.studies.samples import column, percentage, pick, with_quantile
+from edl6dof.studies.samples import beside_published, column, last_time, percentage, pick, with_quantile
 from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -68,25 +69,26 @@ def run(session: Session) -> Report:
     nominal = edl6dof.fly(SCENARIO, [_PERFECT])
     around = min(FLIGHTS, max(2, session.flights))
     release = state_at(nominal.metrics["backshell_s"] + AFTER_RELEASE_S)
-    entries = draw_entries(session.flights, SEED)
-    starts = [(number, entry, way) for number, entry in enumerate(entries) for way in FORMULATIONS]
     before = avoidance_starts(session.flights)
-    cases = list(avoidance_cases(before, nominal.scenario))
+    tasks: list[Callable[[], Row]] = [
+        partial(entry_row, release, number, entry, formulation)
+        for number, entry in enumerate(draw_entries(session.flights, SEED))
+        for formulation in FORMULATIONS
+    ]
+    avoided = avoidance_cases(len(before), nominal.scenario)
+    tasks += [partial(avoidance_row, before, nominal.scenario, one) for one in avoided]
     single = len(AGAINST_STEP) + len(WING)
-    session.expect(1 + around + len(starts) + len(cases) + single)
+    session.total = 1 + around + len(tasks) + single
     means = sample_means(fly_neighbours(nominal.loaded, around), nominal.scenario.published)
     session.step(1 + around)
     rows: list[Row] = []
-    for row in in_threads(lambda start: entry_row(release, *start), starts):
-        rows.append(row)
-        session.step()
-    for row in in_threads(lambda one: avoidance_row(before, nominal.scenario, one), cases):
+    for row in in_threads(lambda task: task(), tasks):
         rows.append(row)
         session.step()
     rows += [step_row(name, flight) for name, flight in torque_steps(nominal).items()]
-    rows += [wing_row(name, flight) for name, flight in failed_wings().items()]
+    rows += [wing_row(name, held) for name, held in WING.items()]
     session.step(single)
-    findings = [*_of_the_flight(nominal, means), _lateral_force(nominal)]
+    findings = [*beside_published(nominal.scenario.published, means, _FLIGHT), _lateral_force(nominal)]
     findings += [*_of_entries(pick(rows, experiment="entry")), *_of_experiments(rows)]
     grids = _avoidance_grids(nominal, pick(rows, experiment="avoidance"))
     return Report(findings, rows, session.total, grids, REMARKS, _pictures(nominal, before))
@@ -101,26 +103,15 @@ def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
     return saved
 
 
-def carry_on(
-    state: State, changes: Sequence[str] = (), truth: Mapping[str, Any] | None = None, until_s: float = 900.0
-) -> Flight:
-    """Fly on from a state under changed settings, and a truth that the flight computer does not know."""
-    overrides = [*changes, f"simulation.time_limit_s={until_s}"]
-    if truth:
-        overrides.append(f"truth={json.dumps(dict(truth))}")
-    return edl6dof.fly(start=state, overrides=overrides)
+def carry_on(state: State, changes: Sequence[str], until_s: float = 900.0) -> Flight:
+    """Fly on from a state under changed settings."""
+    return edl6dof.fly(start=state, overrides=[*changes, f"simulation.time_limit_s={until_s}"])
 
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
     """First columns of a row."""
     head = {"experiment": experiment, "variant": variant, "case": index}
     return {**head, "landed": bool(flight.landed), "outcome": flight.outcome}
-
-
-def last_time(t: np.ndarray, outside: np.ndarray) -> float:
-    """Last time at which a condition holds; 0 when it never does."""
-    where = np.flatnonzero(outside)
-    return float(t[where[-1]]) if len(where) else 0.0
 
 
 # ---- the flight beside the published one ---------------------------------------------------------------
@@ -150,15 +141,6 @@ _FLIGHT = {
 }
 
 
-def _of_the_flight(nominal: Flight, means: Mapping[str, SampleMean]) -> Iterator[Finding]:
-    """Mean and spread of every published figure beside its published value."""
-    published = {name: entry for name, entry in nominal.scenario.published.items() if name in _FLIGHT}
-    for figure, entry in published_figures(published):
-        own, note = means.get(figure.name, SampleMean(nan, nan, 0)), _FLIGHT[figure.name]
-        label, unit, computed = figure.meaning, figure.unit.label, entry.of(own.mean)
-        yield Finding(label, unit, computed, entry.number, entry.bound, note, own.deviation)
-
-
 def _lateral_force(flight: Flight) -> Finding:
     table = flight.telemetry
     rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & flight.during(HAZARD_AVOIDANCE)
@@ -173,8 +155,8 @@ FORMULATIONS = ("decoupled", "shortest_path")
 #: Time after backshell release at which dispersed entries of the powered descent begin, s.
 AFTER_RELEASE_S = 0.06
 #: Thrust-direction error below which a commanded direction counts as found, and the time in which it is
-#: looked for.  In the divert the command turns by some 2.5 deg/s, and the controller, to which no rate of it
-#: is told, follows derivative over proportional gain behind: 1.4 s.
+#: looked for.  In the divert the command turns by some 2.5 deg/s, and the controller, which does not know
+#: this rate, follows it later by derivative over proportional gain: 1.4 s.
 FOUND_DEG, WATCHED_S = 5.0, 12.0
 
 
@@ -187,15 +169,12 @@ class Entry(NamedTuple):
     rate_deg_s: tuple[float, ...]
 
 
-def draw_entries(count: int, seed: int) -> list[Entry]:
+def draw_entries(count: int, seed: int) -> Iterator[Entry]:
     """Draw starts: roll up to 120 deg, tilts of 10 to 40 deg, rates of 5 deg/s (1 sigma)."""
     rng = np.random.default_rng(seed)
-    ranges = ((-120.0, 120.0), (10.0, 40.0), (0.0, 360.0))
-    found = []
     for _ in range(count):
-        roll, tilt, towards = (float(rng.uniform(*ends)) for ends in ranges)
-        found.append(Entry(roll, tilt, towards, tuple((5.0 * rng.standard_normal(3)).tolist())))
-    return found
+        angles = rng.uniform((-120.0, 10.0, 0.0), (120.0, 40.0, 360.0)).tolist()
+        yield Entry(*angles, rate_deg_s=tuple((5.0 * rng.standard_normal(3)).tolist()))
 
 
 def hung_like(state: State, entry: Entry) -> State:
@@ -214,7 +193,7 @@ def hung_like(state: State, entry: Entry) -> State:
 
 
 def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row:
-    """How one error formulation finds the commanded thrust direction from one dispersed entry."""
+    """Fly one dispersed entry with one error formulation: when the commanded thrust direction is found."""
     flight = carry_on(hung_like(release, entry), [f"{LANDER}.error={formulation}"])
     t = flight.telemetry["t_s"] - flight.telemetry["t_s"][0]
     watched = t < WATCHED_S
@@ -233,9 +212,8 @@ def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row
 def thrust_error_deg(flight: Flight) -> np.ndarray:
     """Angle between thrust axis and commanded thrust direction, by row of telemetry."""
     rows = flight.telemetry
-    east_of_I = rows["truth.longitude_deg"] + np.degrees(
-        flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
-    )
+    spin = flight.scenario.planet.rotation_rate_rad_s
+    east_of_I = rows["truth.longitude_deg"] + np.degrees(spin * rows["t_s"])
     turns = np.column_stack([east_of_I, -rows["truth.latitude_deg"] - 90.0])  # that turn I north, east, down
     asked = np.stack([rows[f"guide.thrust_direction_{axis}"] for axis in ("north", "east", "down")], axis=1)
     wanted = Rotation.from_euler("ZY", turns, degrees=True).apply(asked)
@@ -288,11 +266,11 @@ def torque_steps(flight: Flight) -> dict[str, Flight]:
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
     x, y, z = flight.scenario.vehicle.engines[0].nozzle_m
-    truth = {"vehicle.engines.main.nozzle_m": [x, y + STEP_NM / thrust, z]}
+    off = f"truth={json.dumps({'vehicle.engines.main.nozzle_m': [x, y + STEP_NM / thrust, z]})}"
     hover = flight.scenario.phase_roles.index(HOVER_IMAGING)
     longer = f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"
     return {
-        name: carry_on(state, [longer, *changes], truth, start + STEP_WATCHED_S)
+        name: carry_on(state, [off, longer, *changes], start + STEP_WATCHED_S)
         for name, changes in AGAINST_STEP.items()
     }
 
@@ -305,20 +283,12 @@ def step_row(name: str, flight: Flight) -> Row:
     return {**_head("torque step", name, flight), **figures}
 
 
-def failed_wings() -> dict[str, Flight]:
-    """Entries whose trim wing stays shut."""
-    phases = edl6dof.load(SCENARIO).scenario.mission.phases
+def wing_row(name: str, held: bool) -> Row:
+    """Fly an entry whose trim wing stays shut: total angle of attack at which the parachute opens."""
+    phases, alpha = edl6dof.load(SCENARIO).scenario.mission.phases, "parachute_total_alpha_deg"
     branch = [phase.hold_alpha for phase in phases].index(True)
-    changes = [_PERFECT, "faults=[{kind: wing_stuck, at: {time_s: 0}}]"]
-    return {
-        name: edl6dof.fly(SCENARIO, [*changes, f"mission.phases.{branch}.hold_alpha={str(held).lower()}"])
-        for name, held in WING.items()
-    }
-
-
-def wing_row(name: str, flight: Flight) -> Row:
-    """Total angle of attack at which the parachute opens."""
-    alpha = "parachute_total_alpha_deg"
+    holding = f"mission.phases.{branch}.hold_alpha={str(held).lower()}"
+    flight = edl6dof.fly(SCENARIO, [_PERFECT, "faults=[{kind: wing_stuck, at: {time_s: 0}}]", holding])
     return {**_head("trim wing", name, flight), alpha: flight.metrics[alpha]}
 
 
@@ -336,18 +306,17 @@ def _of_experiments(rows: list[Row]) -> Iterator[Finding]:
 #
 # Of its control the paper gives the estimator in place of the integral (eq. 9), two thrusters to a direction
 # and the selection by the size of the demand: the table of thrusters here.  It prints neither gains nor
-# lambda, and on them its argument rests: a dead thruster leaves the torque d of its partner, the estimator is
+# lambda, which its argument depends on: a dead thruster leaves the torque d of its partner, the estimator is
 # worth a proportional gain P + lambda D, and so roll errs by about d / (J (P + lambda D)).
 
 _TABLE = "flight_software.allocation.method=table"
-#: What controls attitude, and who shares its demand out: first what the paper tells of the real one.
+#: Attitude control and control allocation: first those that the paper describes.
 FLOWN = "eq. 9, table"
 CONTROL: dict[str, tuple[str, ...]] = {
     FLOWN: (_TABLE,),
     "PID, table": (_TABLE, *AGAINST_STEP["integral"], f"{LANDER}.roll.integral=0.4"),
     "eq. 9, least squares": (),
 }
-DIAGNOSED: dict[bool, tuple[str, ...]] = {True: (), False: ("flight_software.diagnosis.enabled=false",)}
 #: When the thruster dies, s into the phase: before its first push, and in it.
 MOMENTS_S = (0.0, 1.0, 2.0)
 #: Way to the safe spot, in the direction in which the thruster pushes, m.
@@ -381,15 +350,12 @@ def avoidance_starts(entries: int) -> list[State]:
     return found
 
 
-def avoidance_cases(states: list[State], scenario: Scenario) -> Iterator[Avoidance]:
+def avoidance_cases(starts: int, scenario: Scenario) -> Iterator[Avoidance]:
     """Every control with all thrusters sound, and each horizontal one dead; slower estimators."""
-    for start in range(len(states)):
-        for control in CONTROL:
-            yield Avoidance(start, control, True)
-            for name in pushes(scenario):
-                for moment in MOMENTS_S:
-                    for diagnosed in DIAGNOSED:
-                        yield Avoidance(start, control, diagnosed, name, moment)
+    for start, control in product(range(starts), CONTROL):
+        yield Avoidance(start, control, True)
+        for name, moment, diagnosed in product(pushes(scenario), MOMENTS_S, (True, False)):
+            yield Avoidance(start, control, diagnosed, name, moment)
     for pole in POLES_RAD_S[1:]:
         yield Avoidance(0, FLOWN, False, SHOWN, 0.0, pole)
 
@@ -415,7 +381,7 @@ def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
     terminal = "flight_software.guidance.powered.terminal"
     changes = (
         *CONTROL[case.control],
-        *DIAGNOSED[case.diagnosed],
+        f"flight_software.diagnosis.enabled={str(case.diagnosed).lower()}",
         *((dead,) if case.thruster else ()),
         f"{terminal}.safe_spot_north_m={north}",
         f"{terminal}.safe_spot_east_m={east}",
@@ -460,7 +426,7 @@ def foreseen_deg(scenario: Scenario, inertia: float, pole_rad_s: float) -> float
 
 def _avoidance_grids(nominal: Flight, avoided: list[Row]) -> list[Grid]:
     """The argument of Fig. 7 as tables: roll errors foreseen and flown with the fault undiagnosed and
-    diagnosed, and how far from the safe spot that ends; and undiagnosed with slower estimators.
+    diagnosed, and the final distance from the safe spot; and undiagnosed with slower estimators.
     """
     scenario, inertia = nominal.scenario, float(nominal.outputs["inertia"][0, 0])
     what = ("mean (deg)", "worst (deg)", "miss (m)")
@@ -495,22 +461,18 @@ def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> lis
 def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
     """Fig. 7: roll with the paper's thruster dead from the start; Fig. 11: estimated torque."""
     roll, table = [], nominal.telemetry
-    for control in CONTROL:
-        for diagnosed in DIAGNOSED:
-            flight = avoid(states, nominal.scenario, Avoidance(0, control, diagnosed, SHOWN))
-            rows = flight.during(HAZARD_AVOIDANCE)
-            t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
-            roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
+    for control, diagnosed in product(CONTROL, (True, False)):
+        flight = avoid(states, nominal.scenario, Avoidance(0, control, diagnosed, SHOWN))
+        rows = flight.during(HAZARD_AVOIDANCE)
+        t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
+        roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
     after, before = (nominal.metrics[f"{one}_s"] for one in ("backshell", "touchdown"))
     powered = (table["t_s"] > after) & (table["t_s"] < before)
     torque = [Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz"]
-    return {
-        "fig7_fig11": [
-            Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll),
-            Panel("Estimated disturbance torque", "time (s)", "torque (N m)", torque),
-        ]
-    }
+    panels = [Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll)]
+    panels.append(Panel("Estimated disturbance torque", "time (s)", "torque (N m)", torque))
+    return {"fig7_fig11": panels}
 
 
 TITLE = "Attitude control of Tianwen-1 from entry to touchdown"
-STUDY = Study("hu2022", TITLE, "Hu et al. 2022", run, runs=100, quick_runs=6, counted=True)
+STUDY = Study("hu2022", TITLE, "Hu et al. 2022", run, runs=100, quick_runs=6)

@@ -88,7 +88,7 @@ def run(session: Session) -> Report:
     for law in session.parts:
         loaded = with_law(law)
         planned = cases(loaded.scenario, truths, law)
-        session.expect(len(session.parts) * len(planned))
+        session.total = len(session.parts) * len(planned)
         rows += session.fly(loaded, planned, of_flight)
         calls[law] = call_time(loaded)
     found, grids = list(_findings(rows, calls)), list(_grids(rows, calls))
@@ -392,6 +392,4 @@ def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
 
 
 TITLE = "Powered guidance laws from the same dispersed ignitions: fuel, miss, tilt, diverts, engine faults"
-STUDY = Study(
-    "landing", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
-)
+STUDY = Study("landing", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, parts=LAWS)

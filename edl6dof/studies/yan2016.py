@@ -24,7 +24,7 @@ from edl6dof.campaign.executor import Row
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Panel, Report, Session, Study, under
-from edl6dof.studies.samples import column, pick, rms
+from edl6dof.studies.samples import column, last_time, pick, rms
 
 SCENARIO = "yan2016"
 LAWS = {"ftc_dob": "FTC+DOB", "pd_dob": "PD+DOB"}
@@ -89,7 +89,7 @@ def run(session: Session) -> Report:
     loaded = edl6dof.load(SCENARIO)
     nominal = edl6dof.fly(loaded)
     cases = [case(number, *choice) for number, choice in enumerate(product(EXPERIMENTS, LAWS, CORNERS))]
-    session.expect(len(cases))
+    session.total = len(cases)
     rows = session.fly(loaded, cases, partial(figures, nominal=nominal))
     exponent = loaded.scenario.flight_software.guidance.entry.ftc_dob.exponent
     own = {one.name: _compared(rows, one, nominal) for one in (PRINTED, WITHIN)}
@@ -129,17 +129,11 @@ def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
         "rms_range_error_km": rms((ranges[:shared] - nominal_ranges[:shared]) / 1e3),
         "final_altitude_error_km": abs(end) / 1e3,
         "final_range_error_km": abs(float(ranges[-1] - nominal_ranges[-1])) / 1e3,
-        "drag_settled_s": last_outside(rows["t_s"][:shared], drag, largest),
+        "drag_settled_s": last_time(rows["t_s"][:shared], np.abs(drag) > largest),
         "saturated_pct": 100.0 * float(np.mean((bank < SATURATED_DEG) | (bank > 180.0 - SATURATED_DEG))),
         "start_error_m_s2": abs(float(drag[0])),
         "estimate_error_pct": _estimate_error(flight),
     }
-
-
-def last_outside(t: np.ndarray, error: np.ndarray, limit: float) -> float:
-    """Last time (s) at which the error is outside its limit; the first time if it never is."""
-    outside = np.flatnonzero(np.abs(error) > limit)
-    return float(t[outside[-1]] if outside.size else t[0])
 
 
 def downrange_m(flight: Flight) -> np.ndarray:
@@ -243,7 +237,7 @@ def settled_s(start: float, gains: tuple[float, float], exponent: float, share: 
     the proportional-derivative law, which only decays.
     """
     t = np.arange(0.0, LENGTH_S, STEP_S)
-    return last_outside(t, _errors(start, gains, exponent, len(t)), share * start)
+    return last_time(t, np.abs(_errors(start, gains, exponent, len(t))) > share * start)
 
 
 @lru_cache(maxsize=4)  # asked for several shares in turn

@@ -115,7 +115,7 @@ REMARKS = (
 def run(session: Session) -> Report:
     """Fly the same entries in every experiment, and one of them in full."""
     cases = all_cases(session.flights)
-    session.expect(len(cases))
+    session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO), cases, figures)
     shown = edl6dof.fly(SCENARIO, {**cases[0].told, "truth": dict(cases[0].truth)})
     printed = pick(rows, experiment=AS_PRINTED.name)
@@ -310,4 +310,4 @@ def _pictures(h: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel
 
 
 TITLE = "Disturbance-observer sliding guidance with input saturation"
-STUDY = Study(SCENARIO, TITLE, "Zheng & Cui 2015", run, runs=500, quick_runs=40, counted=True)
+STUDY = Study(SCENARIO, TITLE, "Zheng & Cui 2015", run, runs=500, quick_runs=40)

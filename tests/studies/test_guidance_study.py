@@ -44,7 +44,7 @@ def named(chosen, *in_suite):
 )
 def test_dispersed_entries_are_those_of_the_campaign_about_the_nominal(vehicle):
     """Every case can be built on the vehicle, also where the parachute opens by another trigger."""
-    loaded, truths = vehicle.load(), guidance.entries(vehicle.dispersions, 200)
+    loaded, truths = vehicle.load(), guidance.entries(vehicle, 200)
     angle, mass = ([truth[path] for truth in truths] for path in (ANGLE, MASS))
     assert np.mean(angle) == pytest.approx(loaded.scenario.initial.flight_path_angle_deg, abs=0.01)
     assert np.std(angle) == pytest.approx(0.1, rel=0.06)
@@ -74,7 +74,7 @@ def with_lift_up():
     ]
     steep = {"initial.flight_path_angle_deg": -11.581 - 0.45}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(guidance, "entries", lambda scenario, flights: [{}, steep, {}][:flights])
+        patch.setattr(guidance, "entries", lambda vehicle, flights: [{}, steep, {}][:flights])
         return guidance.lift_up(guidance.VEHICLES[0], rows, 3)
 
 
