@@ -21,7 +21,7 @@ from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 
-#: Columns that say how a case ended and not what came out of it.
+#: Columns of the end of a case, which are no figures.
 _ENDS = {"case", "success", "cause", "outcome", "profile"}
 
 
@@ -81,34 +81,25 @@ def compare(first: Store, second: Store) -> Comparison:
     a, b = (table.filter(pc.is_in(table["case"], pa.array(cases))) for table in (a, b))
     names = (first.folder.name, second.folder.name)
     _require_common(a, b, first, second)
-    success = [table["success"].to_numpy(zero_copy_only=False) for table in (a, b)]
-    both, only_a, only_b, neither = (int(np.sum(pair)) for pair in _pairs(*success))
-    of_a, of_b = (Proportion(int(ok.sum()), len(ok)) for ok in success)
-    single = only_a + only_b
+    x, y = (table["success"].to_numpy(zero_copy_only=False) for table in (a, b))
+    both, only_a, only_b, neither = (int(np.sum(pair)) for pair in (x & y, x & ~y, ~x & y, ~(x | y)))
+    success, single = (Proportion.of(x), Proportion.of(y)), only_a + only_b
     p_value = float(binomtest(only_a, single).pvalue) if single else 1.0
     counts = both, only_a, only_b, neither
-    return Comparison(names, (of_a, of_b), counts, p_value, tuple(_differences(a, b)))
+    return Comparison(names, success, counts, p_value, tuple(_differences(a, b)))
 
 
 def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> None:
     """Every quantity that both disperse must have the same values: only then are these pairs."""
     if not len(a):
         raise refusal(first.folder, f"has no case in common with {second.folder}")
-    shared = [
-        name
-        for name in a.column_names
-        if name in b.column_names and name.startswith((TRUTH, BELIEF, "profile"))
-    ]
+    drawn = [name for name in a.column_names if name.startswith((TRUTH, BELIEF, "profile"))]
+    shared = [name for name in drawn if name in b.column_names]
     different = [name for name in shared if not a[name].equals(b[name])]
     if not shared or different:
         what = f"differs in {', '.join(different[:3])}" if different else "shares no dispersed quantity"
-        raise refusal(
-            first.folder, f"{what} with {second.folder}: fly both with the same campaign section and seed"
-        )
-
-
-def _pairs(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:
-    return a & b, a & ~b, ~a & b, ~(a | b)
+        words = f"{what} with {second.folder}: fly both with the same campaign section and seed"
+        raise refusal(first.folder, words)
 
 
 def _differences(a: pa.Table, b: pa.Table) -> list[Difference]:

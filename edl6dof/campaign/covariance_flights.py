@@ -62,13 +62,11 @@ def sources(plan: Plan) -> list[Source]:
     if plan.sweep is not None or plan.fault_matrix is not None:
         raise refusal(plan.name, "covariance is that of one flight: leave out sweep and fault_matrix")
     if plan.campaign is None or not plan.draws:
-        raise refusal(
-            plan.name, "has no dispersions in a campaign: section; try edl6dof covariance tianwen1_mc"
-        )
+        words = "has no dispersions in a campaign: section; try edl6dof covariance tianwen1_mc"
+        raise refusal(plan.name, words)
     if plan.campaign.faults:
-        raise refusal(
-            plan.name, "faults that happen in some flights have no covariance: leave out campaign.faults"
-        )
+        words = "faults that happen in some flights have no covariance: leave out campaign.faults"
+        raise refusal(plan.name, words)
     lines = groupby(plan.draws, key=lambda draw: draw.targets[0].place[:3])
     found = [_source(tuple(draws)) for _, draws in lines]
     return sorted(found, key=lambda source: source.is_list)
@@ -82,12 +80,7 @@ def cases(
     Each flight has its own random profiles (``own_profiles``), or all have the same; none of these profiles
     occurs in the campaign itself.
     """
-    ends = np.cumsum([source.width for source in found])[:-1]
-    drawn = [
-        pair
-        for source, columns in zip(found, np.split(steps, ends, axis=1), strict=True)
-        for pair in source.values(columns)
-    ]
+    drawn = list(Source("", tuple(draw for source in found for draw in source.draws)).values(steps))
     random = plan.campaign is not None and plan.campaign.profiles
     for index in range(len(steps)):
         truth = {target.path: float(values[index]) for target, values in drawn if target.of == "truth"}
@@ -140,16 +133,13 @@ def hadamard(order: int) -> np.ndarray | None:
 
 
 def at_least(order: int) -> np.ndarray:
-    """The smallest such matrix of at least an order."""
+    """The smallest such matrix of at least this order."""
     return next(found for size in count(max(order, 1)) if (found := hadamard(size)) is not None)
 
 
 def design(columns: int, more: int, pairs: int, seed: int) -> np.ndarray:
     """Signs of the first flight of each pair, shape (at least ``pairs``, columns + more); those of the second
-    are opposite.
-
-    The first ``columns`` are orthogonal to each other, as there are at least as many pairs; ``more`` columns
-    are drawn.
+    are opposite.  The first ``columns`` are orthogonal to each other; ``more`` columns are drawn.
     """
     generator = np.random.default_rng(seed)
     matrix = at_least(max(pairs, columns))
@@ -173,13 +163,7 @@ def _paley(prime: int) -> np.ndarray:
 
 
 class EventFigures(NamedTuple):
-    """Figures of an event.
-
-    Attributes:
-        position: the two that span the ellipse, downrange and crossrange or east and north; empty if the
-            event has no position.
-        others: further quantities of the state.
-    """
+    """Figures of an event: the two of the ``position`` that span its ellipse, if it has one, and others."""
 
     position: tuple[str, ...]
     others: tuple[str, ...]
@@ -190,19 +174,12 @@ class EventFigures(NamedTuple):
         return self.position + self.others
 
 
+_LOADS = ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
+_STATE = ("altitude_m", "speed_m_s", "mach", "dynamic_pressure_pa", "s")
 EVENTS = {
-    "entry": EventFigures(
-        (), ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
-    ),
+    "entry": EventFigures((), _LOADS),
     "parachute": EventFigures(
-        ("parachute_downrange_m", "parachute_crossrange_m"),
-        (
-            "parachute_altitude_m",
-            "parachute_speed_m_s",
-            "parachute_mach",
-            "parachute_dynamic_pressure_pa",
-            "parachute_s",
-        ),
+        ("parachute_downrange_m", "parachute_crossrange_m"), tuple(f"parachute_{name}" for name in _STATE)
     ),
     "trim_wing": EventFigures((), ("trim_wing_s", "trim_wing_mach")),
     "backshell": EventFigures((), ("backshell_height_m", "backshell_speed_m_s", "backshell_s")),
@@ -233,15 +210,14 @@ def figures_of(
     """Figures of all flights, shape (flights, figures).
 
     Raises:
-        ConfigError: a flight does not come to the event.
+        ConfigError: a flight does not reach the event.
     """
     rows = list(fly_rows(plan.loaded, cases, workers=workers, progress=progress))
     values = np.array([[row.get(name, np.nan) for name in event.all] for row in rows], dtype=float)
     if (short := ~np.isfinite(values).all(axis=1)).any():
         outcome = rows[int(np.argmax(short))]["outcome"]
-        raise refusal(
-            plan.name, f"{short.sum()} of {len(rows)} flights do not come to the event; one: {outcome}"
-        )
+        words = f"{short.sum()} of {len(rows)} flights do not come to the event; one: {outcome}"
+        raise refusal(plan.name, words)
     return values
 
 

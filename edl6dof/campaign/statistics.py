@@ -113,9 +113,7 @@ def contour(covariance: np.ndarray, sigmas: float, points: int = 181) -> np.ndar
 
 #: Probability that both bounds hold.
 CONFIDENCE = 0.95
-
-#: Shares whose quantiles are of interest: the median, and pairs further and further out, to three standard
-#: deviations of a normal distribution, one-sided.
+#: Shares of the quantiles of a report: the median, and pairs out to three sigma of a normal distribution.
 SHARES = (0.0013, 0.01, 0.05, 0.5, 0.95, 0.99, 0.9987)
 
 
@@ -139,8 +137,8 @@ def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile 
     Args:
         values: infinite ones are left out, unless ``flown``.
         share: of the flights that stay below.
-        flown: whether the value, too, is to be one of those flown, the next above, so that none is
-            interpolated away; infinite ones are then flights that failed, and the largest.
+        flown: True for the next flown value above in place of an interpolated one; infinite ones are then
+            flights that failed, and the largest.
 
     Source: Wilks, Ann. Math. Stat. 12 (1941) 91; David and Nagaraja, Order Statistics, 3rd ed., 7.1.
     """

@@ -1,10 +1,10 @@
 """Hu et al. 2022 (S1): the attitude control of Tianwen-1, its flight results and its claims, recomputed.
 
-What is published of the flight stands beside the mean of neighbouring flights.  The claims are flown on from
-its saved states: thrust-direction tracking of the two error formulations from dispersed starts of the powered
-descent (section 6.2), a 100 N m step against the disturbance estimator and against integral action (section
-6.2), hazard avoidance with a dead horizontal thruster (section 6.3, Fig. 7), and a trim wing that fails
-(section 4.3).  The paper prints curves and maxima, no tables; where it prints no figure, none stands beside.
+Published figures of the flight are compared with the mean of neighbouring flights.  The claims are tested in
+flights from its saved states: thrust-direction tracking of the two error formulations from dispersed starts
+of the powered descent (section 6.2), a 100 N m step against the disturbance estimator and against integral
+action (section 6.2), hazard avoidance with a dead horizontal thruster (section 6.3, Fig. 7), and a trim wing
+that fails (section 4.3).  The paper prints curves and maxima, and no tables.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 SCENARIO, SEED = "tianwen1", 2022
-#: What is examined is control, and the flight computer has to know of a state that is set up.
+#: Control is examined, and the flight computer has to know a state that is set up.
 _PERFECT = "sensors.set=perfect"
 LANDER = "flight_software.control.thrust_vector"
 REMARKS = (
@@ -116,28 +116,24 @@ def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
 
 # ---- the flight beside the published one ---------------------------------------------------------------
 
-#: Figures of the flight, and where Figs. 8 to 12 and the text give them.
+#: Figures of the flight, and their places in Figs. 8 to 12 and the text.
+_NO_PLACE = ("lift_start_s", "trim_wing_s", "parachute_s", "backshell_s", "touchdown_s")
+_TOUCHDOWN = [f"touchdown_{axis}" for axis in ("roll", "pitch", "yaw")]
 _FLIGHT = {
+    **dict.fromkeys(_NO_PLACE, ""),
     "trim_aoa_limit_cycle_deg": "sect. 3",
-    "trim_aoa_propellant_kg": "",
-    "lift_start_s": "",
     "bank_reversals": "Fig. 8",
     "max_bank_rate_deg_s": "Fig. 8",
     "max_pitch_rate_lift_deg_s": "Fig. 10",
     "max_yaw_rate_lift_deg_s": "Fig. 9",
-    "trim_wing_s": "",
-    "parachute_s": "",
     "parachute_total_alpha_deg": "sect. 4",
     "max_rate_parachute_deg_s": "Figs. 8-10",
-    "backshell_s": "",
     "roll_error_at_ignition_deg": "Fig. 8, size",
     "max_attitude_error_powered_deg": "Fig. 10",
     "max_rate_powered_deg_s": "Figs. 8-10",
     "max_roll_error_powered_deg": "Fig. 8",
     "max_estimated_torque_nm": "Fig. 11",
-    "touchdown_s": "",
-    **{f"touchdown_{axis}_error_deg": "Figs. 8-10" for axis in ("roll", "pitch", "yaw")},
-    **{f"touchdown_{axis}_rate_deg_s": "Figs. 8-10" for axis in ("roll", "pitch", "yaw")},
+    **{f"{name}_{what}": "Figs. 8-10" for name in _TOUCHDOWN for what in ("error_deg", "rate_deg_s")},
 }
 
 
@@ -173,8 +169,8 @@ def draw_entries(count: int, seed: int) -> Iterator[Entry]:
     """Draw starts: roll up to 120 deg, tilts of 10 to 40 deg, rates of 5 deg/s (1 sigma)."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
-        angles = rng.uniform((-120.0, 10.0, 0.0), (120.0, 40.0, 360.0)).tolist()
-        yield Entry(*angles, rate_deg_s=tuple((5.0 * rng.standard_normal(3)).tolist()))
+        roll, tilt, towards = rng.uniform((-120.0, 10.0, 0.0), (120.0, 40.0, 360.0)).tolist()
+        yield Entry(roll, tilt, towards, tuple((5.0 * rng.standard_normal(3)).tolist()))
 
 
 def hung_like(state: State, entry: Entry) -> State:
@@ -317,16 +313,14 @@ CONTROL: dict[str, tuple[str, ...]] = {
     "PID, table": (_TABLE, *AGAINST_STEP["integral"], f"{LANDER}.roll.integral=0.4"),
     "eq. 9, least squares": (),
 }
-#: When the thruster dies, s into the phase: before its first push, and in it.
+#: Times of the failure, s into the phase: before the first push of the thruster, and in it.
 MOMENTS_S = (0.0, 1.0, 2.0)
-#: Way to the safe spot, in the direction in which the thruster pushes, m.
+#: Distance of the safe spot, in the direction in which the thruster pushes, m.
 WAY_M = 20.0
 #: Convergence speeds lambda of the estimator, rad/s: that of the scenario and slower ones.
 POLES_RAD_S = (8.0, 4.0, 2.0, 1.0, 0.5)
-#: Thruster of the paper's figure.
-SHOWN = "D7"
-#: Dispersed entries for each start of the avoidance.
-_ENTRIES_FOR_A_START = 33
+#: Thruster of the paper's figure; dispersed entries for each start of the avoidance.
+SHOWN, _ENTRIES_FOR_A_START = "D7", 33
 
 
 class Avoidance(NamedTuple):
@@ -366,15 +360,9 @@ def pushes(scenario: Scenario) -> dict[str, tuple[float, float]]:
     return {one.name: (-one.direction[1], -one.direction[2]) for one in horizontal}
 
 
-def spot(scenario: Scenario, case: Avoidance) -> tuple[float, float]:
-    """Way north and east to the safe spot, m."""
-    north, east = pushes(scenario)[case.thruster or SHOWN]
-    return WAY_M * north, WAY_M * east
-
-
 def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
     """Fly an avoidance."""
-    north, east = spot(scenario, case)
+    north, east = pushes(scenario)[case.thruster or SHOWN]
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     when = f"{{phase: {phase}, plus_s: {case.moment_s}}}"
     dead = f"faults=[{{thruster: {case.thruster}, kind: stuck_off, at: {when}}}]"
@@ -383,8 +371,8 @@ def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
         *CONTROL[case.control],
         f"flight_software.diagnosis.enabled={str(case.diagnosed).lower()}",
         *((dead,) if case.thruster else ()),
-        f"{terminal}.safe_spot_north_m={north}",
-        f"{terminal}.safe_spot_east_m={east}",
+        f"{terminal}.safe_spot_north_m={WAY_M * north}",
+        f"{terminal}.safe_spot_east_m={WAY_M * east}",
         f"flight_software.estimation.first_order.torque_pole_rad_s={case.pole_rad_s}",
     )
     return carry_on(states[case.start], changes)
@@ -394,27 +382,24 @@ def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> R
     """Effect of an avoidance on the roll axis, and its distance from the safe spot at the end."""
     flight = avoid(states, scenario, case)
     table, rows = flight.telemetry, np.flatnonzero(flight.during(HAZARD_AVOIDANCE))
-    north, east = spot(scenario, case)
-    places = [table[f"truth.site_{axis}_m"] for axis in ("north", "east")]
-    way = [place[rows[-1]] - place[rows[0]] for place in places]
+    terminal = flight.scenario.flight_software.guidance.powered.terminal
+    off = []
+    for axis, wanted in (("north", terminal.safe_spot_north_m), ("east", terminal.safe_spot_east_m)):
+        place = table[f"truth.site_{axis}_m"]
+        off.append(place[rows[-1]] - place[rows[0]] - wanted)
     return {
         **_head("avoidance", case.control, flight, case.start),
         **{name: getattr(case, name) for name in ("thruster", "moment_s", "diagnosed", "pole_rad_s")},
         "named": [one.thruster for one in flight.isolated_faults] == [case.thruster],
         "peak_error_deg": float(np.max(np.abs(table["control.error_roll_deg"][rows]))),
         "peak_rate_deg_s": float(np.max(np.abs(table["truth.rate_p_deg_s"][rows]))),
-        "miss_m": float(np.hypot(way[0] - north, way[1] - east)),
+        "miss_m": float(np.hypot(*off)),
     }
 
 
 def foreseen_deg(scenario: Scenario, inertia: float, pole_rad_s: float) -> float:
-    """Roll error that a dead thruster is to cause under eq. 9, d / (J (P + lambda D)): d by its partner at
-    the largest lateral force.
-
-    Args:
-        scenario: the nominal one.
-        inertia: about roll, kg m2.
-        pole_rad_s: lambda; 0 for a PID law, whose integral is slow.
+    """Roll error by a dead thruster under eq. 9, d / (J (P + lambda D)), with d of its partner at the largest
+    lateral force, roll ``inertia`` J (kg m2), and lambda = 0 for a PID law, whose integral is slow.
     """
     partner = next(one for one in scenario.vehicle.rcs.thrusters if one.name == SHOWN)
     duty = scenario.flight_software.guidance.powered.terminal.lateral_force_n / (2.0 * partner.thrust_n)

@@ -440,7 +440,7 @@ def _flight_grid(flights: Flights) -> Grid:
 
 def _pictures(trials: list[Trial], flights: Flights) -> dict[str, list[Panel]]:
     """Drag errors of the trials with every error at once, and of the flights under the law."""
-    panels = {FREE: [], LIMITED: [], "flights": []}
+    panels: dict[str, list[Curve]] = {FREE: [], LIMITED: [], "flights": []}
     for trial in trials:
         if trial.errors == "all three" and trial.steering in panels:
             panels[trial.steering].append(Curve(trial.response.t, trial.response.error, trial.settings))

@@ -13,8 +13,11 @@ import numpy as np
 from edl6dof.campaign.ensemble import SampleMean
 from edl6dof.campaign.executor import Row
 from edl6dof.campaign.statistics import flights_needed, percent, quantile
+from edl6dof.config.base import stated
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.metrics.published import Published, published_figures
 from edl6dof.report.numbers import significant
+from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Grid
 
 
@@ -71,6 +74,19 @@ def last_time(t: np.ndarray, holds: np.ndarray) -> float:
     """Last time at which a condition holds; the first time if it never does."""
     rows = np.flatnonzero(holds)
     return float(t[rows[-1] if len(rows) else 0])
+
+
+def drag_dynamics_of(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarray:
+    """D' (m/s3), and a and b (m/s4) of D'' = b + a cos(bank), of a point mass as known on board, for rows of
+    its telemetry; shape (rows, 3).
+    """
+    planet, drag = flight.scenario.planet, rows["nav.drag_m_s2"]
+    lift = drag * flight.scenario.vehicle.aero.lift_drag.lift_to_drag
+    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
+    radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
+    gamma, gravity = np.radians(rows["truth.flight_path_angle_deg"]), planet.gravity.mu_m3_s2 / radius**2
+    state = zip(drag, rows["truth.speed_m_s"], gamma, radius, gravity, lift, strict=True)
+    return np.array([drag_dynamics(*values, scale_height) for values in state])
 
 
 def quickest_us(call: Callable[[], None], blocks: int) -> float:

@@ -30,11 +30,10 @@ _NAVIGATION, _GYROS = "flight_software.navigation", "sensors.inertial_unit.gyros
 PERSISTENCE = f"{_GYROS}.persistence_s"
 #: Time for which the flag of saturation stays on, s: what was believed, what was flown, and around them.
 PERSISTENCES = (0.015, 0.1, 0.2, 0.3, 0.5, 1.0, 1.5)
-#: Seconds after the mortar in which the canopy opens and the capsule swings.
-SWINGING_S = 15.0
-#: Height (m) of a release that is too early: twice the planned one.
-EARLY_M = 2400.0
-#: The figures that the chain is held to.
+#: Time (s) after mortar fire in which the canopy opens and the capsule swings; height (m) of a release that
+#: is too early: twice the planned one.
+SWINGING_S, EARLY_M = 15.0, 2400.0
+#: Figures that must be reproduced.
 HELD = ("backshell_height_m", "engine_burn_s", "touchdown_vertical_m_s")
 
 
@@ -89,8 +88,8 @@ def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
 
 
 def swing(flight: Flight) -> dict[str, float]:
-    """How the capsule swung under the opening canopy, what the gyros said, how the vertical was off after it,
-    and whether the flight neither landed nor only tipped over.
+    """Swing of the capsule under the opening canopy, time of the gyros' flag, error of the vertical after it,
+    time of the first failed check, and whether the flight neither landed nor only tipped over.
     """
     crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
@@ -129,18 +128,16 @@ def _chain(flight: Flight) -> Iterator[Finding]:
         yield Finding(*about, own, entry.number, entry.bound, within=within)
 
 
-def saturated(rows: list[Row]) -> list[Row]:
-    """Flights in which a gyro met the end of its range."""
+def _saturated(rows: list[Row]) -> list[Row]:
+    """Flights in which a gyro reached the end of its range."""
     return [row for row in rows if row["flagged_s"] > 0.0]
 
 
-def landed(rows: list[Row]) -> int:
-    """How many landed within limits."""
+def _landed(rows: list[Row]) -> int:
     return sum(bool(row["success"]) for row in rows)
 
 
-def early(rows: list[Row]) -> int:
-    """How many released the parachute far too high."""
+def _early(rows: list[Row]) -> int:
     return int(np.sum(column(rows, "backshell_height_m", 0.0) > EARLY_M))
 
 
@@ -149,17 +146,11 @@ def _cliff(rows: list[Row]) -> Grid:
     lines: list[Line] = []
     for persistence in PERSISTENCES:
         own = pick(rows, persistence_s=persistence)
-        hit = saturated(own)
-        counts = (len(own), len(hit), landed(hit), early(hit))
+        hit = _saturated(own)
+        counts = (len(own), len(hit), _landed(hit), _early(hit))
         lines.append((f"{persistence:g} s", *counts, mean(hit, "vertical_deg")))
-    heads = (
-        "flag stays on",
-        "flights",
-        "beyond the range",
-        "of these landed",
-        "released early",
-        "vertical off deg",
-    )
+    heads = ("flag stays on", "flights", "beyond the range", "of these landed", "released early",
+             "vertical off deg")  # fmt: skip
     return Grid("How long the flag stays on", heads, lines)
 
 
@@ -168,9 +159,9 @@ def _guards(rows: list[Row]) -> Grid:
     lines: list[Line] = []
     for guard in GUARDS:
         own = pick(rows, guard=guard)
-        hit = saturated(own)
+        hit = _saturated(own)
         crashed = sum(bool(row["crashed"]) for row in hit)
-        counts = (len(own), landed(own), len(hit), landed(hit), crashed, early(hit))
+        counts = (len(own), _landed(own), len(hit), _landed(hit), crashed, _early(hit))
         lines.append((guard, *counts, mean(pick(own, success=True), "propellant_used_kg")))
     heads = ("", "flights", "landings", "beyond the range", "of these landed", "crashed", "released early",
              "propellant kg")  # fmt: skip

@@ -19,12 +19,10 @@ import numpy as np
 import edl6dof
 from edl6dof import Case
 from edl6dof.campaign.executor import Row
-from edl6dof.config.base import stated
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import SQUARE, Curve, Finding, Panel, Report, Session, Study, under
-from edl6dof.studies.samples import Spread, column, draw, pick
+from edl6dof.studies.samples import Spread, column, drag_dynamics_of, draw, pick
 
 SCENARIO, SEED = "wu2013", 2013
 MASS, DENSITY = "vehicle.mass.entry_kg", "atmosphere.density_factor"
@@ -205,16 +203,11 @@ def history(flight: Flight) -> dict[str, np.ndarray]:
     every = flight.scenario.flight_software.rates.entry_guidance_every
     lift = flight.during(LIFT)[::every]
     rows = {name: values[::every][lift] for name, values in flight.telemetry.items()}
-    planet, drag = flight.scenario.planet, rows["nav.drag_m_s2"]
-    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
-    radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
-    gamma, gravity = np.radians(rows["truth.flight_path_angle_deg"]), planet.gravity.mu_m3_s2 / radius**2
-    state = zip(drag, rows["truth.speed_m_s"], gamma, radius, gravity, strict=True)
     return {
         "t_s": rows["t_s"],
-        "drag": drag,
+        "drag": rows["nav.drag_m_s2"],
         "drag_estimate": rows["guide.drag_estimate_m_s2"],
-        "rate": np.array([drag_dynamics(*values, 0.0, scale_height)[0] for values in state]),
+        "rate": drag_dynamics_of(flight, rows)[:, 0],
         "rate_estimate": rows["guide.drag_rate_m_s3"],
         "reference": rows["guide.reference_drag_m_s2"],
     }

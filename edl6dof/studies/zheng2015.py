@@ -23,12 +23,10 @@ import numpy as np
 import edl6dof
 from edl6dof import Case
 from edl6dof.campaign.executor import Row
-from edl6dof.config.base import stated
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import SQUARE, Curve, Finding, Grid, Line, Panel, Report, Session, Study
-from edl6dof.studies.samples import Spread, column, draw, percentage, pick, rms
+from edl6dof.studies.samples import Spread, column, drag_dynamics_of, draw, percentage, pick, rms
 
 SCENARIO, SEED = "zheng2015", 2015
 ENTRY = "flight_software.guidance.entry"
@@ -57,8 +55,8 @@ DEAD_BAND = {f"{ENTRY}.reversal.crossrange_corridor.c0_m": 3500.0}
 
 
 class Experiment(NamedTuple):
-    """Dispersed entries of one kind: changes of the scenario, whether each flight has its density factor, and
-    the height (m) over which the density error of one flight is correlated, if there is one.
+    """Dispersed entries: changes of the scenario, dispersed density ``factor`` or not, and the height (m)
+    over which the density error of one flight is correlated, if there is one.
     """
 
     name: str
@@ -174,11 +172,10 @@ def range_control(flight: Flight) -> np.ndarray:
 def history(flight: Flight) -> dict[str, np.ndarray]:
     """Curves of one flight in range control, the true lumped disturbance among them.
 
-    That is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n from what is known on
-    board.
+    That is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n as known on board.
     """
     rows, control = flight.telemetry, range_control(flight)
-    drag, authority = rows["nav.drag_m_s2"], _authority(flight)
+    drag, authority = rows["nav.drag_m_s2"], drag_dynamics_of(flight, rows)[:, 1]
     acceleration = np.gradient(np.gradient(drag, rows["t_s"]), rows["t_s"])
     columns = {
         "t_s": rows["t_s"],
@@ -188,18 +185,6 @@ def history(flight: Flight) -> dict[str, np.ndarray]:
         "disturbance": acceleration - authority * np.cos(np.radians(rows["truth.bank_deg"])),
     }
     return {name: values[control] for name, values in columns.items()}
-
-
-def _authority(flight: Flight) -> np.ndarray:
-    """b_n of each row (m/s4): what full lift up does to D'', as known on board."""
-    rows, planet = flight.telemetry, flight.scenario.planet
-    drag, gamma = rows["nav.drag_m_s2"], np.radians(rows["truth.flight_path_angle_deg"])
-    radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
-    gravity = planet.gravity.mu_m3_s2 / radius**2
-    lift = drag * flight.scenario.vehicle.aero.lift_drag.lift_to_drag
-    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
-    state = zip(drag, rows["truth.speed_m_s"], gamma, radius, gravity, lift, strict=True)
-    return np.array([drag_dynamics(*values, scale_height)[1] for values in state])
 
 
 # ---- dispersed entries beside the print ----------------------------------------------------------------
@@ -213,7 +198,7 @@ def _km(rows: list[Row], name: str) -> np.ndarray:
 
 
 def _grid(rows: list[Row]) -> Grid:
-    """Every experiment in a line, the published figures in the last."""
+    """A line for every experiment, the published figures in the last."""
     heads = ("experiment", "RMS miss km", "in 3 km %", "in 5 km %", "sigma downrange km",
              "sigma crossrange km", "altitude km", "of half in km")  # fmt: skip
     lines: list[Line] = []
@@ -233,7 +218,7 @@ def _grid(rows: list[Row]) -> Grid:
 def _against_the_print(
     experiment: Experiment, rows: list[Row], dispersed: str, thin: str
 ) -> Iterator[Finding]:
-    """One experiment; ``dispersed`` and ``thin`` say why the spreads and the levels are not met."""
+    """One experiment; ``dispersed`` and ``thin``: why the spreads and the levels are not met."""
     name, own = experiment.name, pick(rows, experiment=experiment.name)
     miss, altitude = _km(own, "miss"), _km(own, "altitude")
     middle, flights = float(np.median(altitude)), len(own)

@@ -9,8 +9,7 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.variants import Variants
+from edl6dof.campaign.design.case import Case, Variants
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.guidance_command import GUIDE

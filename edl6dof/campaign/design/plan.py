@@ -47,10 +47,9 @@ class Plan:
     Attributes:
         loaded: the scenario that the cases change.
         campaign: number of cases, seed, sampling plan and faults; one nominal flight at each point of a sweep
-            when ``None``.
+            if ``None``.
         draws: the dispersions.
         axes: the parameters of the sweep, with their values.
-        fault_matrix: what fails and when, if cases are cells of such a matrix.
     """
 
     loaded: LoadedScenario
@@ -69,9 +68,8 @@ class Plan:
     @property
     def per_point(self) -> int:
         """Cases at each point of the sweep and in each cell of the fault matrix; all cases without one."""
-        if self.campaign is None:
-            return 1
-        return self.campaign.cases * (self.saltelli.width if self.saltelli is not None else 1)
+        cases = 1 if self.campaign is None else self.campaign.cases
+        return cases * (self.saltelli.width if self.saltelli is not None else 1)
 
     @cached_property
     def saltelli(self) -> SaltelliDesign | None:
@@ -108,24 +106,21 @@ class Plan:
     def _at_point(self, point: int, start: int, stop: int) -> Iterator[Case]:
         cell, values = self._points[point]
         swept = list(zip((target for target, _ in self.axes), values, strict=True))
-        drawn = list(self.values(start, stop))
-        faults = self._faults(start, stop)
-        for offset in range(stop - start):
+        drawn, profiles = list(self.values(start, stop)), self.campaign is not None and self.campaign.profiles
+        own = cell.faults if cell else [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
+        for number, faults in enumerate(self._faults(start, stop), start):
             changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
-            for target, value in [*((target, every[offset]) for target, every in drawn), *swept]:
+            for target, value in [*((target, every[number - start]) for target, every in drawn), *swept]:
                 changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
-            if cell or faults[offset]:
-                own = cell.faults if cell else self._base_faults
-                changes["truth"]["faults"] = [*own, *faults[offset]]
-            profile = start + offset if self.campaign is not None and self.campaign.profiles else None
-            label: dict[str, Any] = dict(cell.label) if cell else {}
+            if cell or faults:
+                changes["truth"]["faults"] = [*own, *faults]
+            profile = number
+            label: dict[str, Any] = {**cell.label} if cell else {}
             if self.saltelli is not None:
-                label |= {
-                    MATRIX: self.saltelli.matrix(start + offset),
-                    ROW: (start + offset) // self.saltelli.width,
-                }
-                profile = self.saltelli.profile(start + offset) if profile is not None else None
-            yield Case(point * self.per_point + start + offset, **changes, profile=profile, label=label)
+                profile = self.saltelli.profile(number)
+                label |= {MATRIX: self.saltelli.matrix(number), ROW: number // self.saltelli.width}
+            index = point * self.per_point + number
+            yield Case(index, **changes, profile=profile if profiles else None, label=label)
 
     def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
         """Values drawn for cases ``start .. stop - 1`` of a point."""
@@ -143,12 +138,8 @@ class Plan:
             yield from zip(draw.targets, draw.values(unit[:, column : column + width]), strict=True)
             column += width
 
-    @property
-    def _base_faults(self) -> list[dict[str, Any]]:
-        return [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
-
     def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
-        """Faults that happen in each case; independent of the sampling plan, as they are rare."""
+        """Drawn faults of each case; they are rare, and so independent of the sampling plan."""
         found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
         if self.campaign is None:
             return found
@@ -169,7 +160,7 @@ def _column(target: Target) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A number of Python's own, which JSON and Arrow know."""
+    """A number of Python, for JSON and Arrow."""
     return value.item() if isinstance(value, np.generic) else value
 
 
@@ -251,8 +242,8 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
 def _with_pins(
     loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]
 ) -> LoadedScenario:
-    """Write out the true values of those parameters of which only the belief will differ."""
-    targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
+    """Write out the true values of those parameters of which only the belief differs."""
+    targets = [*(target for draw in draws for target in draw.targets), *(target for target, _ in axes)]
     believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:
         return loaded
@@ -261,7 +252,7 @@ def _with_pins(
 
 
 def _check_draws(plan: Plan, locator: Locator) -> None:
-    """Every value of every case against the bounds of its parameter, before the first flight."""
+    """Check every value of every case against the bounds of its parameter, before the first flight."""
     refused: set[str] = set()
     for first in range(0, plan.per_point, _CHECKED_AT_ONCE):
         for target, values in plan.values(first, min(first + _CHECKED_AT_ONCE, plan.per_point)):

@@ -24,17 +24,14 @@ from edl6dof.spatial.arrays import cholesky
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultStart
 
-DISTRIBUTIONS = Family(
-    "distribution",
-    (NORMAL, TRUNCATED_NORMAL, UNIFORM, LOG_NORMAL, DISCRETE),
-)
+DISTRIBUTIONS = Family("distribution", (NORMAL, TRUNCATED_NORMAL, UNIFORM, LOG_NORMAL, DISCRETE))
 
 
 def _params(member: Member) -> type[DistributionParams]:
-    """Parameter model of a distribution, which a plugin may have got wrong.
+    """Parameter model of a distribution.
 
     Raises:
-        ConfigError: it is no distribution that can be chosen by its name.
+        ConfigError: a plugin's distribution cannot be chosen by its name.
     """
     field = member.params.model_fields.get("kind")
     named = field is not None and get_origin(field.annotation) is Literal and get_args(field.annotation)
@@ -46,7 +43,7 @@ def _params(member: Member) -> type[DistributionParams]:
 
 if TYPE_CHECKING:
     Distribution = DistributionParams
-else:  # which members there are, plugins included, is known only when it runs
+else:  # the members, plugins included, are known only at run time
     Distribution = Annotated[
         Union[tuple(_params(member) for member in DISTRIBUTIONS.members)],  # noqa: UP007  as many as there are
         Field(discriminator="kind"),
