@@ -1,13 +1,13 @@
 """Normal posterior of parameters whose figures follow from flights, and its quality.
 
-A figure responds to its parameters with a slope and with scatter: another cycle of the flight software,
-another pulse, another bank reversal.  Differences between two points follow the scatter.  A regression over
-many points, each flown once, averages it, and its residuals give the deviation of one flight from the linear
-model.  The first design of flights is drawn from the prior and each further one from the posterior of the one
-before, so that the model is fitted near the solution and over the width of its uncertainty.  The real flight
-is one random draw, so the scatter adds to the uncertainty of the published figures.  If priors and figures
-contradict each other by more than all this, the published deviations are widened until they agree.
-Parameters are in standard deviations of their priors.
+A figure responds to its parameters with a slope and with scatter, by another pulse or bank reversal.  A
+difference between two points would follow the scatter.  A regression over many points, each flown once,
+averages it, and its residuals give the deviation of one flight from the linear model.  The first design of
+flights is drawn from the prior and each further one from the posterior of the one before, so that the model
+is fitted near the solution and over the width of its uncertainty.  The real flight is one random draw, so the
+scatter adds to the uncertainty of the published figures.  If priors and figures contradict each other by more
+than this, the published deviations are widened until they agree.  Parameters are in standard deviations of
+their priors.
 
 Source: García-Fernández, Svensson, Morelande and Särkkä, Posterior linearization filter, IEEE Trans. Signal
 Processing 63 (2015) 5561 (regression over the posterior, its residuals as noise); Tarantola, Inverse Problem
@@ -89,13 +89,13 @@ class Fit:
 
     Attributes:
         x: parameters of the largest posterior density, shape (parameters,).
-        covariance: of the posterior, shape (parameters, parameters); bounds left aside.
+        covariance: of the posterior without bounds, shape (parameters, parameters).
         slopes: change of each figure with each parameter, shape (figures, parameters).
-        sigma: standard deviation of each figure, of what is published and of one flight, shape (figures,).
-        squares: sum of squares of figures and priors; as many as figures are expected of what agrees.
-        widening: factor of the published standard deviations with which it does, at least 1.
-        moved: the largest change of a parameter by the last design, in posterior standard deviations.
-        at_bound: whether a parameter stands at a bound, shape (parameters,).
+        sigma: standard deviation of each figure, of its published value and one flight, shape (figures,).
+        squares: sum of squares of figures and priors; its expected value is the number of figures.
+        widening: factor of the published standard deviations with which it is no larger, at least 1.
+        moved: largest change of a parameter by the last design, in posterior standard deviations.
+        at_bound: True for a parameter at a bound, shape (parameters,).
     """
 
     x: np.ndarray

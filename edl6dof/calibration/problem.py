@@ -110,8 +110,8 @@ class Calibration:
         }
 
     def fly(self, points: np.ndarray, progress: Progress | None = None) -> np.ndarray:
-        """Figures of a flight at each of the parameters, shape (flights, parameters), in standard deviations;
-        shape (flights, figures), ``nan`` where one was not reached.
+        """Figures, shape (flights, figures), of a flight at each of the parameters, shape (flights,
+        parameters), in standard deviations; ``nan`` where a figure was not reached.
         """
         profile = self.loaded.scenario.profile
         cases = [Case(k, belief=self.values(x), profile=profile + k) for k, x in enumerate(points)]
@@ -137,10 +137,9 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
     Raises:
         ConfigError: every problem, with file and line.
     """
-    if document.data.get(CALIBRATION) is None:
+    if (section := document.data.get(CALIBRATION)) is None:
         words = "has no calibration: section; edl6dof calibrate tianwen1 has"
         raise ConfigError([document.problem((), words)])
-    section = document.data[CALIBRATION]
     if flights is not None and isinstance(section, dict):
         section = {**section, "flights": flights}
     own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
@@ -165,7 +164,7 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
 
 
 def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
-    """Parameters that the scenario has not, or whose bounds it does not allow."""
+    """Problems of parameters that the scenario does not have, or whose bounds it does not allow."""
     priors = calibration.params.parameters
     words = "must be a value of its own, not an element of a list"
     if elements := [path for path in priors if path.rpartition(".")[2].isdecimal()]:
@@ -187,7 +186,7 @@ def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
 
 
 def _refused(loaded: LoadedScenario, values: Mapping[str, float]) -> ConfigError | None:
-    """Why a scenario refuses values by dotted path, if it does."""
+    """The error with which a scenario refuses values by dotted path, if it does."""
     try:
         scenario_of(loaded, Case(0, belief=values))
     except ConfigError as error:

@@ -67,8 +67,13 @@ def sources(plan: Plan) -> list[Source]:
     if plan.campaign.faults:
         words = "faults that happen in some flights have no covariance: leave out campaign.faults"
         raise refusal(plan.name, words)
-    lines = groupby(plan.draws, key=lambda draw: draw.targets[0].place[:3])
-    found = [_source(tuple(draws)) for _, draws in lines]
+    found = []
+    for place, draws in groupby(plan.draws, key=lambda draw: draw.targets[0].place[:3]):
+        lines = tuple(draws)
+        name, first = str(place[2]), lines[0].targets[0]
+        if isinstance(lines[0].distribution, Correlated):
+            name = f"{first.path} and {len(lines[0].targets) - 1} more"
+        found.append(Source(name if first.of == "truth" else f"{name} ({first.of})", lines))
     return sorted(found, key=lambda source: source.is_list)
 
 
@@ -110,14 +115,6 @@ def _values(draw: Draw, steps: np.ndarray) -> list[np.ndarray]:
     return [mean + deviation * steps[:, 0]]
 
 
-def _source(draws: tuple[Draw, ...]) -> Source:
-    first = draws[0].targets[0]
-    path = str(first.place[2])
-    if isinstance(draws[0].distribution, Correlated):
-        path = f"{first.path} and {len(draws[0].targets) - 1} more"
-    return Source(path if first.of == "truth" else f"{path} ({first.of})", draws)
-
-
 def hadamard(order: int) -> np.ndarray | None:
     """Matrix of -1 and 1 with orthogonal columns, shape (order, order), by Paley's first construction and by
     doubling; ``None`` where neither makes one.
@@ -126,8 +123,9 @@ def hadamard(order: int) -> np.ndarray | None:
     """
     if order == 1:
         return np.ones((1, 1))
-    if order % 4 == 0 and _is_prime(order - 1):
-        return _paley(order - 1)
+    prime = order - 1
+    if order % 4 == 0 and all(prime % divisor for divisor in range(2, int(prime**0.5) + 1)):
+        return _paley(prime)
     half = hadamard(order // 2) if order % 2 == 0 else None
     return None if half is None else np.kron([[1.0, 1.0], [1.0, -1.0]], half)
 
@@ -147,12 +145,8 @@ def design(columns: int, more: int, pairs: int, seed: int) -> np.ndarray:
     return np.hstack([orthogonal, generator.choice([-1.0, 1.0], (len(matrix), more))])
 
 
-def _is_prime(number: int) -> bool:
-    return number > 1 and all(number % divisor for divisor in range(2, int(number**0.5) + 1))
-
-
 def _paley(prime: int) -> np.ndarray:
-    """``prime`` leaves 3 when divided by 4."""
+    """Hadamard matrix of order ``prime`` + 1; the prime leaves 3 when divided by 4."""
     numbers = np.arange(prime)
     character = np.where(np.isin(numbers, numbers[1:] ** 2 % prime), 1.0, -1.0)
     character[0] = 0.0

@@ -125,7 +125,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     ]
     wrong = [one for one in named if not _is_right(one, true)]
     end = flight.metrics.get("touchdown_s", flight.time_s)
-    sound = [one for one in wrong if not _has_failed(one, true)]
+    sound = [one for one in wrong if not any(one.names(f) and one.t_s >= since for f, since in true)]
     row: dict[str, Any] = dict.fromkeys(_COLUMNS) | {"regime": NOT_BEGUN_YET}
     row |= {"name_right": False, "kind_right": False}
     for column, some in (("named", named), ("wrongly_named", wrong), ("sound_named", sound)):
@@ -140,11 +140,6 @@ def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bo
     return isolation.failure.component == "inertial_unit" or any(
         isolation.failure == failure and isolation.t_s >= since for failure, since in true
     )
-
-
-def _has_failed(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Return whether an isolation is of a component that has failed by then, in any way."""
-    return any(isolation.names(failure) and isolation.t_s >= since for failure, since in true)
 
 
 def _response(

@@ -45,7 +45,11 @@ def identity(plan: Plan) -> Identity:
     libraries = ["numpy", "numba"]
     if plan.campaign is not None and plan.campaign.sampling.startswith("sobol"):
         libraries.append("scipy")
-    return _present(plan.text, libraries, list(received), map(_label, input_files(plan)))
+    files = (  # those of the package without the folder in which it is installed
+        path.relative_to(PACKAGE.parent).as_posix() if path.is_relative_to(PACKAGE) else str(path)
+        for path in input_files(plan)
+    )
+    return _present(plan.text, libraries, received, files)
 
 
 def differences_from(recorded: Identity, plan_text: str) -> list[str]:
@@ -87,8 +91,7 @@ def source_hash() -> str:
 
 
 def _plugin_hash(name: str) -> str:
-    loaded = name in received or not Path(name).is_file()
-    return _hash(Path(name)) if loaded else _NOT_LOADED
+    return _hash(Path(name)) if name in received or not Path(name).is_file() else _NOT_LOADED
 
 
 def _hash(path: Path) -> str:
@@ -96,11 +99,6 @@ def _hash(path: Path) -> str:
         return sha256(path.read_bytes())
     except OSError:
         return _GONE
-
-
-def _label(path: Path) -> str:
-    """Name of a file in an identity: for those of the package without the place where it is installed."""
-    return path.relative_to(PACKAGE.parent).as_posix() if path.is_relative_to(PACKAGE) else str(path)
 
 
 def _shown(value: str | None) -> str:

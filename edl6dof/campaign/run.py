@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import isnan
 
@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 import edl6dof
-from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B
+from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B, scenario_of
 from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.engines import Engine
 from edl6dof.campaign.executor import table_of
@@ -22,12 +22,9 @@ from edl6dof.campaign.faults import fault_figures
 from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 from edl6dof.campaign.parts import PART
 from edl6dof.campaign.statistics import Proportion, Until
-from edl6dof.campaign.store import Cause, Identity, Info, Store, Summary
-from edl6dof.config.document.overrides import with_values
+from edl6dof.campaign.store import Cause, Info, Store, Summary
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.loading import check_document
-from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 
 
@@ -102,7 +99,9 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     for index, (first, last) in enumerate(ranges):
         if index not in kept:
             rows = list(islice(flown, last - first))
-            _require_unchanged(store, info.identity)
+            if changed := changed_files(info.identity):
+                words = f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"
+                raise _refused(store, words)
             parts.write(index, table_of(rows))
             tally.here += len(rows)
         tally.flown, done = last, index + 1
@@ -116,12 +115,6 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     columns = None if plan.fault_matrix is not None else ["cause", "success", MATRIX]
     store.finish(done, _summary(plan, tally, parts.table(range(done), columns), str(engine)))
     return tally
-
-
-def _require_unchanged(store: Store, recorded: Identity) -> None:
-    if changed := changed_files(recorded):
-        words = f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"
-        raise _refused(store, words)
 
 
 def _summary(plan: Plan, tally: Tally, table: pa.Table, engine: str) -> Summary:
@@ -156,8 +149,9 @@ def case_scenario(plan: Plan, number: int) -> LoadedScenario:
     if not 0 <= number < plan.count:
         raise ConfigError([Problem("case", 0, 0, "", f"must be 0 .. {plan.count - 1} (got {number})")])
     case = next(plan.cases(number, number + 1))
-    changes = {**case.changes(plan.loaded.scenario.truth), "name": f"{plan.name}_case{number}"}
-    return check_document(with_values(plan.loaded.document, changes, Scenario))
+    return scenario_of(
+        plan.loaded, replace(case, belief={**case.belief, "name": f"{plan.name}_case{number}"})
+    )
 
 
 def differences(table: pa.Table, place: object, plan: Plan, number: int, flight: Flight) -> list[str]:

@@ -150,7 +150,7 @@ def _of_each(chance: float, tries: int) -> float:
 
 
 def _scores(values: np.ndarray) -> np.ndarray:
-    """Normal scores: the deviates that a sample of the normal distribution has at the ranks of the values."""
+    """Normal scores: the deviates of a normal sample at the ranks of the values."""
     ranks = np.apply_along_axis(_ranks, 0, values) if values.size else values
     return np.asarray(ndtri((ranks - 0.5) / len(values)))
 
@@ -163,12 +163,8 @@ def _ranks(values: np.ndarray) -> np.ndarray:
 
 def _terms(scores: np.ndarray) -> np.ndarray:
     """Orthonormal regressors of a group, shape (n, terms): straight and, if flights suffice, square."""
-    few = 2 * scores.shape[1] * _FLIGHTS_PER_TERM <= len(scores)
-    return _orthonormal(np.hstack([scores, scores**2]) if few else scores)
-
-
-def _orthonormal(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of the columns after their means are removed."""
+    enough = 2 * scores.shape[1] * _FLIGHTS_PER_TERM <= len(scores)
+    columns = np.hstack([scores, scores**2]) if enough else scores
     vectors, values, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
     return np.asarray(vectors[:, values > _DEGENERATE * np.sqrt(len(columns))])
 

@@ -128,10 +128,9 @@ class Report:
     """Findings of a study, and all that is shown with them.
 
     Attributes:
-        findings: computed beside published.
         rows: one for each run; names of columns end in their units.
-        runs: how many flights were flown.
-        grids: tables that compare, printed before the findings.
+        runs: number of flights.
+        grids: tables, printed before the findings.
         remarks: sentences under the tables.
         pictures: panels side by side, by the name of their file.
     """
@@ -150,12 +149,12 @@ class Report:
 
 
 class Session:
-    """One run of a study: what is asked of it, and its progress.
+    """One run of a study.
 
     Attributes:
-        flights: how many flights are asked for; what that counts is the study's own.
-        parts: the laws or ways that are asked for, of those that the study compares.
-        total: how many flights will be flown, for the progress; set by the study.
+        flights: wanted number of flights, in the study's own count.
+        parts: wanted parts of the study, such as laws.
+        total: number of flights in all, for the progress; set by the study.
     """
 
     def __init__(self, flights: int, parts: Sequence[str], progress: Callable[[int, int], None]):
@@ -179,13 +178,10 @@ class Study:
     """One published experiment.
 
     Attributes:
-        name: as typed on the command line.
-        title: one line.
         source: the paper.
-        run: flies it.
-        runs: how many runs the source publishes.
-        quick_runs: how many ``--quick`` flies.
-        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+        runs: number of runs that the source publishes.
+        quick_runs: number of runs with ``--quick``.
+        parts: choices of ``--only``, such as the laws that are compared; empty if the study has no parts.
     """
 
     name: str
@@ -224,13 +220,10 @@ def to_json(study: Study, report: Report) -> str:
         {"title": title, "rows": [dict(zip(heads, row, strict=True)) for row in rows]}
         for title, heads, rows in report.grids
     ]
-    found = {
-        **{"study": study.name, "title": study.title, "source": study.source},
-        **{"runs": report.runs, "ok": report.ok},
-        "findings": [{**vars(one), "ok": one.ok, "result": one.result} for one in report.findings],
-        **{"grids": grids, "remarks": list(report.remarks), "edl6dof_version": edl6dof.__version__},
-    }
-    return json_text(found)
+    head = {"study": study.name, "title": study.title, "source": study.source, "runs": report.runs}
+    found = [{**vars(one), "ok": one.ok, "result": one.result} for one in report.findings]
+    rest = {"remarks": list(report.remarks), "edl6dof_version": edl6dof.__version__}
+    return json_text({**head, "ok": report.ok, "findings": found, "grids": grids, **rest})
 
 
 def write_study(study: Study, report: Report, folder: Path) -> None:

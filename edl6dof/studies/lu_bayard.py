@@ -16,7 +16,7 @@ theta, its Riccati solution and the range along the profile are tested in tests/
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import asin, cos, exp, inf, log, pi, radians, sin
 from typing import Any, NamedTuple
@@ -94,10 +94,11 @@ def run(session: Session) -> Report:
     ratios = {f"{t.settings}, {t.errors}, {t.steering}": t.response.over_bound for t in trials}
     ratios |= {f"flight, {name}": response.over_bound for name, (response, _) in flights.items()}
     rows = [{"case": case, "error_over_bound": ratio} for case, ratio in ratios.items()]
-    findings, grids = (
-        [*_of_trials(trials), *_of_flights(flights)],
-        [_trial_grid(trials), _flight_grid(flights)],
-    )
+    findings = list(_of_trials(trials))
+    for name, (response, _) in flights.items():
+        label, why = f"flight, {name}: error energy over its bound", NO_LAW if name in BANKS else LIMIT
+        findings.append(Finding(label, "", response.over_bound, 1.0, "<=", why=why))
+    grids = [_trial_grid(trials), _flight_grid(flights)]
     return Report(findings, rows, COUNT, grids, REMARKS, _pictures(trials, flights))
 
 
@@ -397,34 +398,18 @@ def measured(flight: Flight) -> tuple[Response, float]:
     t, speed, drag = rows["t_s"], rows["truth.speed_m_s"], rows["nav.drag_m_s2"]
     design, profile = Design.of(onboard), onboard[0]["plan"]["adaptive_hinf"]
     error = drag - np.array([profile_drag(profile, v)[0] for v in speed])
-    w = disturbance_of(design, t, drag, speed, _excess(flight, rows), _lift_error(flight, rows))
+    air, truth = stated(flight.scenario.atmosphere.exponential), flight.loaded.truth
+    model = np.log(air.density_kg_m3) - rows["truth.height_above_areoid_m"] / air.scale_height_m
+    wind = 2.0 * np.log(rows["truth.airspeed_m_s"] / speed)
+    excess = np.log(rows["truth.density_kg_m3"]) - model + wind
+    true, believed = (one.vehicle.aero.lift_drag.lift_to_drag for one in (truth, flight.scenario))
+    path = truth.point_mass.disturbance  # of the path rate: it acts like an input
+    push = path.amplitude_rad_s * np.sin(path.frequency_rad_s * t)
+    lift_error = (true - believed) * np.cos(np.radians(rows["truth.bank_deg"])) + push * speed / drag
+    w = disturbance_of(design, t, drag, speed, excess, lift_error)
     bank, limits = np.abs(rows["guide.bank_deg"]), (entry.bank_min_deg, entry.bank_max_deg)
     at_limit = np.min([np.abs(bank - limit) for limit in limits], axis=0) < 0.01
     return Response(design, t, error, np.gradient(error, t), w), float(np.mean(at_limit))
-
-
-def _excess(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarray:
-    """ln(rho / rho_model) + 2 ln(V_air / V)."""
-    air = stated(flight.scenario.atmosphere.exponential)
-    model = np.log(air.density_kg_m3) - rows["truth.height_above_areoid_m"] / air.scale_height_m
-    wind = 2.0 * np.log(rows["truth.airspeed_m_s"] / rows["truth.speed_m_s"])
-    return np.log(rows["truth.density_kg_m3"]) - model + wind
-
-
-def _lift_error(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarray:
-    """True less believed (L/D) cos(bank), and the input that a disturbance of the path rate amounts to."""
-    loaded = flight.loaded
-    true, believed = (one.vehicle.aero.lift_drag.lift_to_drag for one in (loaded.truth, loaded.scenario))
-    path = loaded.truth.point_mass.disturbance
-    push = path.amplitude_rad_s * np.sin(path.frequency_rad_s * rows["t_s"])
-    lift = (true - believed) * np.cos(np.radians(rows["truth.bank_deg"]))
-    return lift + push * rows["truth.speed_m_s"] / rows["nav.drag_m_s2"]
-
-
-def _of_flights(flights: Flights) -> Iterator[Finding]:
-    for name, (response, _) in flights.items():
-        label, why = f"flight, {name}: error energy over its bound", NO_LAW if name in BANKS else LIMIT
-        yield Finding(label, "", response.over_bound, 1.0, "<=", why=why)
 
 
 def _flight_grid(flights: Flights) -> Grid:

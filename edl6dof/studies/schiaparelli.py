@@ -100,21 +100,16 @@ def swing(flight: Flight) -> dict[str, float]:
     rates = [np.abs(flight.telemetry[f"truth.rate_{axis}_deg_s"][after]) for axis in "qr"]
     flagged = flight.telemetry["sensed.gyros_saturated"][after] > 0
     failed = min((event["t_s"] for event in flight.events if event["key"] == "guard"), default=nan)
+    axes, end = ("north", "east", "down"), int(np.flatnonzero(after)[-1])
+    error = np.radians([flight.telemetry[f"nav.error_attitude_{axis}_deg"][end] for axis in axes])
+    down = Rotation.from_rotvec(error).apply([0.0, 0.0, 1.0])  # the vertical on board, in the true frame
     return {
         "swing_deg_s": float(np.max(rates)),
         "flagged_s": float(np.count_nonzero(flagged)) * float(np.median(np.diff(t))),
-        "vertical_deg": vertical_error(flight, int(np.flatnonzero(after)[-1])),
+        "vertical_deg": degrees(np.arctan2(np.hypot(down[0], down[1]), down[2])),
         "check_fails_s": failed - fired,
         "crashed": crashed,
     }
-
-
-def vertical_error(flight: Flight, row: int) -> float:
-    """Angle (deg) between the true vertical and the one on board, of the rotation between both attitudes."""
-    names = (f"nav.error_attitude_{axis}_deg" for axis in ("north", "east", "down"))
-    error = np.radians([flight.telemetry[name][row] for name in names])
-    down = Rotation.from_rotvec(error).apply([0.0, 0.0, 1.0])
-    return degrees(np.arctan2(np.hypot(down[0], down[1]), down[2]))
 
 
 # ---- what came out -------------------------------------------------------------------------------------

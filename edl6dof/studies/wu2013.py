@@ -56,10 +56,6 @@ POSITION_M, VELOCITY_M_S, SCALE, NOISE_M_S2 = (300.0, 500.0, 300.0), (0.4, 0.4, 
 Truth = dict[str, Any]
 
 
-def _no_error(truth: Truth, normal: np.ndarray) -> Truth:
-    return {}
-
-
 def _navigation(truth: Truth, normal: np.ndarray) -> Truth:
     """A navigated state that is off, and an accelerometer with noise."""
     return {
@@ -79,16 +75,15 @@ class Experiment(NamedTuple):
     """One way to fly the dispersed entries.
 
     Attributes:
-        name: as it heads its findings.
-        belief: what the flight computer is told otherwise than in the scenario.
+        belief: changes of the scenario.
         error: of navigation, from the truth of a flight and seven standard normals.
-        laws: which fly it.
+        laws: the laws that fly it.
         share: of the runs of the study.
     """
 
     name: str
     belief: Mapping[str, Any]
-    error: Callable[[Truth, np.ndarray], Truth] = _no_error
+    error: Callable[[Truth, np.ndarray], Truth] = lambda truth, normal: {}
     laws: tuple[str, ...] = tuple(LAWS)
     share: float = 1.0
 
@@ -160,7 +155,11 @@ def run(session: Session) -> Report:
     cases = all_cases(session.flights)
     session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO, AS_PRINTED), cases, figures)
-    starts = {share: history(_nominal(share)) for share in STARTS}
+    settings = [*AS_PRINTED, *(f"{path}={value}" for path, value in CONTINUOUS.items())]
+    starts = {
+        share: history(edl6dof.fly(SCENARIO, [*settings, f"{ENTRY}.ehgo_fl.start_share={share}"]))
+        for share in STARTS
+    }
     findings = under(PRINTED.name, _convergence(starts))
     for experiment in EXPERIMENTS:
         for law in experiment.laws:
@@ -187,12 +186,6 @@ def all_cases(runs: int) -> list[Case]:
 def count(experiment: Experiment, runs: int) -> int:
     """How many entries an experiment flies under each of its laws."""
     return min(runs, max(FEWEST, round(experiment.share * runs)))
-
-
-def _nominal(share: float) -> Flight:
-    """The nominal entry, its observer started from a share of the drag."""
-    own = [f"{path}={value}" for path, value in CONTINUOUS.items()]
-    return edl6dof.fly(SCENARIO, [*AS_PRINTED, *own, f"{ENTRY}.ehgo_fl.start_share={share}"])
 
 
 # ---- one flight: how well drag is tracked, and how soon it is estimated --------------------------------

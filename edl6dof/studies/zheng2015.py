@@ -117,10 +117,13 @@ def run(session: Session) -> Report:
     rows = session.fly(edl6dof.load(SCENARIO), cases, figures)
     shown = edl6dof.fly(SCENARIO, {**cases[0].told, "truth": dict(cases[0].truth)})
     printed = pick(rows, experiment=AS_PRINTED.name)
+    miss = _km(pick(rows, experiment=FLOWN.name), "miss")
+    note = "outer loop of eq. 12, one density factor a flight"
     findings = [
         *_against_the_print(AS_PRINTED, rows, NO_SUCH_DENSITY, THIN_AIR),
         *_against_the_print(INFERRED, rows, "", ""),
-        *_flown(pick(rows, experiment=FLOWN.name)),
+        Finding("flown: RMS miss", "km", rms(miss), note=note),
+        Finding("flown: largest miss", "km", float(miss.max()), note=note),
         *_tracking(shown, printed),
     ]
     return Report(findings, rows, len(rows), [_grid(rows)], REMARKS, _pictures(history(shown), rows))
@@ -243,14 +246,6 @@ def tolerance(runs: int, sampling: float) -> float | None:
     the root of ``runs``; ``None`` for too few flights.
     """
     return float(np.hypot(STATISTIC, 2.0 * sampling / sqrt(runs))) if runs >= ENOUGH else None
-
-
-def _flown(rows: list[Row]) -> list[Finding]:
-    miss, note = _km(rows, "miss"), "outer loop of eq. 12, one density factor a flight"
-    return [
-        Finding("flown: RMS miss", "km", rms(miss), note=note),
-        Finding("flown: largest miss", "km", float(miss.max()), note=note),
-    ]
 
 
 # ---- tracking: figures 3 to 5 ------------------------------------------------------------------

@@ -97,8 +97,10 @@ class Locator:
             if of == "truth" and (words := truth_problem(path)):
                 raise ValueError(words)
             for found in _expanded(model, path):
-                keys = ensure_path(self._template, found, Scenario)
-                yield Target(of, found, value_at(model, found), _slot(keys), place)
+                slot = root_slot(Scenario)
+                for key in ensure_path(self._template, found, Scenario):
+                    slot = stated(slot.child(key))
+                yield Target(of, found, value_at(model, found), slot, place)
         except (ValueError, AttributeError, LookupError) as error:
             self.refuse(place, str(error))
 
@@ -125,13 +127,6 @@ def _expanded(model: BaseModel, path: str) -> list[str]:
     return [found for key in keys for found in _expanded(model, f"{before}{key}{after}")]
 
 
-def _slot(keys: Keys) -> Slot:
-    slot = root_slot(Scenario)
-    for key in keys:
-        slot = stated(slot.child(key))
-    return slot
-
-
 def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
     """Return all draws of a campaign; report problems to the locator."""
     draws = [
@@ -149,16 +144,12 @@ def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
             draws.append(Draw(tuple(targets[0] for targets in found), group))
         elif all(found):
             locator.refuse(place, "a correlated group cannot hold wildcards")
-    _check_twice(draws, locator)
-    return [draw for draw in draws if _check_kind(draw, locator)]
-
-
-def _check_twice(draws: list[Draw], locator: Locator) -> None:
-    seen: dict[str, Target] = {}
+    seen: set[str] = set()
     for target in (target for draw in draws for target in draw.targets):
         if target.path in seen:
             locator.refuse(target.place, f"{target.path} is dispersed twice")
-        seen[target.path] = target
+        seen.add(target.path)
+    return [draw for draw in draws if _check_kind(draw, locator)]
 
 
 def _check_kind(draw: Draw, locator: Locator) -> bool:
