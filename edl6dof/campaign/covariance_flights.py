@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.dispersions import Draw, Target
+from edl6dof.campaign.design.dispersions import Draw, Target, drawn
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.design.sections import Correlated
 from edl6dof.campaign.executor import Progress, fly_rows
@@ -46,11 +46,8 @@ class Source:
 
     def values(self, steps: np.ndarray) -> Iterator[tuple[Target, np.ndarray]]:
         """Values of each parameter, shape (flights,), at ``steps`` sigmas, shape (flights, width)."""
-        column = 0
-        for draw in self.draws:
-            width = len(draw.targets)
-            yield from zip(draw.targets, _values(draw, steps[:, column : column + width]), strict=True)
-            column += width
+        for draw, own in drawn(self.draws, steps):
+            yield from zip(draw.targets, _values(draw, own), strict=True)
 
 
 def sources(plan: Plan) -> list[Source]:
@@ -85,11 +82,11 @@ def cases(
     Each flight has its own random profiles (``own_profiles``), or all have the same; none of these profiles
     occurs in the campaign itself.
     """
-    drawn = list(Source("", tuple(draw for source in found for draw in source.draws)).values(steps))
+    values = list(Source("", tuple(draw for source in found for draw in source.draws)).values(steps))
     random = plan.campaign is not None and plan.campaign.profiles
     for index in range(len(steps)):
-        truth = {target.path: float(values[index]) for target, values in drawn if target.of == "truth"}
-        belief = {target.path: float(values[index]) for target, values in drawn if target.of != "truth"}
+        truth = {target.path: float(every[index]) for target, every in values if target.of == "truth"}
+        belief = {target.path: float(every[index]) for target, every in values if target.of != "truth"}
         profile = plan.per_point + index * own_profiles if random else None
         yield Case(index, truth, belief, profile)
 

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -53,16 +54,6 @@ class Isolation:
     def names(self, failure: Failure) -> bool:
         """Return whether it is about the component that failed."""
         return (self.failure.component, self.failure.name) == (failure.component, failure.name)
-
-
-class _Response(NamedTuple):
-    """Time (s) of a failure, of the first use after it and of its isolation; time in use; right kind."""
-
-    since: float
-    first_use: float | None
-    used_s: float
-    isolated: float | None
-    kind_right: bool
 
 
 def collected(plan: Plan) -> Collect | None:
@@ -132,7 +123,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         row[column] = ", ".join(one.label for one in some) or None
     if any(since == NOT_BEGUN or since >= end for _, since in failed):
         return row
-    return row | _columns(flight, [_response(flight, *one, end, named) for one in failed], end)
+    return row | _response(flight, failed, named, end)
 
 
 def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
@@ -143,44 +134,33 @@ def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bo
 
 
 def _response(
-    flight: Flight, failure: Failure, since: float, end: float, named: Sequence[Isolation]
-) -> _Response:
-    t = flight.telemetry["t_s"]
-    used = (t >= since) & (t < end) & _in_use(flight, failure)
-    first = float(t[used][0]) if used.any() else None
-    about = [one for one in named if one.names(failure) and one.t_s >= since]
-    right = [one for one in about if one.failure == failure]
-    isolated = next((one.t_s for one in [*right, *about]), None)
+    flight: Flight, failed: Sequence[tuple[Failure, float]], named: Sequence[Isolation], end: float
+) -> dict[str, Any]:
+    """The columns about failures that have all begun, each at its time (s)."""
+    table, since = flight.telemetry, min(since for _, since in failed)
+    t, powered_s = table["t_s"], flight.metrics.get("backshell_s", inf)
     step = float(t[1] - t[0]) if len(t) > 1 else 0.0
-    return _Response(since, first, float(used.sum()) * step, isolated, bool(right))
-
-
-def _columns(flight: Flight, found: Sequence[_Response], end: float) -> dict[str, Any]:
-    """The columns about failures that have all begun."""
-    since = min(one.since for one in found)
-    used, last = _last(one.first_use for one in found), _last(one.isolated for one in found)
-    table = flight.telemetry
-    after = (table["t_s"] >= since) & (table["t_s"] < end)
+    used, used_s, isolated, kind_right = -inf, inf, -inf, True
+    for failure, began in failed:
+        uses = t[(t >= began) & (t < end) & _in_use(flight, failure)]
+        about = [one for one in named if one.names(failure) and one.t_s >= began]
+        right = [one for one in about if one.failure == failure]
+        used, used_s = max(used, float(uses[0]) if len(uses) else inf), min(used_s, len(uses) * step)
+        isolated = max(isolated, next((one.t_s for one in [*right, *about]), inf))
+        kind_right &= bool(right)
+    after = (t >= since) & (t < end)
     error = np.hypot(table["control.error_pitch_deg"][after], table["control.error_yaw_deg"][after])
-    powered_s = flight.metrics.get("backshell_s", np.inf)
     return {
         "fault_s": since,
-        "first_use_s": used,
-        "used_s": min(one.used_s for one in found),
-        "regime": AIR if (since if used is None else used) < powered_s else POWERED,
-        "name_right": last is not None,
-        "kind_right": all(one.kind_right for one in found),
-        "isolation_s": None if last is None else last - since,
-        "isolation_from_use_s": None if last is None or used is None else max(last - used, 0.0),
+        "first_use_s": used if used < inf else None,
+        "used_s": used_s,
+        "regime": AIR if (used if used < inf else since) < powered_s else POWERED,
+        "name_right": isolated < inf,
+        "kind_right": kind_right,
+        "isolation_s": isolated - since if isolated < inf else None,
+        "isolation_from_use_s": max(isolated - used, 0.0) if max(isolated, used) < inf else None,
         "peak_attitude_error_deg": float(error.max()) if after.any() else None,
     }
-
-
-def _last(times: Iterable[float | None]) -> float | None:
-    """Latest of some times; ``None`` if one of them is."""
-    found = list(times)
-    known = [time for time in found if time is not None]
-    return max(known) if len(known) == len(found) else None
 
 
 def _in_use(flight: Flight, failure: Failure) -> np.ndarray:

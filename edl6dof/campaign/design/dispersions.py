@@ -11,7 +11,7 @@ With a campaign section, every cell is flown on all of its vehicles; without one
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import comb
@@ -75,6 +75,12 @@ class Draw:
             return [self.distribution.values(unit[:, 0], self.targets[0].nominal)]
         mean = np.array([target.nominal for target in self.targets], dtype=float)
         return list((mean + product(deviates(unit), cholesky(self.distribution.matrix).T)).T)
+
+
+def drawn(draws: Sequence[Draw], columns: np.ndarray) -> Iterator[tuple[Draw, np.ndarray]]:
+    """Each draw with its columns of shape (cases, all targets)."""
+    ends = np.cumsum([len(draw.targets) for draw in draws])[:-1]
+    return zip(draws, np.split(columns, ends, axis=1), strict=True) if draws else iter(())
 
 
 class Locator:

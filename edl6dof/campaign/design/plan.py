@@ -22,6 +22,7 @@ from edl6dof.campaign.design.dispersions import (
     check_matrix,
     check_values,
     dispersions,
+    drawn,
 )
 from edl6dof.campaign.design.sampling import SaltelliDesign, saltelli_design, unit_numbers
 from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
@@ -85,8 +86,8 @@ class Plan:
     @property
     def columns(self) -> list[str]:
         """Columns of the results that were drawn or swept, in the order of the file."""
-        drawn = [target for draw in self.draws for target in draw.targets]
-        return [_column(target) for target in (*drawn, *(target for target, _ in self.axes))]
+        dispersed = [target for draw in self.draws for target in draw.targets]
+        return [_column(target) for target in (*dispersed, *(target for target, _ in self.axes))]
 
     @cached_property
     def text(self) -> str:
@@ -104,13 +105,16 @@ class Plan:
             first += stop - start
 
     def _at_point(self, point: int, start: int, stop: int) -> Iterator[Case]:
-        cell, values = self._points[point]
-        swept = list(zip((target for target, _ in self.axes), values, strict=True))
-        drawn, profiles = list(self.values(start, stop)), self.campaign is not None and self.campaign.profiles
+        cell, place = self._points[point]
+        swept = list(zip((target for target, _ in self.axes), place, strict=True))
+        values, profiles = (
+            list(self.values(start, stop)),
+            self.campaign is not None and self.campaign.profiles,
+        )
         own = cell.faults if cell else [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
         for number, faults in enumerate(self._faults(start, stop), start):
             changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
-            for target, value in [*((target, every[number - start]) for target, every in drawn), *swept]:
+            for target, value in [*((target, every[number - start]) for target, every in values), *swept]:
                 changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
             if cell or faults:
                 changes["truth"]["faults"] = [*own, *faults]
@@ -132,11 +136,8 @@ class Plan:
             names = [name for draw in self.draws for name in draw.names]
             sampling, seed = self.campaign.sampling, self.campaign.seed
             unit = unit_numbers(sampling, seed, names, self.campaign.cases, start, stop)
-        column = 0
-        for draw in self.draws:
-            width = len(draw.targets)
-            yield from zip(draw.targets, draw.values(unit[:, column : column + width]), strict=True)
-            column += width
+        for draw, own in drawn(self.draws, unit):
+            yield from zip(draw.targets, draw.values(own), strict=True)
 
     def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
         """Drawn faults of each case; they are rare, and so independent of the sampling plan."""
@@ -198,9 +199,8 @@ def plan_of(
     """
     own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
     if not own:
-        raise ConfigError(
-            [document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")]
-        )
+        words = "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc"
+        raise ConfigError([document.problem((), words)])
     marks = dict(document.marks)
     for key, value in (("cases", cases), ("seed", seed), ("sampling", sampling)):
         if value is not None and isinstance(section := own.get("campaign"), dict):
