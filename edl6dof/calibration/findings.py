@@ -113,7 +113,7 @@ def remarks(found: Findings) -> list[str]:
 
 
 def plain(found: Findings) -> dict[str, Any]:
-    """Everything that was found, ready for JSON; ``nan`` where not every neighbour reached a figure."""
+    """All results, ready for JSON; ``nan`` if a neighbour did not reach a figure."""
     calibration, fitted, residuals = found.calibration, found.fit, found.residuals
     priors, values, sigmas = calibration.params.parameters, found.values, found.sigmas
     return {

@@ -160,7 +160,7 @@ def fit(
 
 
 def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, before: np.ndarray) -> Fit:
-    """The posterior on a surface; ``before`` are the parameters where its design was drawn."""
+    """The posterior on a surface; ``before``: parameters about which its design was drawn."""
     gap, slopes = data.number - surface.constant, surface.slopes
     spread = slopes @ slopes.T + surface.scatter
     widening = _widening(gap, spread, data.sigma)

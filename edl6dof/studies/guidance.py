@@ -94,14 +94,14 @@ def run(session: Session) -> Report:
 
 
 class Vehicle(NamedTuple):
-    """An entry: its scenario, added ``--set`` texts, and the campaign that disperses it, if any."""
+    """An entry: its scenario, added ``--set`` texts, and the campaign of its dispersions, if any."""
 
     name: str
     changes: tuple[str, ...] = ()
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """The scenario down to the mortar."""
+        """The scenario until mortar fire."""
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 
@@ -223,14 +223,14 @@ DISPERSED = "dispersed"
 
 
 def entries(vehicle: Vehicle, flights: int) -> list[Values]:
-    """True values of dispersed entries: those of a campaign; what acts after the mortar changes nothing."""
+    """True values of dispersed entries of a campaign; those that act after mortar fire change nothing."""
     if not vehicle.dispersions:
         return []
     return [dict(case.truth) for case in load_plan(vehicle.dispersions, cases=flights).cases()]
 
 
 def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[Case]:
-    """All that a law flies of a vehicle."""
+    """All cases of a law on a vehicle."""
     label = {"vehicle": vehicle.name, "law": law}
     some = range(max(flights // _PER_CONDITION, 1))
     planned = [
@@ -259,7 +259,7 @@ _LIFT_UP = (
 
 
 def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
-    """Rows, flown with lift up, of those of ``flights`` drawn entries that all laws missed."""
+    """Fly with lift up those of ``flights`` drawn entries that all laws missed; returns their rows."""
     best: dict[int, float] = {}
     own = pick(rows, vehicle=vehicle.name, condition=DISPERSED)
     for row, miss in zip(own, misses(own), strict=True):
@@ -277,7 +277,7 @@ def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
 
 
 def out_of_reach(rows: Sequence[Row]) -> set[int]:
-    """Numbers of the entries that lift up all the way leaves further short than the target."""
+    """Numbers of the entries that end short by more than the target with lift up all the way."""
     return {row["profile"] for row in rows if row.get("parachute_downrange_m", 0.0) < -1e3 * TARGET_KM}
 
 
@@ -329,7 +329,7 @@ def call_time(loaded: LoadedScenario) -> float:
 
 
 def misses(rows: Sequence[Row]) -> np.ndarray:
-    """Miss at the mortar, km; infinite where it never fired."""
+    """Miss at mortar fire, km; infinite without mortar fire."""
     return np.nan_to_num(column(rows, "parachute_miss_m"), nan=inf, posinf=inf) / 1e3
 
 
@@ -344,7 +344,7 @@ def _worst_hundredth(rows: Sequence[Row]) -> float:
 
 
 def unflown(rows: Sequence[Row]) -> list[Row]:
-    """Flights that did not come as far as the mortar; their rows have the cause."""
+    """Flights that ended before mortar fire; their rows have the cause."""
     return [row for row in rows if not isfinite(row.get("parachute_miss_m", nan))]
 
 

@@ -174,7 +174,7 @@ def draw_entries(count: int, seed: int) -> Iterator[Entry]:
 
 
 def hung_like(state: State, entry: Entry) -> State:
-    """A state with another attitude and rate, as if it had always been so for sensors and estimators."""
+    """A state with another attitude and rate, consistent in sensors and estimators."""
     plant, sensors, fsw = state.plant.copy(), state.sensors.copy(), state.fsw.copy()
     nav = fsw["nav"][0]
     axes = (tuple(nav[f"{name}_I"]) for name in ("north", "east", "up", "up"))
@@ -257,7 +257,7 @@ WING = {HELD: True, "left to trim": False}
 
 
 def torque_steps(flight: Flight) -> dict[str, Flight]:
-    """Fly the hover with the engine suddenly off the centre of mass, which turns about z of B."""
+    """Fly the hover with a sudden offset of the engine from the centre of mass: a torque about z of B."""
     start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
@@ -324,7 +324,7 @@ SHOWN, _ENTRIES_FOR_A_START = "D7", 33
 
 
 class Avoidance(NamedTuple):
-    """One avoidance: its start, its control, and the thruster that dies; none where it is empty."""
+    """One avoidance: its start, its control, and the thruster that fails, if any."""
 
     start: int
     control: str
@@ -345,7 +345,7 @@ def avoidance_starts(entries: int) -> list[State]:
 
 
 def avoidance_cases(starts: int, scenario: Scenario) -> Iterator[Avoidance]:
-    """Every control with all thrusters sound, and each horizontal one dead; slower estimators."""
+    """Every control with all thrusters healthy, and each horizontal one dead; slower estimators."""
     for start, control in product(range(starts), CONTROL):
         yield Avoidance(start, control, True)
         for name, moment, diagnosed in product(pushes(scenario), MOMENTS_S, (True, False)):

@@ -113,12 +113,12 @@ def with_law(law: str) -> LoadedScenario:
 
 
 def dispersed(flights: int) -> list[Case]:
-    """The first cases of the campaign, the same whatever law flies them."""
+    """The first cases of the campaign, the same for all laws."""
     return list(load_plan(SCENARIO).cases(0, flights))
 
 
 def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
-    """All that a law flies of the scenario."""
+    """All cases of a law."""
     names = {phase.role: phase.name for phase in reversed(scenario.mission.phases)}
     some = flights[: max(len(flights) // _PER_DIVERT, 1)]
     diverts = [(divert(m), one, {f"{POWERED}.target.divert_m": m}) for m in DIVERTS for one in some]
@@ -184,7 +184,7 @@ def _saturated(flight: Flight, burning: np.ndarray) -> float:
 
 
 def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
-    """Where hover begins, against the target."""
+    """State at the beginning of hover relative to the target."""
     rows, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
 
     def level(stem: str, row: int) -> np.ndarray:
@@ -363,7 +363,7 @@ def _findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findi
 
 
 def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
-    """Fuel, miss, tilt, and what a divert costs."""
+    """Fuel, miss, tilt, and cost of a divert."""
     laws, panels = kinds(rows, "law"), []
     for name, title, label, options in (
         ("hover_fuel_kg", "fuel", "propellant from ignition to hover (kg)", {}),

@@ -84,7 +84,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Try the claim on the equations of motion, and fly."""
+    """Test the claim on the equations of motion, and in flight."""
     session.total = COUNT
     trials = [trial for settings in SETTINGS for trial in _trials(settings, session)]
     flights: Flights = {}
@@ -107,7 +107,7 @@ def run(session: Session) -> Report:
 
 @dataclass(frozen=True)
 class Design:
-    """Settings of the controller, and the planet that it believes in.
+    """Settings of the controller, and its model of the planet.
 
     Attributes:
         gain, weight, energy: lambda (s2), rho (s4) and epsilon (m2/s3) of the law.
@@ -123,7 +123,7 @@ class Design:
 
     @classmethod
     def of(cls, onboard: np.ndarray) -> Design:
-        """Settings of the law as it flies; the air that is believed is exponential."""
+        """Settings of the law in flight; the atmosphere on board is exponential."""
         own, air = onboard[0]["guidance"]["entry"]["adaptive_hinf"], onboard[0]["atmosphere"]
         law = (own[name] for name in ("disturbance_gain", "control_weight", "adaptation_energy"))
         radius, mu = (onboard[0]["planet"][name] for name in ("equatorial_radius", "mu"))
@@ -226,7 +226,7 @@ class Motion:
         return 0.5 * density * speed**2 * self._per_pressure * exp(self.errors.excess(height, speed))
 
     def sensed(self, state: State) -> tuple[float, float]:
-        """Drag and its rate, which the paper takes as measured."""
+        """Drag and its rate, which are measured in the paper."""
         height, speed, path = state
         drag = self._drag(height, speed)
         climb, speed_rate = speed * sin(path), -drag - self._gravity(height) * sin(path)
@@ -236,7 +236,7 @@ class Motion:
         return drag, (after - before) / (2.0 * _NUDGE_S)
 
     def start(self) -> State:
-        """The state on the profile but for ``START_ERROR`` of drag."""
+        """The state at the start of the profile, with an error ``START_ERROR`` of drag."""
         design, speed = self.design, float(self.profile["start"])
         goal, slope, _ = profile_drag(self.profile, speed)
         height = 0.0
@@ -259,7 +259,7 @@ class Motion:
         return error, error_rate, u
 
     def step(self, state: State, u: float) -> State:
-        """The state a call later, the input held: RK4, in plain numbers, as numpy takes longer for three."""
+        """The state a call later with constant input, by RK4 in plain numbers: numpy is slower for three."""
 
         def rates(height: float, speed: float, path: float) -> State:
             drag, gravity = self._drag(height, speed), self._gravity(height)
@@ -327,7 +327,7 @@ def disturbance_of(design: Design, *columns: np.ndarray) -> np.ndarray:
 
 
 class Trial(NamedTuple):
-    """Settings, errors, what steers, the response, and the inputs over L/D."""
+    """Settings, errors, steering, the response, and the inputs over L/D."""
 
     settings: str
     errors: str
@@ -337,7 +337,7 @@ class Trial(NamedTuple):
 
 
 def _trials(settings: str, session: Session) -> list[Trial]:
-    """Every error under everything that steers."""
+    """Every error with every steering."""
     loaded, found = edl6dof.load(SCENARIO, SETTINGS[settings]), []
     for errors, values in ERRORS.items():
         motion = Motion(loaded, values)
@@ -356,7 +356,7 @@ NO_LAW = "nothing tracks: the bound is one that can be broken"
 
 
 def _of_trials(trials: list[Trial]) -> Iterator[Finding]:
-    """The claim for what keeps it, at its largest ratio; and at its least for what must break it."""
+    """Largest ratio of the trials that must keep the claim, and least ratio of those that must break it."""
     what = "error energy over its bound"
     free = [t for t in trials if t.steering == FREE]
     for one in SETTINGS:

@@ -1,8 +1,8 @@
-"""MSL's entry beside the published one: the deployment of its parachute, its bank history, and what the
-deployment hangs on.
+"""MSL's entry compared with the published one: parachute deployment, bank history, and influences on the
+deployment.
 
 Published figures and their sources: scenarios/msl.yaml.  Every figure is the mean over neighbouring flights.
-The table changes one thing of the scenario a line.
+Each line of the table changes the scenario in one respect.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ENTRY = "flight_software.guidance.entry"
 _BANK_80_30 = f"{ENTRY}.reference_bank={{points: [{{at: 1500, bank_deg: 30}}, {{at: 3500, bank_deg: 80}}]}}"
 
 
-#: What the deployment hangs on: overrides, by the name of a row.
+#: Overrides that change the deployment, by the name of a row.
 CHANGES = {
     "as it is": (),
     "no wind": ("wind.scale=0",),
@@ -81,7 +81,7 @@ REMARKS = (
 
 
 def figures(flight: Flight) -> dict[str, float]:
-    """Figures of one flight that only this study looks at."""
+    """Figures of one flight that only this study has."""
     t, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     time, bank, slow = t["t_s"], t["truth.bank_deg"], t["truth.speed_m_s"] < entry.heading_below_m_s
     steered = (time > flight.metrics["lift_start_s"]) & ~slow
@@ -102,7 +102,7 @@ def figures(flight: Flight) -> dict[str, float]:
 
 
 def run(session: Session) -> Report:
-    """Fly neighbours of the scenario, and of it with each change."""
+    """Fly neighbours of the scenario, as it is and with each change."""
     session.total = session.flights * len(CHANGES)
     rows: list[Row] = []
     for change, overrides in CHANGES.items():
@@ -122,7 +122,7 @@ def run(session: Session) -> Report:
 
 
 def means_of(rows: list[Row]) -> dict[str, SampleMean]:
-    """Mean and spread of every figure over flights of one kind; what a flight did not come to is left out."""
+    """Mean and spread of every figure over the flights of one kind that have it."""
     found = sample_means(rows, {})
     for name in COMPARED:
         values = column(rows, name)

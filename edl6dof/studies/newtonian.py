@@ -1,8 +1,8 @@
-"""Coefficients of two capsules from their shapes alone beside published ones: the 70-degree Phoenix, over
-Mach number and angle, and the axial force of the 60-degree Stardust in hypersonic flow.
+"""Coefficients of two capsules from their shapes alone compared with published ones: the 70-degree Phoenix,
+over Mach number and angle, and the axial force of the 60-degree Stardust in hypersonic flow.
 
-Nothing is flown.  Newtonian flow knows the shape and the stagnation pressure: no shock that stands off, no
-sonic line, no separation.  What that costs is the table.
+Nothing is flown.  Newtonian flow has shape and stagnation pressure, but no detached shock, sonic line or
+separation; the table shows the resulting errors.
 """
 
 from __future__ import annotations

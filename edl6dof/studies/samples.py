@@ -90,7 +90,7 @@ def drag_dynamics_of(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarr
 
 
 def quickest_us(call: Callable[[], None], blocks: int) -> float:
-    """Processor time (us) of the quickest of some calls; the machine disturbed the others."""
+    """Processor time (us) of the quickest of some calls; others are disturbed by the machine."""
     call()
     times = []
     for _ in range(blocks):
@@ -148,7 +148,7 @@ def distribution(sample: np.ndarray, label: str) -> Curve:
 def beside_published(
     published: Published, means: Mapping[str, SampleMean], notes: Mapping[str, str] | None = None
 ) -> Iterator[Finding]:
-    """Mean and spread of every published figure, or of those with ``notes``, beside its published value."""
+    """Mean and spread of every published figure, or of those with ``notes``, and the published value."""
     for figure, entry in published_figures(published):
         if notes is None or figure.name in notes:
             own, note = means.get(figure.name, SampleMean(nan, nan, 0)), (notes or {}).get(figure.name, "")

@@ -38,7 +38,7 @@ HELD = ("backshell_height_m", "engine_burn_s", "touchdown_vertical_m_s")
 
 
 def _five_gyros() -> str:
-    """Three gyros along the axes and two between pitch and yaw: of five, one that is wrong can be named."""
+    """Three gyros along the axes and two between pitch and yaw: five allow to isolate a wrong one."""
     skew = (("gd", (0.0, 0.5**0.5, 0.5**0.5)), ("ge", (0.0, 0.5**0.5, -(0.5**0.5))))
     axes = [*zip(("gx", "gy", "gz"), np.eye(3).tolist(), strict=True), *skew]
     return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
@@ -64,7 +64,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly some phases of the nutation for each persistence, and with each guard."""
+    """Fly some nutation phases for each persistence, and with each guard."""
     session.total = session.flights * (len(PERSISTENCES) + len(GUARDS))
     sweeps = [("persistence", "nothing", x, [f"{PERSISTENCE}={x}"]) for x in PERSISTENCES]
     sweeps += [("guard", name, nan, list(overrides)) for name, overrides in GUARDS.items()]
@@ -116,7 +116,7 @@ def swing(flight: Flight) -> dict[str, float]:
 
 
 def _chain(flight: Flight) -> Iterator[Finding]:
-    """The scenario as it is, one flight, beside what is published."""
+    """One flight of the scenario compared with published figures."""
     for figure, entry in published_figures(flight.scenario.published):
         own, about = flight.metrics.get(figure.name, nan), (figure.meaning, figure.unit.label)
         within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None

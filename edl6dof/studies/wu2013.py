@@ -57,7 +57,7 @@ Truth = dict[str, Any]
 
 
 def _navigation(truth: Truth, normal: np.ndarray) -> Truth:
-    """A navigated state that is off, and an accelerometer with noise."""
+    """Errors of the navigated state and accelerometer noise."""
     return {
         f"{_ERROR}.position_m": [float(x) for x in normal[:3] * POSITION_M],
         f"{_ERROR}.velocity_m_s": [float(x) for x in normal[3:6] * VELOCITY_M_S],
@@ -67,7 +67,7 @@ def _navigation(truth: Truth, normal: np.ndarray) -> Truth:
 
 
 def _drag_of_the_model(truth: Truth, normal: np.ndarray) -> Truth:
-    """Drag is not measured: that of the mean density and ballistic coefficient is taken for it."""
+    """Drag of the mean density and ballistic coefficient in place of the measured one."""
     return {f"{_ERROR}.force_scale": truth[MASS] / 2804.0 / truth[DENSITY] - 1.0}
 
 
@@ -184,7 +184,7 @@ def all_cases(runs: int) -> list[Case]:
 
 
 def count(experiment: Experiment, runs: int) -> int:
-    """How many entries an experiment flies under each of its laws."""
+    """Number of entries of an experiment with each of its laws."""
     return min(runs, max(FEWEST, round(experiment.share * runs)))
 
 
@@ -225,7 +225,7 @@ def converged_s(h: dict[str, np.ndarray], name: str) -> float:
 
 
 def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Finding]:
-    """Largest miss of one law beside the published one, which is none of errors of navigation."""
+    """Largest miss of one law; the published one is without navigation errors."""
     miss, error = column(rows, "parachute_miss_m") / 1e3, column(rows, "rms_error_m_s2")
     published = None if experiment in (NAVIGATED, FLOWN) else MISS_KM[law]
     why = CAUSES.get((experiment.name, law)) if len(miss) >= ENOUGH else None
@@ -236,7 +236,7 @@ def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Fin
 
 
 def _convergence(starts: Mapping[float, dict[str, np.ndarray]]) -> Iterator[Finding]:
-    """Figure 3: when the estimates come to coincide with the truth; where they start is not printed."""
+    """Figure 3: time at which the estimates coincide with the truth; their start is not printed."""
     for share, h in starts.items():
         label = f"Fig. 3: within {100 * CLOSE:g} %, from {100 * share:g} % of the drag"
         converged = max(converged_s(h, name) for name in ("drag", "rate"))

@@ -100,7 +100,7 @@ def run(session: Session) -> Report:
 
 
 def case(number: int, experiment: Experiment, law: str, signs: tuple[float, ...]) -> Case:
-    """One law from one corner; the flight computer is told of neither deviation nor disturbance."""
+    """One law from one corner; the flight computer knows neither deviation nor disturbance."""
     truth = {path: mean + sign * width for (path, mean, width), sign in zip(DEVIATIONS, signs, strict=True)}
     truth["point_mass.disturbance.amplitude_rad_s"] = experiment.amplitude_rad_s
     belief = {
@@ -154,8 +154,8 @@ def _estimate_error(flight: Flight) -> float:
 
 
 def _compared(rows: list[Row], experiment: Experiment, nominal: Flight) -> Iterator[Finding]:
-    """One disturbance: what lift can do against it, and both laws; the ratio of their errors the paper says
-    is below one, and PD, it says, brings drag to the nominal sooner.
+    """One disturbance: authority of lift against it, and both laws.  According to the paper, the ratio of
+    their errors is below one, and PD brings drag to the nominal sooner.
     """
     table, guided = nominal.telemetry, nominal.during(LIFT)
     lift_to_drag = nominal.scenario.vehicle.aero.lift_drag.lift_to_drag
@@ -214,12 +214,12 @@ def _ratio(rows: list[Row], experiment: Experiment, name: str) -> float:
 
 
 def _settled(rows: list[Row], experiment: Experiment, law: str) -> float:
-    """When drag has settled from every corner, s."""
+    """Time at which drag has settled from every corner, s."""
     return float(np.max(_of(rows, experiment, law, "drag_settled_s")))
 
 
 def _sooner(rows: list[Row], experiment: Experiment) -> float:
-    """How much later drag settles under PD than under FTC, s."""
+    """Settling time of drag with PD less that with FTC, s."""
     return _settled(rows, experiment, "pd_dob") - _settled(rows, experiment, "ftc_dob")
 
 
@@ -230,7 +230,7 @@ STEP_S, LENGTH_S = 1e-3, 120.0
 
 
 def settled_s(start: float, gains: tuple[float, float], exponent: float, share: float) -> float:
-    """When the error (m/s2), from ``start`` at rest, stays below ``share`` of it.
+    """Time at which the error (m/s2), from ``start`` at rest, stays below ``share`` of it.
 
     x_1' = x_2, x_2' = -k_1 |x_1|^alpha_1 sign(x_1) - k_2 |x_2|^alpha_2 sign(x_2), alpha_2 = 2 alpha_1/(1 +
     alpha_1), is zero after a finite time (lemma 2 and theorem 2); with both powers one, ``exponent`` 1, it is
@@ -260,11 +260,11 @@ def _errors(start: float, gains: tuple[float, float], exponent: float, steps: in
 
 
 def _pictures(nominal: Flight) -> dict[str, list[Panel]]:
-    """Figures 4 and 6 of the paper: drag and altitude of one corner under each law beside the nominal."""
+    """Figures 4 and 6 of the paper: drag and altitude of one corner with each law, and of the nominal."""
     flights = {}
     for law, title in LAWS.items():
         own = case(0, PRINTED, law, CORNERS[0])
-        flights[title] = edl6dof.fly(SCENARIO, {**own.told, "truth": dict(own.truth)}).telemetry
+        flights[title] = edl6dof.fly(SCENARIO, {**own.overrides, "truth": dict(own.truth)}).telemetry
     panels = []
     for name, label in (("nav.drag_m_s2", "drag (m/s2)"), ("truth.altitude_m", "altitude (m)")):
         curves = [Curve(table["t_s"], table[name], title) for title, table in flights.items()]

@@ -65,7 +65,7 @@ class Experiment(NamedTuple):
     correlation_m: float | None = None
 
     def truth(self, drawn: Mapping[str, float]) -> dict[str, Any]:
-        """True values of one flight, of what was drawn for it."""
+        """True values of one flight from the drawn ones."""
         truth: dict[str, Any] = {path: x for path, x in drawn.items() if self.factor or path != DENSITY}
         if self.correlation_m is not None:
             wave = {"enabled": True, "sigma": 0.2 / 3.0, "correlation_length_m": self.correlation_m}
@@ -115,7 +115,7 @@ def run(session: Session) -> Report:
     cases = all_cases(session.flights)
     session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO), cases, figures)
-    shown = edl6dof.fly(SCENARIO, {**cases[0].told, "truth": dict(cases[0].truth)})
+    shown = edl6dof.fly(SCENARIO, {**cases[0].overrides, "truth": dict(cases[0].truth)})
     printed = pick(rows, experiment=AS_PRINTED.name)
     miss = _km(pick(rows, experiment=FLOWN.name), "miss")
     note = "outer loop of eq. 12, one density factor a flight"
@@ -252,7 +252,7 @@ def tolerance(runs: int, sampling: float) -> float | None:
 
 
 def _tracking(shown: Flight, printed: list[Row]) -> Iterator[Finding]:
-    """One flight of the dispersed ones as printed, and the worst of them."""
+    """One of the dispersed flights as printed, and the worst of them."""
     one, curves = figures(shown), history(shown)
     calm = slice(int(np.searchsorted(curves["t_s"], one["saturation_end_s"])), -2)
     true, off = curves["disturbance"][calm], (curves["estimate"] - curves["disturbance"])[calm]
@@ -270,7 +270,7 @@ def _tracking(shown: Flight, printed: list[Row]) -> Iterator[Finding]:
 
 
 def _pictures(h: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel]]:
-    """Figures 3 and 5 of one run as printed, figure 6 of each experiment that is held against it."""
+    """Figures 3 and 5 of one run as printed, figure 6 of three experiments."""
     t, time, angle = h["t_s"], "time (s)", np.linspace(0.0, 2.0 * np.pi, 200)
     drag = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
     true = Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference")

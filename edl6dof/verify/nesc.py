@@ -61,7 +61,7 @@ def flown(number: int, overrides: Iterable[str] = ()) -> Columns:
 
 
 def reference(number: int) -> Columns:
-    """All rows of simulation 04, or the last one where only that is at hand."""
+    """All rows of simulation 04, or the last one if only that is published."""
     if number in WHOLE:
         return read(DATA / f"Atmos_{number:02d}_sim_04.csv")
     ends = read(DATA / "ends_sim_04.csv")

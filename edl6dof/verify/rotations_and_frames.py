@@ -42,7 +42,7 @@ class _Worst(defaultdict[str, float]):
         self.note(name, largest(np.asarray(a) - np.asarray(b)) / size)
 
     def attitude(self, name: str, p: tuple, q: Any) -> None:
-        """Note the difference of two quaternions that stand for the same attitude with either sign."""
+        """Note the difference of two quaternions, each of which is the same attitude with either sign."""
         self.note(name, min(largest(np.asarray(p) - np.asarray(q)), largest(np.asarray(p) + np.asarray(q))))
 
 

@@ -60,13 +60,13 @@ class Case:
     label: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def told(self) -> dict[str, Any]:
+    def overrides(self) -> dict[str, Any]:
         """Changes of the scenario itself."""
         return dict(self.belief) if self.profile is None else {**self.belief, "profile": self.profile}
 
     def changes(self, truth: Mapping[str, Any]) -> dict[str, Any]:
         """The values by dotted path that turn a scenario with this ``truth`` section into the case."""
-        return {**self.told, "truth": {**truth, **self.truth}}
+        return {**self.overrides, "truth": {**truth, **self.truth}}
 
 
 def group_of(column: str, campaign: Mapping[str, Any]) -> str:
@@ -109,7 +109,7 @@ class Variant:
             NotApplied: the validated scenario has another value.
         """
         row = {TRUTH + path: _confirmed(self.loaded.truth, path, value) for path, value in case.truth.items()}
-        for path, value in case.told.items():
+        for path, value in case.overrides.items():
             column = path if path == "profile" else BELIEF + path
             row[column] = _confirmed(self.loaded.scenario, path, value)
         return row
@@ -164,12 +164,12 @@ class Variants:
     def _overridden(self, case: Case) -> LoadedScenario | None:
         """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""
         truth = case.changes(self.base.scenario.truth)["truth"]
-        plain = all(_is_plain(path, value) for path, value in (*case.told.items(), *truth.items()))
+        plain = all(_is_plain(path, value) for path, value in (*case.overrides.items(), *truth.items()))
         if not plain or any(map(truth_problem, truth)):
             return None
         try:
-            told = {**self._by_keys(case.told), ("truth",): truth}
-            scenario = _changed(self.base.scenario, told)
+            overrides = {**self._by_keys(case.overrides), ("truth",): truth}
+            scenario = _changed(self.base.scenario, overrides)
             return LoadedScenario(scenario, _changed(scenario, self._by_keys(truth)), self.base.document)
         except (ValueError, LookupError, AttributeError):
             return None
