@@ -29,6 +29,7 @@ from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, Fault
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Mark, parse_document, read_document, resolve_scenario
+from edl6dof.config.dump import dump_resolved
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.validate import validate
@@ -93,7 +94,7 @@ class Plan:
     def text(self) -> str:
         """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
         file = CampaignFile(campaign=self.campaign, sweep=self.sweep, fault_matrix=self.fault_matrix)
-        return resolved_text(self.loaded) + file.text
+        return resolved_text(self.loaded) + dump_resolved(file.model_dump(mode="json", exclude_none=True))
 
     def cases(self, first: int = 0, last: int | None = None) -> Iterator[Case]:
         """Cases ``first .. last - 1``."""

@@ -17,7 +17,6 @@ from edl6dof.campaign.design.distributions import (
     DistributionParams,
 )
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
-from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.config.errors import refusal
 from edl6dof.registry import Family, Member
 from edl6dof.spatial.arrays import cholesky
@@ -209,20 +208,3 @@ class CampaignFile(Params):
     campaign: CampaignParams | None = param(None, "dispersed flights")
     sweep: SweepParams | None = param(None, "flights on a grid")
     fault_matrix: FaultMatrixParams | None = param(None, "flights with faults, one for each cell")
-
-    @property
-    def text(self) -> str:
-        """The sections as YAML: one line for each distribution, axis, group and fault draw."""
-        lines = []
-        for name, given in self.model_dump(mode="json", exclude_none=True).items():
-            lines.append(f"{name}:")
-            for key, value in given.items():
-                if not value or not isinstance(value, dict | list):
-                    lines.append(f"  {key}: {write_flow(value)}")
-                    continue
-                lines.append(f"  {key}:")
-                if isinstance(value, dict):
-                    lines += [f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()]
-                else:
-                    lines += [f"    - {write_flow(item)}" for item in value]
-        return "\n".join(lines) + "\n"
