@@ -15,7 +15,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 from edl6dof.spatial.vector import dot, put3, sub, take3
 
 MAX_CHECKED = 8
@@ -43,21 +43,15 @@ class CheckOutParams(Params):
     )
 
 
-CHECK_OUT = np.dtype(
-    [("setting", dtype_of(CheckOutParams)), ("thruster", "i8", (MAX_CHECKED,)), ("count", "i8")],
-    align=True,
-)
+CHECK_OUT = record(("setting", dtype_of(CheckOutParams)), ("thruster", "i8", (MAX_CHECKED,)), ("count", "i8"))
 
 #: ``next`` counts the thrusters done; ``response`` is the rate change of each over the expected one.
-CHECK_OUT_MEMORY = np.dtype(
-    [
-        ("next", whole(0, MAX_CHECKED)),
-        ("under_way", FLAG),
-        ("since", "f8"),
-        ("rate", "f8", (3,)),
-        ("response", "f8", (MAX_CHECKED,)),
-    ],
-    align=True,
+CHECK_OUT_MEMORY = record(
+    ("next", whole(0, MAX_CHECKED)),
+    ("under_way", FLAG),
+    ("since", "f8"),
+    ("rate", "f8", (3,)),
+    ("response", "f8", (MAX_CHECKED,)),
 )
 
 

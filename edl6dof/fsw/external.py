@@ -10,22 +10,18 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.fsw.guidance.powered.terminal_descent import start_or_throttle
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.vector import clamp, put3, take3
 
 #: Last results of the flight software itself, whatever was commanded.
-OWN = np.dtype(
-    [
-        ("bank", "f8"),  # rad: of entry guidance
-        ("thrust_N", "f8", (3,)),  # N, north, east, down: thrust vector of powered guidance
-        ("torque_B", "f8", (3,)),  # N m, B: of attitude control
-        ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster: of allocation
-    ],
-    align=True,
+OWN = record(
+    ("bank", "f8"),  # rad: of entry guidance
+    ("thrust_N", "f8", (3,)),  # N, north, east, down: thrust vector of powered guidance
+    ("torque_B", "f8", (3,)),  # N m, B: of attitude control
+    ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster: of allocation
 )
 
 

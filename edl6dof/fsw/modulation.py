@@ -20,11 +20,10 @@ pulses); pulses whose width and spacing both follow the demand: Wie, Space Vehic
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 
 
 class ModulationParams(Params):
@@ -52,15 +51,12 @@ class ModulationParams(Params):
     )
 
 
-MODULATION = np.dtype(
-    [
-        ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
-        ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
-        ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
-        ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
-        ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
-    ],
-    align=True,
+MODULATION = record(
+    ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
+    ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
+    ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
+    ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
+    ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
 )
 
 

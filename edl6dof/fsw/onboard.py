@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import numpy as np
-
 from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation.demand import DEMAND
@@ -50,7 +48,7 @@ from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND, EXTERNAL
 from edl6dof.interface.effectors import BRANCHES
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
@@ -186,128 +184,107 @@ class _Thrusters(Params):
     thrusters: Annotated[list[BelievedThruster], Capacity(MAX_THRUSTERS)] = param(..., "believed thrusters")
 
 
-CONFIGURATION = np.dtype(
-    [
-        ("mass", "f8"),  # kg: believed
-        ("centre", "f8", (3,)),  # m, B: centre of mass, from the nose
-        ("inertia", "f8", (3,)),  # kg m2, B: principal moments about the centre of mass
-        ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
-    ],
-    align=True,
+CONFIGURATION = record(
+    ("mass", "f8"),  # kg: believed
+    ("centre", "f8", (3,)),  # m, B: centre of mass, from the nose
+    ("inertia", "f8", (3,)),  # kg m2, B: principal moments about the centre of mass
+    ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
 )
 
-ONBOARD = np.dtype(
-    [
-        (
-            "planet",
-            np.dtype(
-                [
-                    ("mu", "f8"),  # m3/s2: gravitational parameter
-                    ("equatorial_radius", "f8"),  # m: of the reference ellipsoid
-                    ("flattening", "f8"),  # of the reference ellipsoid
-                    ("rotation_rate", "f8"),  # rad/s: about z of I and F, positive eastward
-                    ("j2", "f8"),  # oblateness, not normalised
-                    ("gravity_radius", "f8"),  # m: radius that the oblateness refers to
-                    ("sutton_graves_constant", "f8"),  # kg^0.5/m: of the convective heat flux
-                ],
-                align=True,
-            ),
+ONBOARD = record(
+    (
+        "planet",
+        record(
+            ("mu", "f8"),  # m3/s2: gravitational parameter
+            ("equatorial_radius", "f8"),  # m: of the reference ellipsoid
+            ("flattening", "f8"),  # of the reference ellipsoid
+            ("rotation_rate", "f8"),  # rad/s: about z of I and F, positive eastward
+            ("j2", "f8"),  # oblateness, not normalised
+            ("gravity_radius", "f8"),  # m: radius that the oblateness refers to
+            ("sutton_graves_constant", "f8"),  # kg^0.5/m: of the convective heat flux
         ),
-        (
-            "atmosphere",
-            np.dtype(
-                [
-                    ("bottom", "f8"),  # m: altitude of the first node
-                    ("top", "f8"),  # m: altitude of the last node
-                    ("spacing", "f8"),  # m: between nodes
-                    ("ln_density", "f8", (NODES,)),  # natural logarithm of the density in kg/m3
-                    ("speed_of_sound", "f8", (NODES,)),  # m/s: believed
-                    ("wind_north", "f8", (NODES,)),  # m/s: expected mean wind, towards north
-                    ("wind_east", "f8", (NODES,)),  # m/s: expected mean wind, towards east
-                ],
-                align=True,
-            ),
+    ),
+    (
+        "atmosphere",
+        record(
+            ("bottom", "f8"),  # m: altitude of the first node
+            ("top", "f8"),  # m: altitude of the last node
+            ("spacing", "f8"),  # m: between nodes
+            ("ln_density", "f8", (NODES,)),  # natural logarithm of the density in kg/m3
+            ("speed_of_sound", "f8", (NODES,)),  # m/s: believed
+            ("wind_north", "f8", (NODES,)),  # m/s: expected mean wind, towards north
+            ("wind_east", "f8", (NODES,)),  # m/s: expected mean wind, towards east
         ),
-        (
-            "site",
-            np.dtype(
-                [
-                    ("latitude", "f8"),  # rad: geodetic, of the landing site
-                    ("longitude", "f8"),  # rad: of the landing site, positive east
-                    ("altitude", "f8"),  # m: of the landing site, above the reference ellipsoid
-                    ("aim_latitude", "f8"),  # rad: geodetic, of the aim point of entry guidance
-                    ("aim_longitude", "f8"),  # rad: of the aim point, positive east
-                    ("frame", LOCAL_FRAME),  # frame L of the landing site
-                ],
-                align=True,
-            ),
+    ),
+    (
+        "site",
+        record(
+            ("latitude", "f8"),  # rad: geodetic, of the landing site
+            ("longitude", "f8"),  # rad: of the landing site, positive east
+            ("altitude", "f8"),  # m: of the landing site, above the reference ellipsoid
+            ("aim_latitude", "f8"),  # rad: geodetic, of the aim point of entry guidance
+            ("aim_longitude", "f8"),  # rad: of the aim point, positive east
+            ("frame", LOCAL_FRAME),  # frame L of the landing site
         ),
-        (
-            "vehicle",
-            np.dtype(
-                [
-                    ("entry_mass", "f8"),  # kg: at entry
-                    ("drag_area", "f8"),  # m2: drag coefficient times reference area
-                    ("lift_to_drag", "f8"),  # lift-to-drag ratio at trim
-                    ("airframe", AIRFRAME),  # trim, drag and lift against the Mach number
-                    # by the set of the parts that are gone, a bit for each
-                    ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
-                    ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
-                    ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),  # each engine by itself
-                    ("n_engines", "i8"),  # engines that the vehicle has
-                    *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
-                    ("branches", BRANCHES),  # propellant branches
-                ],
-                align=True,
-            ),
+    ),
+    (
+        "vehicle",
+        record(
+            ("entry_mass", "f8"),  # kg: at entry
+            ("drag_area", "f8"),  # m2: drag coefficient times reference area
+            ("lift_to_drag", "f8"),  # lift-to-drag ratio at trim
+            ("airframe", AIRFRAME),  # trim, drag and lift against the Mach number
+            # by the set of the parts that are gone, a bit for each
+            ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
+            ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
+            ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),  # each engine by itself
+            ("n_engines", "i8"),  # engines that the vehicle has
+            *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
+            ("branches", BRANCHES),  # propellant branches
         ),
-        ("rates", dtype_of(RateParams)),
-        ("instruments", INSTRUMENTS),
-        ("flow_meters", FLAG),  # propellant branches are metered
-        ("navigation", dtype_of(NavigationParams)),
-        ("hazard", dtype_of(HazardParams)),
-        ("drifter", DRIFTER),
-        ("guidance", dtype_of(GuidanceParams)),
-        ("check_out", CHECK_OUT),
-        ("control", dtype_of(ControlParams)),
-        ("estimation", dtype_of(EstimationParams)),
-        ("imu_delay", "f8"),  # s: age of a reading of the inertial unit when it arrives
-        ("diagnosis", dtype_of(DiagnosisParams)),
-        ("allocation", dtype_of(AllocationParams)),
-        ("modulation", dtype_of(ModulationParams)),
-        ("mission", MISSION),
-        ("reference", REFERENCE),
-        ("plan", ENTRY_LAWS.tables),
-    ],
-    align=True,
+    ),
+    ("rates", dtype_of(RateParams)),
+    ("instruments", INSTRUMENTS),
+    ("flow_meters", FLAG),  # propellant branches are metered
+    ("navigation", dtype_of(NavigationParams)),
+    ("hazard", dtype_of(HazardParams)),
+    ("drifter", DRIFTER),
+    ("guidance", dtype_of(GuidanceParams)),
+    ("check_out", CHECK_OUT),
+    ("control", dtype_of(ControlParams)),
+    ("estimation", dtype_of(EstimationParams)),
+    ("imu_delay", "f8"),  # s: age of a reading of the inertial unit when it arrives
+    ("diagnosis", dtype_of(DiagnosisParams)),
+    ("allocation", dtype_of(AllocationParams)),
+    ("modulation", dtype_of(ModulationParams)),
+    ("mission", MISSION),
+    ("reference", REFERENCE),
+    ("plan", ENTRY_LAWS.tables),
 )
 
 #: The memories of the modules of the flight software.  Only the cycle sees all of them; each module gets its
 #: own, and of the others what its signature says.
-FSW = np.dtype(
-    [
-        ("mission", SEQUENCE),
-        ("landing_point", LANDING_POINT),
-        ("guidance", GUIDANCE),
-        ("control", CONTROL),
-        ("health", HEALTH),
-        ("vehicle", VEHICLE_STATE),
-        ("nav", NAV),
-        ("guide", GUIDE),
-        ("disturbance", DISTURBANCE),
-        ("demand", DEMAND),
-        ("estimation", ESTIMATION),
-        ("diagnosis", DIAGNOSIS),
-        ("check_out", CHECK_OUT_MEMORY),
-        ("navigation", NAVIGATION),
-        ("drag_filter", DRAG_FILTER),
-        ("effectiveness", EFFECTIVENESS),
-        ("allocation", ALLOCATION),
-        ("modulation", MODULATION),
-        ("command", COMMAND),
-        ("external", EXTERNAL),
-        ("own", OWN),
-        ("hazard", HAZARD),  # by far the largest
-    ],
-    align=True,
+FSW = record(
+    ("mission", SEQUENCE),
+    ("landing_point", LANDING_POINT),
+    ("guidance", GUIDANCE),
+    ("control", CONTROL),
+    ("health", HEALTH),
+    ("vehicle", VEHICLE_STATE),
+    ("nav", NAV),
+    ("guide", GUIDE),
+    ("disturbance", DISTURBANCE),
+    ("demand", DEMAND),
+    ("estimation", ESTIMATION),
+    ("diagnosis", DIAGNOSIS),
+    ("check_out", CHECK_OUT_MEMORY),
+    ("navigation", NAVIGATION),
+    ("drag_filter", DRAG_FILTER),
+    ("effectiveness", EFFECTIVENESS),
+    ("allocation", ALLOCATION),
+    ("modulation", MODULATION),
+    ("command", COMMAND),
+    ("external", EXTERNAL),
+    ("own", OWN),
+    ("hazard", HAZARD),  # by far the largest
 )

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.allocation.effectiveness import ROWS
 from edl6dof.interface.effectors import ATTITUDE, AXIAL, ENGINE_FULL, THRUSTER_GROUPS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, take3
 
-DEMAND = np.dtype(
-    [
-        ("attitude_error", "f8", (3,)),  # rad: error that the attitude controller works on, as it returned it
-        ("wrench", "f8", (ROWS,)),  # N and N m, B: force x, y, z and torque x, y, z on the vehicle
-        ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
-        ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
-        (
-            "boosting",
-            FLAG,
-        ),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
-    ],
-    align=True,
+DEMAND = record(
+    ("attitude_error", "f8", (3,)),  # rad: error that the attitude controller works on, as it returned it
+    ("wrench", "f8", (ROWS,)),  # N and N m, B: force x, y, z and torque x, y, z on the vehicle
+    ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
+    ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
+    ("boosting", FLAG),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
 )
 
 

@@ -8,26 +8,20 @@ from __future__ import annotations
 
 from math import copysign
 
-import numpy as np
-
 from edl6dof.interface.capacities import MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.effectors import FINE
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.vector import take3
 
 ROWS = 6  # force x, y, z; torque x, y, z
 NO_TORQUE = 1e-9  # N m, a demand that is none
 
-EFFECTIVENESS = np.dtype(
-    [
-        # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
-        ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
-        # configuration that it belongs to, plus one; 0 before the first
-        ("of", whole(0, 2**MAX_PARTS)),
-        ("mark", "f8"),  # sum of all entries, each times its place: what is worked out from them keeps it
-    ],
-    align=True,
+EFFECTIVENESS = record(
+    # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
+    ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
+    ("of", whole(0, 2**MAX_PARTS)),  # configuration that it belongs to, plus one; 0 before the first
+    ("mark", "f8"),  # sum of all entries, each times its place: what is worked out from them keeps it
 )
 
 

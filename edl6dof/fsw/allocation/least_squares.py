@@ -14,14 +14,12 @@ Gauss and Southwell, Luo and Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.allocation.effectiveness import ROWS, fine_enough, usable
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import AXIAL, FINE
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import put3, take3
 
@@ -49,17 +47,14 @@ class LeastSquaresParams(Params):
 
 #: Who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its
 #: use; products of the weighted effectiveness, duty for each slope, and the weights that these belong to.
-MEMORY = np.dtype(
-    [
-        ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
-        ("slope", "f8", (MAX_THRUSTERS,)),
-        ("price", "f8", (MAX_THRUSTERS,)),
-        ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
-        ("gain", "f8", (MAX_THRUSTERS,)),
-        ("gram_weight", "f8", (3,)),
-        ("gram_mark", "f8"),  # of the effectiveness
-    ],
-    align=True,
+MEMORY = record(
+    ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
+    ("slope", "f8", (MAX_THRUSTERS,)),
+    ("price", "f8", (MAX_THRUSTERS,)),
+    ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
+    ("gain", "f8", (MAX_THRUSTERS,)),
+    ("gram_weight", "f8", (3,)),
+    ("gram_mark", "f8"),  # of the effectiveness
 )
 
 

@@ -18,14 +18,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from edl6dof.config.base import param
 from edl6dof.fsw.allocation import least_squares, table
 from edl6dof.fsw.allocation.effectiveness import ROWS
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Family
 
 ALLOCATORS = Family("thruster allocation", (least_squares.MEMBER, table.MEMBER))
@@ -59,14 +57,11 @@ share_out = ALLOCATORS.role(
 #: Share of the torque scale from which an unallocated torque counts as saturation.
 SATURATED_FROM = 0.2
 
-ALLOCATION = np.dtype(
-    [
-        ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster, 0..1
-        ("unallocated", "f8", (ROWS,)),  # demand less what the duties give, N and N m, B
-        ("saturated", FLAG),  # a torque was left unallocated: the integrators of attitude control stand still
-        ("method", ALLOCATORS.memory),
-    ],
-    align=True,
+ALLOCATION = record(
+    ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster, 0..1
+    ("unallocated", "f8", (ROWS,)),  # demand less what the duties give, N and N m, B
+    ("saturated", FLAG),  # a torque was left unallocated: the integrators of attitude control stand still
+    ("method", ALLOCATORS.memory),
 )
 
 

@@ -17,8 +17,6 @@ crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.control.attitude_error import (
     beyond,
@@ -30,6 +28,7 @@ from edl6dof.fsw.control.attitude_error import (
 )
 from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, follow
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap
 from edl6dof.spatial.vector import add, dot, scale, sub, take3
@@ -57,7 +56,7 @@ class BankToSteerParams(Params):
     )
 
 
-MEMORY = np.dtype([("bank", AXIS), ("alpha", AXIS), ("beta", AXIS)], align=True)
+MEMORY = record(("bank", AXIS), ("alpha", AXIS), ("beta", AXIS))
 
 
 @kernel

@@ -15,12 +15,10 @@ With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 105 s.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.control.attitude_error import inertia_torque, wind_attitude_error
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import take3
 
@@ -35,7 +33,7 @@ class PhasePlaneParams(Params):
     acceleration_deg_s2: float = param(1.2, "angular acceleration of a firing", gt=0.0)
 
 
-MEMORY = np.dtype([("firing", whole(-1, 1), (3,))], align=True)
+MEMORY = record(("firing", whole(-1, 1), (3,)))
 
 
 @kernel

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from math import copysign, sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.vector import clamp
 
 
@@ -33,7 +31,7 @@ class ZoneParams(Params):
 
 PID, PARABOLA, CONSTANT, LIMITER = range(4)
 
-AXIS = np.dtype([("integral", "f8"), ("zone", whole(PID, LIMITER))], align=True)
+AXIS = record(("integral", "f8"), ("zone", whole(PID, LIMITER)))
 
 
 @kernel

@@ -27,8 +27,6 @@ from __future__ import annotations
 from math import sqrt
 from typing import Literal
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.control.attitude_error import (
     attitude,
@@ -40,6 +38,7 @@ from edl6dof.fsw.control.attitude_error import (
 )
 from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, axis_acceleration, target_rate
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import add, scale, sub, take3
@@ -67,13 +66,10 @@ class ThrustVectorParams(Params):
     roll: ZoneParams = group(ZoneParams, "roll channel")
 
 
-MEMORY = np.dtype(
-    [
-        ("axis", AXIS, (3,)),
-        ("modulation_torque", "f8", (3,)),  # N m: what modulation gave beyond its duties, filtered
-        ("compensation", "f8", (3,)),  # N m: what is taken off the demand
-    ],
-    align=True,
+MEMORY = record(
+    ("axis", AXIS, (3,)),
+    ("modulation_torque", "f8", (3,)),  # N m: what modulation gave beyond its duties, filtered
+    ("compensation", "f8", (3,)),  # N m: what is taken off the demand
 )
 
 

@@ -15,8 +15,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
 from edl6dof.fsw.diagnosis.flow_evidence import (
@@ -52,7 +50,7 @@ from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, 
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, record, whole
 
 MAX_ISOLATED = 8
 #: Names of the kinds of fault, by number.
@@ -102,29 +100,23 @@ class DiagnosisParams(Params):
 
 
 #: A thruster taken out of use, and why.
-ISOLATED = np.dtype(
-    [
-        ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-        ("kind", whole(NOTHING, DEGRADED)),
-        ("confidence", "f8"),
-        ("loss", "f8"),
-        ("t", "f8"),
-    ],
-    align=True,
+ISOLATED = record(
+    ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+    ("kind", whole(NOTHING, DEGRADED)),
+    ("confidence", "f8"),
+    ("loss", "f8"),
+    ("t", "f8"),
 )
-DIAGNOSIS = np.dtype(
-    [
-        ("residual", RESIDUAL),
-        ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
-        ("hypotheses", HYPOTHESES),
-        ("flow", FLOW),
-        ("leak", LEAK),
-        ("exercise", EXERCISE),
-        ("streak", COUNT),
-        ("isolated", ISOLATED, (MAX_ISOLATED,)),
-        ("n_isolated", whole(0, MAX_ISOLATED)),
-    ],
-    align=True,
+DIAGNOSIS = record(
+    ("residual", RESIDUAL),
+    ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
+    ("hypotheses", HYPOTHESES),
+    ("flow", FLOW),
+    ("leak", LEAK),
+    ("exercise", EXERCISE),
+    ("streak", COUNT),
+    ("isolated", ISOLATED, (MAX_ISOLATED,)),
+    ("n_isolated", whole(0, MAX_ISOLATED)),
 )
 
 

@@ -15,14 +15,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.diagnosis.flow_evidence import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 
 #: Share of the measured axial force that a test may add to it.
 AXIAL_SHARE = 0.2
@@ -50,7 +49,7 @@ class ExerciseParams(Params):
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 
-EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=True)
+EXERCISE = record(("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8"))
 
 
 class ExerciseSignals(NamedTuple):

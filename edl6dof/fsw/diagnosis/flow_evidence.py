@@ -32,13 +32,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
@@ -80,34 +78,30 @@ class FlowParams(Params):
 
 
 #: Sums over cycles: residual times prediction and prediction squared, weighted; number of cycles.
-LOSS = np.dtype([("cross", "f8"), ("own", "f8"), ("cycles", COUNT)], align=True)
+LOSS = record(("cross", "f8"), ("own", "f8"), ("cycles", COUNT))
 
-FLOW = np.dtype(
-    [
-        ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
-        ("started", FLAG),
-        ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
-        ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
-        ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
-        ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
-        # loss of each branch, since the first sign of a loss if there is one
-        ("pool", LOSS, (MAX_BRANCHES,)),
-        ("seen", COUNT),  # branches in use since then
-        ("suspecting", FLAG),  # whether there is one
-        ("common", "f8"),  # loss of all branches
-        ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
-        ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
-        # reading of the others since a thruster of its branch shows a loss
-        ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
-        ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
-        ("meter_failed", FLAG, (MAX_BRANCHES,)),
-        ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
-        ("off", LOSS, (MAX_THRUSTERS,)),
-        ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
-        # whether something was missing while others of its branch fired, or its meter may have failed
-        ("doubtful", FLAG, (MAX_THRUSTERS,)),
-    ],
-    align=True,
+FLOW = record(
+    ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
+    ("started", FLAG),
+    ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
+    ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
+    ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
+    ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
+    ("pool", LOSS, (MAX_BRANCHES,)),  # loss of each branch, since the first sign of a loss if there is one
+    ("seen", COUNT),  # branches in use since then
+    ("suspecting", FLAG),  # whether there is one
+    ("common", "f8"),  # loss of all branches
+    ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+    ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
+    # reading of the others since a thruster of its branch shows a loss
+    ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
+    ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
+    ("meter_failed", FLAG, (MAX_BRANCHES,)),
+    ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
+    ("off", LOSS, (MAX_THRUSTERS,)),
+    ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
+    # whether something was missing while others of its branch fired, or its meter may have failed
+    ("doubtful", FLAG, (MAX_THRUSTERS,)),
 )
 
 

@@ -40,8 +40,6 @@ cycles and whose force and torque are one another's.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.diagnosis.flow_evidence import (
     CONFIRMED,
     LARGEST,
@@ -58,7 +56,7 @@ from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
@@ -69,25 +67,22 @@ NOTHING = 0
 
 #: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of
 #: cycles.
-SUMS = np.dtype([("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8")], align=True)
+SUMS = record(("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8"))
 
-HYPOTHESES = np.dtype(
-    [
-        ("off", SUMS, (MAX_THRUSTERS,)),
-        ("on", SUMS, (MAX_THRUSTERS,)),
-        ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
-        # the best one of the last cycle
-        ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # whose thrusters all fail so, NONE for one thruster
-        ("kind", whole(NOTHING, DEGRADED)),
-        ("loss", "f8"),
-        ("evidence", "f8"),
-        ("confidence", "f8"),
-        ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
-        ("lost", "f8", (MAX_BRANCHES,)),  # evidence that nothing flows through each branch
-        ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
-    ],
-    align=True,
+HYPOTHESES = record(
+    ("off", SUMS, (MAX_THRUSTERS,)),
+    ("on", SUMS, (MAX_THRUSTERS,)),
+    ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
+    # the best one of the last cycle
+    ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # whose thrusters all fail so, NONE for one thruster
+    ("kind", whole(NOTHING, DEGRADED)),
+    ("loss", "f8"),
+    ("evidence", "f8"),
+    ("confidence", "f8"),
+    ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
+    ("lost", "f8", (MAX_BRANCHES,)),  # evidence that nothing flows through each branch
+    ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
 )
 
 

@@ -18,14 +18,12 @@ Source: none; keying an input to separate its effect from drifts is the lock-in 
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, NONE, is_impossible
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import exp
 
 UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
@@ -35,24 +33,21 @@ SURELY_BEFORE = 5  # cycles ago that a leak just detected had not begun
 LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
 MOST_LOOKS = 20  # after which the most probable is named, whatever its probability
 
-LEAK = np.dtype(
-    [
-        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
-        ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
-        ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
-        ("metered", FLAG),  # by a meter, one of them leaks
-        ("open", FLAG),  # the latch valve
-        ("cycles", COUNT),  # since it moved
-        ("looks", COUNT),
-        ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
-        ("after", "f8", (6,)),  # and since
-        ("flow", "f8"),  # kg/s, mean since
-        # share of the cycle before it moved in which each thruster was to be closed, and a leak shows
-        ("idle", "f8", (MAX_THRUSTERS,)),
-        ("sums", SUMS, (MAX_THRUSTERS,)),
-        ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-    ],
-    align=True,
+LEAK = record(
+    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
+    ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
+    ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
+    ("metered", FLAG),  # by a meter, one of them leaks
+    ("open", FLAG),  # the latch valve
+    ("cycles", COUNT),  # since it moved
+    ("looks", COUNT),
+    ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
+    ("after", "f8", (6,)),  # and since
+    ("flow", "f8"),  # kg/s, mean since
+    # share of the cycle before it moved in which each thruster was to be closed, and a leak shows
+    ("idle", "f8", (MAX_THRUSTERS,)),
+    ("sums", SUMS, (MAX_THRUSTERS,)),
+    ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
 )
 
 

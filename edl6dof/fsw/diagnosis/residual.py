@@ -9,25 +9,20 @@ dead thruster: either shows only in that it does not respond, and the latch valv
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 
 # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a
 # disturbance
 WINDOW = 15
 LEAST_MEAN = 3  # cycles that the first mean after a restart is made of
 
-RESIDUAL = np.dtype(
-    [
-        ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
-        ("slow", "f8", (6,)),
-        ("recent", "f8", (WINDOW, 6)),
-        ("taken", COUNT),
-        ("restarted", FLAG),
-    ],
-    align=True,
+RESIDUAL = record(
+    ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
+    ("slow", "f8", (6,)),
+    ("recent", "f8", (WINDOW, 6)),
+    ("taken", COUNT),
+    ("restarted", FLAG),
 )
 
 

@@ -11,11 +11,9 @@ Estimation of Dynamic Systems (2011), section 5.3, with the first-order lag as i
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
 
@@ -43,14 +41,11 @@ class EngineShortfallParams(Params):
     most: float = param(0.5, "largest loss that is believed", status="estimate", ge=0.0, lt=1.0)
 
 
-ENGINE_SHORTFALL = np.dtype(
-    [
-        ("commanded", "f8"),  # N: where the command began to rest
-        ("rested", "f8"),  # s: for how long it has
-        ("loss", "f8"),  # of the commanded thrust, followed
-        ("believed", FLAG),
-    ],
-    align=True,
+ENGINE_SHORTFALL = record(
+    ("commanded", "f8"),  # N: where the command began to rest
+    ("rested", "f8"),  # s: for how long it has
+    ("loss", "f8"),  # of the commanded thrust, followed
+    ("believed", FLAG),
 )
 
 

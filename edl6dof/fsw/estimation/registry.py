@@ -15,15 +15,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from edl6dof.config.base import group, param
 from edl6dof.fsw.estimation import first_order, unfiltered
 from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL, EngineShortfallParams
 from edl6dof.fsw.estimation.stuck_throttle_detection import STUCK_THROTTLE, StuckThrottleParams
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Family
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.frames import total_angle_of_attack
@@ -33,15 +31,12 @@ from edl6dof.spatial.vector import add, cross, inertia_times, put3, scale, sub, 
 #: into the third.
 KEPT = 3
 
-ACTIVITY = np.dtype(
-    [
-        ("open_time", "f8", (KEPT, MAX_THRUSTERS)),
-        ("close_time", "f8", (KEPT, MAX_THRUSTERS)),
-        # of the measured cycle in which each thruster should have given thrust
-        ("share", "f8", (MAX_THRUSTERS,)),
-        ("wrench", "f8", (6,)),  # mean force and torque that gives
-    ],
-    align=True,
+ACTIVITY = record(
+    ("open_time", "f8", (KEPT, MAX_THRUSTERS)),
+    ("close_time", "f8", (KEPT, MAX_THRUSTERS)),
+    # of the measured cycle in which each thruster should have given thrust
+    ("share", "f8", (MAX_THRUSTERS,)),
+    ("wrench", "f8", (6,)),  # mean force and torque that gives
 )
 
 
@@ -87,27 +82,21 @@ def expect(effectiveness, count, begin, end, lag, memory):
 
 ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
 
-MEASURED = np.dtype(
-    [
-        ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
-        ("mass", "f8"),  # kg: believed
-        ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
-        ("last_rate", "f8", (3,)),  # rad/s, B: at its beginning
-        ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
-        ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
-        ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
-    ],
-    align=True,
+MEASURED = record(
+    ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
+    ("mass", "f8"),  # kg: believed
+    ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
+    ("last_rate", "f8", (3,)),  # rad/s, B: at its beginning
+    ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
+    ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
+    ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
 )
 
-DISTURBANCE = np.dtype(
-    [
-        ("torque", "f8", (3,)),  # N m, B: on the vehicle, without the commanded thrusters
-        ("force", "f8", (3,)),  # N, B: on the vehicle, without the commanded thrusters and gravity
-        ("pole", "f8"),  # rad/s: convergence speed of the torque
-        ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
-    ],
-    align=True,
+DISTURBANCE = record(
+    ("torque", "f8", (3,)),  # N m, B: on the vehicle, without the commanded thrusters
+    ("force", "f8", (3,)),  # N, B: on the vehicle, without the commanded thrusters and gravity
+    ("pole", "f8"),  # rad/s: convergence speed of the torque
+    ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
 )
 
 _Estimators: Any = ESTIMATORS.params_model(
@@ -160,18 +149,15 @@ def force_angle(lag, force_B, dt, last):
     return last + (1.0 - exp(-dt / lag)) * (total_angle_of_attack(scale(-1.0, force_B)) - last)
 
 
-ESTIMATION = np.dtype(
-    [
-        ("activity", ACTIVITY),
-        ("measured", MEASURED),
-        ("rate", "f8", (3,)),  # rad/s, B: the last measurement
-        ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
-        ("started", FLAG),
-        ("law", ESTIMATORS.memory),
-        ("engine_shortfall", ENGINE_SHORTFALL),
-        ("held_thrust", STUCK_THROTTLE),
-    ],
-    align=True,
+ESTIMATION = record(
+    ("activity", ACTIVITY),
+    ("measured", MEASURED),
+    ("rate", "f8", (3,)),  # rad/s, B: the last measurement
+    ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
+    ("started", FLAG),
+    ("law", ESTIMATORS.memory),
+    ("engine_shortfall", ENGINE_SHORTFALL),
+    ("held_thrust", STUCK_THROTTLE),
 )
 
 

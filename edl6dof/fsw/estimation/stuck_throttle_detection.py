@@ -15,11 +15,10 @@ Source: this project.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.estimation.engine_shortfall import RESTS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import exp
 
 #: Share of a change of the command that thrust has to follow to count as one that moves.
@@ -47,18 +46,15 @@ class StuckThrottleParams(Params):
     )
 
 
-STUCK_THROTTLE = np.dtype(
-    [
-        ("smoothed", "f8"),  # N: measured thrust
-        ("resting", "f8"),  # N: where it began to rest
-        ("meanwhile", "f8"),  # N: and its command then
-        ("rested", "f8"),  # s: for how long it has
-        ("stayed", "f8"),  # s: and for how long away from its command
-        ("reference", "f8"),  # N: thrust that was noted
-        ("asked", "f8"),  # N: and its command
-        ("held", "f8"),  # N: thrust of the stuck throttle; 0: it moves
-    ],
-    align=True,
+STUCK_THROTTLE = record(
+    ("smoothed", "f8"),  # N: measured thrust
+    ("resting", "f8"),  # N: where it began to rest
+    ("meanwhile", "f8"),  # N: and its command then
+    ("rested", "f8"),  # s: for how long it has
+    ("stayed", "f8"),  # s: and for how long away from its command
+    ("reference", "f8"),  # N: thrust that was noted
+    ("asked", "f8"),  # N: and its command
+    ("held", "f8"),  # N: thrust of the stuck throttle; 0: it moves
 )
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.guidance_command import RELAXED, note_relaxed
@@ -32,20 +30,17 @@ from edl6dof.fsw.mission.phases import (
 from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, put3, scale, take3
 
-GUIDANCE = np.dtype(
-    [
-        ("entry", ENTRY_MEMORY),
-        ("target", POWERED_TARGET),
-        ("powered", POWERED_LAWS.memory),
-        ("at_full_thrust", FLAG),  # whatever the law wants
-        ("relaxed", RELAXED),
-        ("terminal", TERMINAL),
-    ],
-    align=True,
+GUIDANCE = record(
+    ("entry", ENTRY_MEMORY),
+    ("target", POWERED_TARGET),
+    ("powered", POWERED_LAWS.memory),
+    ("at_full_thrust", FLAG),  # whatever the law wants
+    ("relaxed", RELAXED),
+    ("terminal", TERMINAL),
 )
 
 

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 
 #: Points of the path, a second apart; steps of integration in each second.
 PATH_POINTS, STEPS = 160, 10
@@ -22,21 +20,15 @@ PATH_POINTS, STEPS = 160, 10
 LASTING = (0.0, 0.5, 1.0)
 
 #: Believed body that leaves the lander: backshell with the canopy that carries it.
-DRIFTER = np.dtype(
-    [
-        ("mass", "f8"),  # kg; 0: nothing leaves it
-        ("drag_area", "f8"),  # m2
-        ("length", "f8"),  # m: from the backshell to the canopy above it
-    ],
-    align=True,
+DRIFTER = record(
+    ("mass", "f8"),  # kg; 0: nothing leaves it
+    ("drag_area", "f8"),  # m2
+    ("length", "f8"),  # m: from the backshell to the canopy above it
 )
 
-DRIFT = np.dtype(
-    [
-        ("count", whole(0, PATH_POINTS)),
-        ("place_L", "f8", (PATH_POINTS, 3)),  # m: east and north of the landing site; height above the ground
-    ],
-    align=True,
+DRIFT = record(
+    ("count", whole(0, PATH_POINTS)),
+    ("place_L", "f8", (PATH_POINTS, 3)),  # m: east and north of the landing site; height above the ground
 )
 
 

@@ -11,13 +11,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.backshell_drift import DRIFT, LASTING, distance_from_drifts
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, take3
@@ -52,16 +50,13 @@ class CoarseParams(Params):
     )  # fmt: skip
 
 
-COARSE = np.dtype(
-    [
-        ("parts", whole(0, MAX_PARTS_OF_IMAGE)),  # that the image was cut into
-        ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # that was taken
-        ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of each part that is obstacle or not seen
-        ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
-        ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: of each target from the drift
-        ("drift", DRIFT, (len(LASTING),)),
-    ],
-    align=True,
+COARSE = record(
+    ("parts", whole(0, MAX_PARTS_OF_IMAGE)),  # that the image was cut into
+    ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # that was taken
+    ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of each part that is obstacle or not seen
+    ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
+    ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: of each target from the drift
+    ("drift", DRIFT, (len(LASTING),)),
 )
 
 

@@ -4,8 +4,6 @@ from them; which runs, and when.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.units import G0
 from edl6dof.fsw.hazard.backshell_drift import follow_wind, predict_drifts
 from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part
@@ -18,30 +16,27 @@ from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, TIME_IF_EVER
+from edl6dof.records import FLAG, TIME_IF_EVER, record
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 
-HAZARD = np.dtype(
-    [
-        ("exposed", FLAG),  # the camera was triggered
-        ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
-        ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
-        ("scan_t", TIME_IF_EVER),  # s: first block of the scan
-        ("spot_t", TIME_IF_EVER),  # s: spot chosen
-        ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
-        ("way_L", "f8", (3,)),  # m: from there, by the velocity since
-        ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
-        ("coarse", COARSE),
-        ("elevation_map", ELEVATION_MAP),
-        ("footprint", FOOTPRINT),
-        ("safety_map", SAFETY_MAP),
-        ("envelope", ENVELOPE),
-        ("choice", CHOICE),
-    ],
-    align=True,
+HAZARD = record(
+    ("exposed", FLAG),  # the camera was triggered
+    ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
+    ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
+    ("scan_t", TIME_IF_EVER),  # s: first block of the scan
+    ("spot_t", TIME_IF_EVER),  # s: spot chosen
+    ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
+    ("way_L", "f8", (3,)),  # m: from there, by the velocity since
+    ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
+    ("coarse", COARSE),
+    ("elevation_map", ELEVATION_MAP),
+    ("footprint", FOOTPRINT),
+    ("safety_map", SAFETY_MAP),
+    ("envelope", ENVELOPE),
+    ("choice", CHOICE),
 )
 
 

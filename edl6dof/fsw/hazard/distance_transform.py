@@ -8,23 +8,18 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 
 #: Square of a distance that no two cells have.
 _FAR = 1e9
 
-ENVELOPE = np.dtype(
-    [
-        ("given", "f8", (MAP_CELLS,)),  # the sampled function
-        ("apex", whole(0, MAP_CELLS - 1), (MAP_CELLS,)),  # where each parabola of the envelope stands
-        ("begins", "f8", (MAP_CELLS + 1,)),  # from where on it is the lowest
-        ("squared", "f4", (MAP_CELLS, MAP_CELLS)),  # distance along the columns, squared
-    ],
-    align=True,
+ENVELOPE = record(
+    ("given", "f8", (MAP_CELLS,)),  # the sampled function
+    ("apex", whole(0, MAP_CELLS - 1), (MAP_CELLS,)),  # where each parabola of the envelope stands
+    ("begins", "f8", (MAP_CELLS + 1,)),  # from where on it is the lowest
+    ("squared", "f4", (MAP_CELLS, MAP_CELLS)),  # distance along the columns, squared
 )
 
 

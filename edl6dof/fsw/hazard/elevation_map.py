@@ -7,9 +7,8 @@ point.  A cell without a point is unknown: its weight is zero.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import add, scale
 
@@ -18,16 +17,13 @@ MAP_CELLS = 256
 #: A hole is filled where so many of the eight cells around it are known, in so many rounds.
 NEIGHBOURS_TO_FILL, FILL_ROUNDS = 3, 2
 
-ELEVATION_MAP = np.dtype(
-    [
-        ("cell", "f8"),  # m: side of a cell
-        ("corner_L", "f8", (2,)),  # m: east and north of the landing site of the map's corner
-        ("level", "f8"),  # m: up of the landing site from which the elevations count
-        ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m
-        ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m
-        ("weight", "f4", (MAP_CELLS, MAP_CELLS)),
-    ],
-    align=True,
+ELEVATION_MAP = record(
+    ("cell", "f8"),  # m: side of a cell
+    ("corner_L", "f8", (2,)),  # m: east and north of the landing site of the map's corner
+    ("level", "f8"),  # m: up of the landing site from which the elevations count
+    ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+    ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+    ("weight", "f4", (MAP_CELLS, MAP_CELLS)),
 )
 
 

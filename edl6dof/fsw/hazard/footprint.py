@@ -17,6 +17,7 @@ import numpy as np
 
 from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.table_index import cell
 
 #: Largest radius of a footprint in cells.
@@ -27,30 +28,24 @@ UNKNOWN = np.float32(1e3)
 _ROW = MAP_CELLS + 2 * MAX_RADIUS + 2
 
 #: The planes of a row of cells, and the sums that they follow from.
-PLANES = np.dtype(
-    [
-        ("known", "f8", (_ROW,)),
-        ("sum", "f8", (_ROW,)),
-        ("east_sum", "f8", (_ROW,)),
-        ("north_sum", "f8", (_ROW,)),
-        ("level", "f4", (MAP_CELLS,)),  # m
-        ("rise_east", "f4", (MAP_CELLS,)),  # per metre
-        ("rise_north", "f4", (MAP_CELLS,)),
-        ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
-        ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
-        ("limit", "f4", (MAP_CELLS,)),  # m: how far off the plane a cell may be, along the vertical
-        ("kept", "f4", (MAP_CELLS,)),  # probability that none is farther
-    ],
-    align=True,
+PLANES = record(
+    ("known", "f8", (_ROW,)),
+    ("sum", "f8", (_ROW,)),
+    ("east_sum", "f8", (_ROW,)),
+    ("north_sum", "f8", (_ROW,)),
+    ("level", "f4", (MAP_CELLS,)),  # m
+    ("rise_east", "f4", (MAP_CELLS,)),  # per metre
+    ("rise_north", "f4", (MAP_CELLS,)),
+    ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
+    ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
+    ("limit", "f4", (MAP_CELLS,)),  # m: how far off the plane a cell may be, along the vertical
+    ("kept", "f4", (MAP_CELLS,)),  # probability that none is farther
 )
 
-FOOTPRINT = np.dtype(
-    [
-        ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
-        ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
-        ("planes", PLANES),
-    ],
-    align=True,
+FOOTPRINT = record(
+    ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
+    ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
+    ("planes", PLANES),
 )
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.fsw.hazard.footprint import UNKNOWN, chord, fit_row
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import erfc
 
 #: Classes of a cell.
@@ -37,13 +37,10 @@ _HASTINGS = np.array(
 )
 _NONE, _HALF, _ALL = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 
-SAFETY_MAP = np.dtype(
-    [
-        ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
-        ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
-        ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
-    ],
-    align=True,
+SAFETY_MAP = record(
+    ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
+    ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
+    ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
 )
 
 

@@ -10,24 +10,18 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, cell_of, middle_of
 from edl6dof.fsw.hazard.safety import CELL_CLASSES, SAFE, TOO_ROUGH
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 
 #: The points to land at that hazard detection has chosen.
-LANDING_POINT = np.dtype(
-    [
-        ("coarse_known", FLAG),  # coarse hazard avoidance has chosen
-        # m, L: east and north of the landing site, above which powered descent ends
-        ("coarse_L", "f8", (2,)),
-        ("fine_known", FLAG),  # hazard avoidance has chosen the spot to land on
-        ("fine_L", "f8", (2,)),  # m, L: east and north of the landing site, where the lander is to stand
-    ],
-    align=True,
+LANDING_POINT = record(
+    ("coarse_known", FLAG),  # coarse hazard avoidance has chosen
+    ("coarse_L", "f8", (2,)),  # m, L: east and north of the landing site, above which powered descent ends
+    ("fine_known", FLAG),  # hazard avoidance has chosen the spot to land on
+    ("fine_L", "f8", (2,)),  # m, L: east and north of the landing site, where the lander is to stand
 )
 
 #: Most spots that are remembered as passed over.
@@ -49,24 +43,18 @@ class ChoiceParams(Params):
 
 
 #: A spot that the search passed over.
-REJECTED = np.dtype(
-    [
-        ("spot_L", "f8", (2,)),  # m: east and north of the landing site
-        ("cell_class", whole(0, len(CELL_CLASSES) - 1)),
-    ],
-    align=True,
+REJECTED = record(
+    ("spot_L", "f8", (2,)),  # m: east and north of the landing site
+    ("cell_class", whole(0, len(CELL_CLASSES) - 1)),
 )
 
-CHOICE = np.dtype(
-    [
-        ("found", FLAG),  # whether there was a safe spot
-        ("spot_L", "f8", (2,)),  # m: east and north of the landing site
-        ("clearance", "f8"),  # m
-        ("cost", "f8"),  # m
-        ("n_rejected", whole(0, MAX_REJECTED)),
-        ("rejected", REJECTED, (MAX_REJECTED,)),
-    ],
-    align=True,
+CHOICE = record(
+    ("found", FLAG),  # whether there was a safe spot
+    ("spot_L", "f8", (2,)),  # m: east and north of the landing site
+    ("clearance", "f8"),  # m
+    ("cost", "f8"),  # m
+    ("n_rejected", whole(0, MAX_REJECTED)),
+    ("rejected", REJECTED, (MAX_REJECTED,)),
 )
 
 

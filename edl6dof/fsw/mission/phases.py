@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, get_args
 
-import numpy as np
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section, stated
@@ -19,6 +18,7 @@ from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_P
 from edl6dof.interface.effectors import THRUSTER_GROUPS, ThrusterGroup
 from edl6dof.interface.events import EVENT_TABLE, Action
 from edl6dof.interface.roles import NO_ROLE, Role
+from edl6dof.records import record
 
 NEVER = 1e9
 
@@ -221,12 +221,9 @@ class MissionParams(Params):
 
 
 _TABLE = dtype_of(MissionParams)
-MISSION = np.dtype(
-    [
-        *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
-        ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
-        ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # phase that each transition of each phase leads to
-        *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
-    ],
-    align=True,
+MISSION = record(
+    *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
+    ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
+    ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # phase that each transition of each phase leads to
+    *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
 )

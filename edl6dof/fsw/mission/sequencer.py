@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from math import degrees
 
-import numpy as np
-
 from edl6dof.fsw.mission.phases import (
     Q_ALTITUDE,
     Q_DESCENT_RATE,
@@ -32,16 +30,13 @@ from edl6dof.fsw.mission.phases import (
 )
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_PHASES
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, TIME_IF_EVER, whole
+from edl6dof.records import FLAG, TIME_IF_EVER, record, whole
 
-SEQUENCE = np.dtype(
-    [
-        ("phase", whole(0, MAX_PHASES - 1, of="phases")),
-        ("phase_start", "f8"),  # s, flight time
-        ("event_done", FLAG, (MAX_EVENTS,)),  # requested
-        ("entered", TIME_IF_EVER, (MAX_PHASES,)),  # s, flight time at which each phase began
-    ],
-    align=True,
+SEQUENCE = record(
+    ("phase", whole(0, MAX_PHASES - 1, of="phases")),
+    ("phase_start", "f8"),  # s, flight time
+    ("event_done", FLAG, (MAX_EVENTS,)),  # requested
+    ("entered", TIME_IF_EVER, (MAX_PHASES,)),  # s, flight time at which each phase began
 )
 
 #: Number of ``all`` among the ways to join conditions.

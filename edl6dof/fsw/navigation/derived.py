@@ -17,11 +17,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.fsw.guidance.entry.airframe import trim_alpha
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import acos, atan2, exp, sincos
 from edl6dof.spatial.frames import (
     bank_angle,
@@ -37,52 +35,48 @@ from edl6dof.spatial.quaternion import axes, to_frame
 from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3
 
-NAV = np.dtype(
-    [
-        ("t", "f8"),  # s: flight time
-        ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
-        ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
-        ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
-        # rad/s, B: rate of B relative to I as the inertial unit read it, some cycles ago
-        ("imu_rate_B", "f8", (3,)),
-        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force since the start, of the same age
-        ("v_rel_I", "f8", (3,)),  # m/s, I: planet-relative velocity
-        ("up_I", "f8", (3,)),  # 1, I: unit vector up, along the geodetic vertical
-        ("north_I", "f8", (3,)),  # 1, I: unit vector north
-        ("east_I", "f8", (3,)),  # 1, I: unit vector east
-        ("radius", "f8"),  # m: distance from the centre of the planet
-        ("latitude", "f8"),  # rad: geodetic, positive north
-        ("longitude", "f8"),  # rad: positive east, -pi to pi
-        ("altitude", "f8"),  # m: height above the reference ellipsoid
-        ("height", "f8"),  # m: height of the centre of mass above the ground below
-        ("speed", "f8"),  # m/s: magnitude of the planet-relative velocity
-        # rad: of the planet-relative velocity above the horizontal, positive climbing
-        ("flight_path_angle", "f8"),
-        ("azimuth", "f8"),  # rad: of the planet-relative velocity, from north, positive to the east
-        ("v_N", "f8", (3,)),  # m/s, N: planet-relative velocity north, east, down
-        ("site_L", "f8", (3,)),  # m, L: position east, north, up of the landing site
-        ("alpha", "f8"),  # rad: angle of attack atan2(w, u) of the planet-relative velocity; positive nose up
-        # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
-        ("beta", "f8"),
-        ("bank", "f8"),  # rad: about the planet-relative velocity, 0 with lift up, positive right wing down
-        ("alpha_in_air", "f8"),  # rad: angle of attack in the expected wind, sign as alpha
-        ("beta_in_air", "f8"),  # rad: sideslip in the expected wind, sign as beta
-        ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the expected wind, 0 to pi
-        ("mach", "f8"),  # Mach number of the planet-relative speed in the believed atmosphere
-        # m/s2: measured, along the air that meets the vehicle at its trim; positive against the motion
-        ("drag", "f8"),
-        ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
-        ("dynamic_pressure", "f8"),  # Pa: from the believed density and the planet-relative speed
-        # m2/s2: kinetic and potential energy per mass, zero at rest on the equatorial radius
-        ("energy", "f8"),
-        ("gravity", "f8"),  # m/s2: magnitude of mu / radius^2
-        ("tilt", "f8"),  # rad: angle between the thrust axis (-x of B) and up, 0 to pi
-        # rad: roll error about +x of B, goal minus actual; the goal has y of B to the south
-        ("roll_to_south", "f8"),
-        ("footpad_contact", FLAG),  # a footpad touches the ground
-        ("wing_open", FLAG),  # end switch of the trim wing
-    ],
-    align=True,
+NAV = record(
+    ("t", "f8"),  # s: flight time
+    ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
+    ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
+    ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
+    # rad/s, B: rate of B relative to I as the inertial unit read it, some cycles ago
+    ("imu_rate_B", "f8", (3,)),
+    ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force since the start, of the same age
+    ("v_rel_I", "f8", (3,)),  # m/s, I: planet-relative velocity
+    ("up_I", "f8", (3,)),  # 1, I: unit vector up, along the geodetic vertical
+    ("north_I", "f8", (3,)),  # 1, I: unit vector north
+    ("east_I", "f8", (3,)),  # 1, I: unit vector east
+    ("radius", "f8"),  # m: distance from the centre of the planet
+    ("latitude", "f8"),  # rad: geodetic, positive north
+    ("longitude", "f8"),  # rad: positive east, -pi to pi
+    ("altitude", "f8"),  # m: height above the reference ellipsoid
+    ("height", "f8"),  # m: height of the centre of mass above the ground below
+    ("speed", "f8"),  # m/s: magnitude of the planet-relative velocity
+    # rad: of the planet-relative velocity above the horizontal, positive climbing
+    ("flight_path_angle", "f8"),
+    ("azimuth", "f8"),  # rad: of the planet-relative velocity, from north, positive to the east
+    ("v_N", "f8", (3,)),  # m/s, N: planet-relative velocity north, east, down
+    ("site_L", "f8", (3,)),  # m, L: position east, north, up of the landing site
+    ("alpha", "f8"),  # rad: angle of attack atan2(w, u) of the planet-relative velocity; positive nose up
+    # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
+    ("beta", "f8"),
+    ("bank", "f8"),  # rad: about the planet-relative velocity, 0 with lift up, positive right wing down
+    ("alpha_in_air", "f8"),  # rad: angle of attack in the expected wind, sign as alpha
+    ("beta_in_air", "f8"),  # rad: sideslip in the expected wind, sign as beta
+    ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the expected wind, 0 to pi
+    ("mach", "f8"),  # Mach number of the planet-relative speed in the believed atmosphere
+    # m/s2: measured, along the air that meets the vehicle at its trim; positive against the motion
+    ("drag", "f8"),
+    ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
+    ("dynamic_pressure", "f8"),  # Pa: from the believed density and the planet-relative speed
+    ("energy", "f8"),  # m2/s2: kinetic and potential energy per mass, zero at rest on the equatorial radius
+    ("gravity", "f8"),  # m/s2: magnitude of mu / radius^2
+    ("tilt", "f8"),  # rad: angle between the thrust axis (-x of B) and up, 0 to pi
+    # rad: roll error about +x of B, goal minus actual; the goal has y of B to the south
+    ("roll_to_south", "f8"),
+    ("footpad_contact", FLAG),  # a footpad touches the ground
+    ("wing_open", FLAG),  # end switch of the trim wing
 )
 
 

@@ -14,12 +14,11 @@ eqs. 33-34; Lu 2014, section V.C); that of the speed is this software's.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import exp, sin
 
 
@@ -46,7 +45,7 @@ class DragFilterParams(Params):
 
 
 #: Time (s), filtered speed (m/s), rate of the speed (m/s2), filtered ratio of drag; ratio 0: not started.
-DRAG_FILTER = np.dtype([("t", "f8"), ("speed", "f8"), ("rate", "f8"), ("ratio", "f8")], align=True)
+DRAG_FILTER = record(("t", "f8"), ("speed", "f8"), ("rate", "f8"), ("ratio", "f8"))
 
 
 @kernel

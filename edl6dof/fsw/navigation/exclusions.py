@@ -18,13 +18,11 @@ Source: this project.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import locked_beams
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.quaternion import to_frame
@@ -54,15 +52,12 @@ class BeamWatchParams(Params):
     agreed_looks: int = param(100, "looks in a row in which it must agree to be used again", ge=1, le=10000)
 
 
-_SCORES = np.dtype(
-    [
-        ("refused", COUNT, (MAX_BEAMS,)),  # score
-        ("silent", COUNT, (MAX_BEAMS,)),  # looks in a row
-        ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
-    ],
-    align=True,
+_SCORES = record(
+    ("refused", COUNT, (MAX_BEAMS,)),  # score
+    ("silent", COUNT, (MAX_BEAMS,)),  # looks in a row
+    ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
 )
-BEAM_WATCH = np.dtype([("range", _SCORES), ("speed", _SCORES)], align=True)
+BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES))
 
 
 @kernel
@@ -146,7 +141,7 @@ class StarWatchParams(Params):
     )
 
 
-STAR_WATCH = np.dtype([("without", "f8")], align=True)  # s: duration without an expected fix
+STAR_WATCH = record(("without", "f8"))  # s: duration without an expected fix
 
 
 @kernel
@@ -180,21 +175,15 @@ INERTIAL_UNIT = STAR_TRACKER + 1
 #: Changes that the log holds.
 MAX_CHANGES = 32
 
-CHANGE = np.dtype(
-    [
-        ("t", "f8"),  # s, flight time
-        ("number", whole(0, INERTIAL_UNIT)),  # of the instrument that changed
-        ("back", FLAG),  # 0: it went out of use; 1: it came back
-    ],
-    align=True,
+CHANGE = record(
+    ("t", "f8"),  # s, flight time
+    ("number", whole(0, INERTIAL_UNIT)),  # of the instrument that changed
+    ("back", FLAG),  # 0: it went out of use; 1: it came back
 )
-EXCLUSIONS = np.dtype(
-    [
-        ("out", FLAG, (INERTIAL_UNIT + 1,)),  # instruments out of use
-        ("changes", CHANGE, (MAX_CHANGES,)),
-        ("n_changes", whole(0, MAX_CHANGES)),
-    ],
-    align=True,
+EXCLUSIONS = record(
+    ("out", FLAG, (INERTIAL_UNIT + 1,)),  # instruments out of use
+    ("changes", CHANGE, (MAX_CHANGES,)),
+    ("n_changes", whole(0, MAX_CHANGES)),
 )
 
 

@@ -17,12 +17,10 @@ corrects. Source: this project; least squares with prior: Gelb, Applied Optimal 
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.navigation.rate_bridging import acceleration_of
 from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, cross, norm, scale, sub, take3
 
@@ -37,24 +35,21 @@ _SCATTER, _RATE = 0.087, 0.001
 #: Largest correction (rad): the method is made for degrees.
 _LARGEST = 1.0
 
-GAP_SMOOTHING = np.dtype(
-    [
-        ("kept", COUNT),  # cycles kept since the riser pulls
-        ("gap", COUNT),  # of them without gyros; 0: no gap to smooth
-        ("after", COUNT),  # from their return on
-        ("hung", FLAG),  # whether a riser pulls
-        ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
-        ("dt", "f8", (KEPT,)),  # s
-        ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
-        ("force", "f8", (KEPT, 3)),  # m/s2, B
-        ("unexplained", "f8", (KEPT, 3)),  # rad/s2, B: angular acceleration less that of the riser
-        ("off", "f8", (3,)),  # rad/s, B: error of the bridged rate
-        ("added", "f8", (3,)),  # rad, B: correction added at the end of the gap
-        ("q_I2B", "f8", (4,)),  # attitude at the end of the gap
-        ("equations", "f8", (UNKNOWNS, UNKNOWNS + 1)),
-        ("found", "f8", (3, UNKNOWNS)),  # a to e about each axis
-    ],
-    align=True,
+GAP_SMOOTHING = record(
+    ("kept", COUNT),  # cycles kept since the riser pulls
+    ("gap", COUNT),  # of them without gyros; 0: no gap to smooth
+    ("after", COUNT),  # from their return on
+    ("hung", FLAG),  # whether a riser pulls
+    ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
+    ("dt", "f8", (KEPT,)),  # s
+    ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
+    ("force", "f8", (KEPT, 3)),  # m/s2, B
+    ("unexplained", "f8", (KEPT, 3)),  # rad/s2, B: angular acceleration less that of the riser
+    ("off", "f8", (3,)),  # rad/s, B: error of the bridged rate
+    ("added", "f8", (3,)),  # rad, B: correction added at the end of the gap
+    ("q_I2B", "f8", (4,)),  # attitude at the end of the gap
+    ("equations", "f8", (UNKNOWNS, UNKNOWNS + 1)),
+    ("found", "f8", (3, UNKNOWNS)),  # a to e about each axis
 )
 
 

@@ -4,8 +4,6 @@ accelerometers, less the estimated biases, referred to the centre of mass.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.navigation.parity_test import NONE, PARITY, parity_test, restart_parity_test
 from edl6dof.fsw.navigation.rate_bridging import RATE_BRIDGE, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.redundancy import (
@@ -18,26 +16,23 @@ from edl6dof.fsw.navigation.redundancy import (
 )
 from edl6dof.fsw.navigation.saturation import exclude_stale_flags, usable_gyros
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
 
 #: Largest rate while it is bridged, over the range of the gyros.
 MOST = 2.0
 
 #: Memory of the processing of the inertial unit.
-INERTIAL_MEMORY = np.dtype(
-    [
-        ("t", "f8"),  # s, flight time of the last reading
-        ("first", "f8"),  # s, flight time of the first one
-        ("begun", FLAG),  # whether there was one
-        ("gyros", REDUNDANT),
-        ("accelerometers", REDUNDANT),
-        ("gyro_parity", PARITY),
-        ("accelerometer_parity", PARITY),
-        ("rate_bridge", RATE_BRIDGE),
-        ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
-    ],
-    align=True,
+INERTIAL_MEMORY = record(
+    ("t", "f8"),  # s, flight time of the last reading
+    ("first", "f8"),  # s, flight time of the first one
+    ("begun", FLAG),  # whether there was one
+    ("gyros", REDUNDANT),
+    ("accelerometers", REDUNDANT),
+    ("gyro_parity", PARITY),
+    ("accelerometer_parity", PARITY),
+    ("rate_bridge", RATE_BRIDGE),
+    ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
 )
 
 

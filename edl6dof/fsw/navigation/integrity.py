@@ -14,13 +14,11 @@ saturated gyro turned the attitude over, a negative height followed, and the par
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
 from edl6dof.fsw.navigation.recovery import declare_lost
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
@@ -51,18 +49,15 @@ class GuardParams(Params):
     horizon_deg: float = param(10.0, "least angle of a beam below the horizon", ge=0.0, le=90.0)
 
 
-INTEGRITY = np.dtype(
-    [
-        ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # checks failed in this cycle
-        ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
-        ("begun", FLAG),  # a height was output
-        ("height", "f8"),  # m: last output
-        ("sigma", "f8"),  # m: standard deviation of it by the filter
-        ("withheld", "f8"),  # s: duration of a withheld height
-        ("held", "f8"),  # m: output while the attitude is lost
-        ("looks", COUNT),  # looks of the radar in a row that contradicted the speed
-    ],
-    align=True,
+INTEGRITY = record(
+    ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # checks failed in this cycle
+    ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
+    ("begun", FLAG),  # a height was output
+    ("height", "f8"),  # m: last output
+    ("sigma", "f8"),  # m: standard deviation of it by the filter
+    ("withheld", "f8"),  # s: duration of a withheld height
+    ("held", "f8"),  # m: output while the attitude is lost
+    ("looks", COUNT),  # looks of the radar in a row that contradicted the speed
 )
 
 

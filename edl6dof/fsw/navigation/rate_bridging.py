@@ -14,21 +14,17 @@ Source: this project; Euler's equations; a vector and one product: Sherman and M
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, scale, sub, take3
 
 #: Force (m/s2) whose pull would give as much torque as air and thrusters do.
 _OTHER = 2.0
 
-RATE_BRIDGE = np.dtype(
-    [
-        ("push", "f8"),  # m/s: integral of the force over the gap; 0 while the rate is known
-        ("reach", "f8"),  # m: integral of that
-        ("added", "f8", (3,)),  # rad, B: correction of the angle after the last gap
-    ],
-    align=True,
+RATE_BRIDGE = record(
+    ("push", "f8"),  # m/s: integral of the force over the gap; 0 while the rate is known
+    ("reach", "f8"),  # m: integral of that
+    ("added", "f8", (3,)),  # rad, B: correction of the angle after the last gap
 )
 
 

@@ -13,13 +13,11 @@ Astronautics 43(1), 2022.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
 from edl6dof.fsw.navigation.strapdown import adopt_attitude, attitude_at, gravity_I, level_axes, turn_by
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
@@ -37,17 +35,14 @@ class RecoveryParams(Params):
     )
 
 
-RECOVERY = np.dtype(
-    [
-        ("lost", FLAG),  # the attitude is not to be trusted
-        ("gap", "f8"),  # s: duration of the bridged rate; 0 while it is known
-        ("begun", FLAG),  # the radar has measured a velocity since
-        ("since", "f8"),  # s: time since then
-        ("velocity", "f8", (3,)),  # m/s: that velocity, in the axes used for I
-        ("gained", "f8", (3,)),  # m/s: integral of the specific force since, in the same axes
-        ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
-    ],
-    align=True,
+RECOVERY = record(
+    ("lost", FLAG),  # the attitude is not to be trusted
+    ("gap", "f8"),  # s: duration of the bridged rate; 0 while it is known
+    ("begun", FLAG),  # the radar has measured a velocity since
+    ("since", "f8"),  # s: time since then
+    ("velocity", "f8", (3,)),  # m/s: that velocity, in the axes used for I
+    ("gained", "f8", (3,)),  # m/s: integral of the specific force since, in the same axes
+    ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
 )
 
 

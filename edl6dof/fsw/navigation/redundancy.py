@@ -13,11 +13,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_GYROS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 from edl6dof.spatial.vector import dot, inertia_solve, scale, sub, take3
 
 #: Instruments of one kind, and the most that there can be beyond three.
@@ -27,20 +25,17 @@ MAX_PARITY = MAX_AXES - 3
 #: of V.
 _SPANS, _NEW = 1e-3, 1e-9
 
-REDUNDANT = np.dtype(
-    [
-        ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument: the set that the matrices are of
-        ("solvable", FLAG),  # whether their axes span space
-        ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
-        ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
-        ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; zero but in columns of those in use
-        ("count", "f8", (MAX_AXES,)),  # of each at the last reading
-        ("increment", "f8", (MAX_AXES,)),  # count since the reading before
-        ("flagged", "f8", (MAX_AXES,)),  # s: duration of a flag of saturation that the motion contradicts
-        # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
-        ("end", "f8", (MAX_AXES,)),
-    ],
-    align=True,
+REDUNDANT = record(
+    ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument: the set that the matrices are of
+    ("solvable", FLAG),  # whether their axes span space
+    ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
+    ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
+    ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; zero but in columns of those in use
+    ("count", "f8", (MAX_AXES,)),  # of each at the last reading
+    ("increment", "f8", (MAX_AXES,)),  # count since the reading before
+    ("flagged", "f8", (MAX_AXES,)),  # s: duration of a flag of saturation that the motion contradicts
+    # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
+    ("end", "f8", (MAX_AXES,)),
 )
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.navigation.exclusions import (
     BEAM_WATCH,
     EXCLUSIONS,
@@ -21,6 +19,7 @@ from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.navigation.strapdown import align, integrate
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
 
@@ -28,23 +27,20 @@ from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
 LEAST_TIME = 1e-9
 
 #: Memory of navigation.
-NAVIGATION = np.dtype(
-    [
-        ("estimate", ESTIMATE),
-        ("inertial", INERTIAL_MEMORY),
-        ("motion", MOTION),
-        ("solution", SOLUTION),
-        ("gap_smoothing", GAP_SMOOTHING),
-        ("recovery", RECOVERY),
-        ("integrity", INTEGRITY),
-        ("centre", "f8", (3,)),  # m, B: centre of mass that the solution refers to
-        ("health", INSTRUMENT_HEALTH),
-        ("beam_watch", BEAM_WATCH),
-        ("star_watch", STAR_WATCH),
-        ("exclusions", EXCLUSIONS),
-        ("filter", NAVIGATION_FILTERS.memory),
-    ],
-    align=True,
+NAVIGATION = record(
+    ("estimate", ESTIMATE),
+    ("inertial", INERTIAL_MEMORY),
+    ("motion", MOTION),
+    ("solution", SOLUTION),
+    ("gap_smoothing", GAP_SMOOTHING),
+    ("recovery", RECOVERY),
+    ("integrity", INTEGRITY),
+    ("centre", "f8", (3,)),  # m, B: centre of mass that the solution refers to
+    ("health", INSTRUMENT_HEALTH),
+    ("beam_watch", BEAM_WATCH),
+    ("star_watch", STAR_WATCH),
+    ("exclusions", EXCLUSIONS),
+    ("filter", NAVIGATION_FILTERS.memory),
 )
 
 

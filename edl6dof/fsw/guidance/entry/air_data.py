@@ -18,13 +18,11 @@ Brunner & Lu 2008, eqs. 33-34), there first-order fading memories; local linear 
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
 
@@ -84,19 +82,16 @@ class AirDataParams(Params):
     limit: float = param(0.5, "largest deviation of a ratio from one", gt=0.0, lt=1.0)
 
 
-AIR_DATA = np.dtype(
-    [
-        ("started", FLAG),
-        ("t", "f8"),
-        ("altitude", "f8"),  # m: of the last reading
-        ("drag", "f8"),
-        ("trend", "f8"),  # of the ratio of drag with height, 1/m
-        ("drag_variance", "f8"),
-        ("covariance", "f8"),
-        ("trend_variance", "f8"),
-        ("lift", "f8"),
-    ],
-    align=True,
+AIR_DATA = record(
+    ("started", FLAG),
+    ("t", "f8"),
+    ("altitude", "f8"),  # m: of the last reading
+    ("drag", "f8"),
+    ("trend", "f8"),  # of the ratio of drag with height, 1/m
+    ("drag_variance", "f8"),
+    ("covariance", "f8"),
+    ("trend_variance", "f8"),
+    ("lift", "f8"),
 )
 
 

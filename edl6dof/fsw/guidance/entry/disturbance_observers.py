@@ -23,14 +23,12 @@ Source: Yan, Sun & Guo 2016, eqs. 5 and 16-17.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import cos, exp
 
 #: Longest time (s) between two samples over which the chain of integrators is believed; after it the observer
@@ -38,9 +36,8 @@ from edl6dof.spatial.elementary import cos, exp
 MEMORY_S = 3.0
 
 #: Estimates; a, b and time of the last sample.
-OBSERVER = np.dtype(
-    [("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", FLAG)],
-    align=True,
+OBSERVER = record(
+    ("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", FLAG)
 )
 
 
@@ -89,20 +86,17 @@ class PathObserverParams(Params):
 
 #: State at the last call: time, flight-path angle, lift over speed, the rest of the path rate; and the
 #: estimate, rad/s.
-PATH_OBSERVER = np.dtype(
-    [
-        ("started", FLAG),
-        ("t", "f8"),
-        ("gamma", "f8"),
-        ("lift_rate", "f8"),
-        ("free_rate", "f8"),
-        ("disturbance", "f8"),
-    ],
-    align=True,
+PATH_OBSERVER = record(
+    ("started", FLAG),
+    ("t", "f8"),
+    ("gamma", "f8"),
+    ("lift_rate", "f8"),
+    ("free_rate", "f8"),
+    ("disturbance", "f8"),
 )
 
 #: Memory of a law that tracks drag with this observer.
-MEMORY = np.dtype([("tracking", TRACKING), ("observer", PATH_OBSERVER)], align=True)
+MEMORY = record(("tracking", TRACKING), ("observer", PATH_OBSERVER))
 
 
 @kernel

@@ -23,7 +23,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.range_update import shape
 from edl6dof.fsw.guidance.entry.reference import node_of
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import clamp
@@ -47,16 +47,13 @@ FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
 #: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples
 #: are scratch.
-PROFILE = np.dtype(
-    [
-        ("coefficient", "f8", (ORDER + 1,)),
-        ("energy", "f8"),
-        ("updated", "f8"),
-        ("started", FLAG),
-        ("drag", "f8", (SAMPLES,)),
-        ("ground", "f8", (SAMPLES,)),
-    ],
-    align=True,
+PROFILE = record(
+    ("coefficient", "f8", (ORDER + 1,)),
+    ("energy", "f8"),
+    ("updated", "f8"),
+    ("started", FLAG),
+    ("drag", "f8", (SAMPLES,)),
+    ("ground", "f8", (SAMPLES,)),
 )
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.arrays import product, pseudo_inverse
 from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import clamp
@@ -32,17 +33,14 @@ _ROWS = 300
 #: Weight of the share by which a profile exceeds the ceiling, against the misfit to the flight.
 _STIFF = 100.0
 
-DRAG_VELOCITY = np.dtype(
-    [
-        ("start", "f8"),  # speed where the profile begins, m/s
-        ("join", "f8"),  # quadratic to glide
-        ("level", "f8"),  # glide to constant
-        ("final", "f8"),  # speed where it ends
-        ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
-        # ground range from each of evenly spaced speeds, final .. start, to the end
-        ("range", "f8", (RANGE_NODES,)),
-    ],
-    align=True,
+DRAG_VELOCITY = record(
+    ("start", "f8"),  # speed where the profile begins, m/s
+    ("join", "f8"),  # quadratic to glide
+    ("level", "f8"),  # glide to constant
+    ("final", "f8"),  # speed where it ends
+    ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
+    # ground range from each of evenly spaced speeds, final .. start, to the end
+    ("range", "f8", (RANGE_NODES,)),
 )
 
 

@@ -27,6 +27,7 @@ import numpy as np
 from edl6dof.fsw.guidance.entry.reference import point_mass, reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, sin
 
@@ -38,19 +39,16 @@ LEAST_DECELERATION = 0.5
 #: Half the differences: altitude (m), flight-path angle (rad), vertical lift-to-drag ratio.
 D_ALTITUDE, D_PATH, D_LIFT = 50.0, 1e-5, 1e-4
 
-INFLUENCE = np.dtype(
-    [
-        ("first", "f8"),  # speed of the first node, m/s
-        ("spacing", "f8"),
-        ("range", "f8", (NODES,)),  # range to go, m
-        ("drag", "f8", (NODES,)),
-        ("climb", "f8", (NODES,)),  # altitude rate, m/s
-        ("lift", "f8", (NODES,)),  # vertical lift-to-drag ratio
-        ("by_drag", "f8", (NODES,)),  # d range / d drag, s2
-        ("by_climb", "f8", (NODES,)),  # d range / d altitude rate, s
-        ("by_lift", "f8", (NODES,)),  # d range / d vertical lift-to-drag ratio, kept to the end, m
-    ],
-    align=True,
+INFLUENCE = record(
+    ("first", "f8"),  # speed of the first node, m/s
+    ("spacing", "f8"),
+    ("range", "f8", (NODES,)),  # range to go, m
+    ("drag", "f8", (NODES,)),
+    ("climb", "f8", (NODES,)),  # altitude rate, m/s
+    ("lift", "f8", (NODES,)),  # vertical lift-to-drag ratio
+    ("by_drag", "f8", (NODES,)),  # d range / d drag, s2
+    ("by_climb", "f8", (NODES,)),  # d range / d altitude rate, s
+    ("by_lift", "f8", (NODES,)),  # d range / d vertical lift-to-drag ratio, kept to the end, m
 )
 
 

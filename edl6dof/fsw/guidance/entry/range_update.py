@@ -13,11 +13,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reference import NODES, node_of
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.table_index import catmull_rom, cell, held
 from edl6dof.spatial.vector import clamp
@@ -41,7 +40,7 @@ ITERATIONS, RESOLUTION = 3, 1e-5
 SHAPE_CURVATURE = -4.0 * sqrt(2.0)
 
 #: Memory of a law that follows the reference drag.
-TRACKING = np.dtype([("scale", "f8")], align=True)
+TRACKING = record(("scale", "f8"))
 
 
 @kernel

@@ -10,12 +10,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from edl6dof.fsw.guidance.entry.aim_point import first_side, heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.spatial.vector import clamp
 
 _Logics: Any = REVERSALS.params_model("ReversalLogics", "logic", "crossrange_corridor", "Bank reversals.")
@@ -25,9 +23,8 @@ class ReversalParams(_Logics):
     """Bank reversals."""
 
 
-STEERING = np.dtype(
-    [("sign", "f8"), ("count", COUNT), ("bank", "f8"), ("t", "f8"), ("reversal", REVERSALS.memory)],
-    align=True,
+STEERING = record(
+    ("sign", "f8"), ("count", COUNT), ("bank", "f8"), ("t", "f8"), ("reversal", REVERSALS.memory)
 )
 
 

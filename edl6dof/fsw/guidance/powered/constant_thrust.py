@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import param
 from edl6dof.fsw.guidance.powered.target import (
     LEAST_HEIGHT,
@@ -24,7 +22,7 @@ from edl6dof.fsw.guidance.powered.target import (
     planned_upward,
 )
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos, sin
 
@@ -40,10 +38,7 @@ class ConstantThrustParams(PlanningParams):
 #: At arrival the upward acceleration of the polynomial law is (6 h - 2 V T) / T^2.
 GAINS = (2.0, 6.0)
 
-MEMORY = np.dtype(
-    [("over", FLAG), ("rest", PLAN)],  # the burn, and the plan of what follows it
-    align=True,
-)
+MEMORY = record(("over", FLAG), ("rest", PLAN))
 
 
 @kernel

@@ -18,12 +18,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp, sin
 from edl6dof.spatial.vector import clamp
 
@@ -59,15 +57,12 @@ class PoweredTargetParams(Params):
     )
 
 
-POWERED_TARGET = np.dtype(
-    [
-        ("set", FLAG),  # the target has been chosen
-        ("arrival", "f8"),  # s: flight time at which the lander is expected there
-        ("point_L", "f8", (2,)),  # m, L: east and north of the landing site
-        ("height", "f8"),  # m: above the ground
-        ("least_height", "f8"),  # m: above the ground, to come to rest at where the target cannot be reached
-    ],
-    align=True,
+POWERED_TARGET = record(
+    ("set", FLAG),  # the target has been chosen
+    ("arrival", "f8"),  # s: flight time at which the lander is expected there
+    ("point_L", "f8", (2,)),  # m, L: east and north of the landing site
+    ("height", "f8"),  # m: above the ground
+    ("least_height", "f8"),  # m: above the ground, to come to rest at where the target cannot be reached
 )
 
 
@@ -135,13 +130,10 @@ class PlanningParams(Params):
     )
 
 
-PLAN = np.dtype(
-    [
-        ("made", FLAG),
-        ("upward", "f8"),  # m/s2, gravity taken off, at arrival
-        ("arrival", "f8"),  # s, flight time
-    ],
-    align=True,
+PLAN = record(
+    ("made", FLAG),
+    ("upward", "f8"),  # m/s2, gravity taken off, at arrival
+    ("arrival", "f8"),  # s, flight time
 )
 
 

@@ -11,17 +11,15 @@ from __future__ import annotations
 from math import sqrt
 from typing import Literal
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp, tan
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import clamp, dot, put3, take3
 
-LATERAL_BIAS = np.dtype([("known", FLAG), ("force_N", "f8", (2,))], align=True)
+LATERAL_BIAS = record(("known", FLAG), ("force_N", "f8", (2,)))
 
 
 @kernel
@@ -104,7 +102,7 @@ LEAST_UPWARD = 0.5
 #: Index of ``tilt`` among the choices of ``descent_sideways``.
 BY_TILT = 1
 
-TERMINAL = np.dtype([("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
+TERMINAL = record(("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8", (2,)))
 
 
 @kernel

@@ -15,12 +15,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
 from edl6dof.fsw.navigation.strapdown import adopt_attitude, gravity_I, turn_by
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
@@ -53,17 +52,14 @@ class DeadReckoningParams(Params):
     )
 
 
-DEAD_RECKONING = np.dtype(
-    [
-        ("covariance", "f8", (ERRORS, ERRORS)),  # of the errors, SI
-        ("time", "f8"),  # s, since its last step
-        ("age", "f8"),  # s, since the start
-        ("v_I", "f8", (3,)),  # m/s, I: velocity at its last step
-        ("roll", "f8"),  # rad: angle turned about x of B since its last step
-        ("rate_gap", "f8"),  # s: for how long the rate has been bridged
-        ("force_gap", "f8"),  # s: for how long the specific force has been held
-    ],
-    align=True,
+DEAD_RECKONING = record(
+    ("covariance", "f8", (ERRORS, ERRORS)),  # of the errors, SI
+    ("time", "f8"),  # s, since its last step
+    ("age", "f8"),  # s, since the start
+    ("v_I", "f8", (3,)),  # m/s, I: velocity at its last step
+    ("roll", "f8"),  # rad: angle turned about x of B since its last step
+    ("rate_gap", "f8"),  # s: for how long the rate has been bridged
+    ("force_gap", "f8"),  # s: for how long the specific force has been held
 )
 
 

@@ -14,8 +14,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
@@ -36,7 +34,7 @@ from edl6dof.fsw.navigation.radar_beams import (
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame
@@ -45,25 +43,22 @@ from edl6dof.spatial.vector import add, dot, put3, take3
 #: Beam heights that the buffer can hold.
 HEIGHTS = 128
 
-TWO_FILTER = np.dtype(
-    [
-        # errors of velocity (m/s, I) and acceleration (m/s2, I)
-        ("covariance", "f8", (6, 6)),
-        ("correction", "f8", (6,)),
-        ("converged", FLAG),  # whether velocity is corrected
-        ("age", "f8"),  # s: since the last use of the radar
-        ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
-        ("heights", COUNT),  # how many have come yet
-        ("started_t", "f8"),  # s, flight time
-        # workspace
-        ("considered", "f8", (6,)),
-        ("row", "f8", (6,)),
-        ("product", "f8", (6,)),
-        ("gain", "f8", (6,)),
-        ("beam_errors", "f8", (MAX_BEAMS,)),
-        ("ordered", "f8", (MAX_BEAMS,)),
-    ],
-    align=True,
+TWO_FILTER = record(
+    # errors of velocity (m/s, I) and acceleration (m/s2, I)
+    ("covariance", "f8", (6, 6)),
+    ("correction", "f8", (6,)),
+    ("converged", FLAG),  # whether velocity is corrected
+    ("age", "f8"),  # s: since the last use of the radar
+    ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
+    ("heights", COUNT),  # how many have come yet
+    ("started_t", "f8"),  # s, flight time
+    # workspace
+    ("considered", "f8", (6,)),
+    ("row", "f8", (6,)),
+    ("product", "f8", (6,)),
+    ("gain", "f8", (6,)),
+    ("beam_errors", "f8", (MAX_BEAMS,)),
+    ("ordered", "f8", (MAX_BEAMS,)),
 )
 
 

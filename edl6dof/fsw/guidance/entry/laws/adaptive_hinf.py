@@ -41,7 +41,7 @@ from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, sin, sincos
 from edl6dof.spatial.vector import clamp
@@ -122,16 +122,13 @@ class AdaptiveHinfParams(PrintedParams):
         return self
 
 
-MEMORY = np.dtype(
-    [
-        ("theta", "f8", (PARAMETERS,)),
-        ("low", "f8", (PARAMETERS,)),
-        ("high", "f8", (PARAMETERS,)),
-        ("scale", "f8"),
-        ("t", "f8"),
-        ("started", FLAG),
-    ],
-    align=True,
+MEMORY = record(
+    ("theta", "f8", (PARAMETERS,)),
+    ("low", "f8", (PARAMETERS,)),
+    ("high", "f8", (PARAMETERS,)),
+    ("scale", "f8"),
+    ("t", "f8"),
+    ("started", FLAG),
 )
 
 

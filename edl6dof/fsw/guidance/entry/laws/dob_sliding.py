@@ -18,15 +18,13 @@ b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import param
 from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, exp
 from edl6dof.spatial.vector import clamp
@@ -74,21 +72,18 @@ class DobSlidingParams(PrintedParams):
     )
 
 
-MEMORY = np.dtype(
-    [
-        ("tracking", TRACKING),
-        ("started", FLAG),
-        ("t", "f8"),
-        ("surface", "f8"),
-        ("virtual", "f8"),
-        ("disturbance", "f8"),
-        ("eta", "f8"),
-        ("input", "f8"),
-        ("feedback", "f8"),
-        ("authority", "f8"),
-        ("decay", "f8"),
-    ],
-    align=True,
+MEMORY = record(
+    ("tracking", TRACKING),
+    ("started", FLAG),
+    ("t", "f8"),
+    ("surface", "f8"),
+    ("virtual", "f8"),
+    ("disturbance", "f8"),
+    ("eta", "f8"),
+    ("input", "f8"),
+    ("feedback", "f8"),
+    ("authority", "f8"),
+    ("decay", "f8"),
 )
 
 

@@ -24,15 +24,13 @@ from __future__ import annotations
 
 from math import copysign, sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.aim_point import first_side
 from edl6dof.fsw.guidance.entry.predictor import linear, planned_bank, predict
 from edl6dof.fsw.guidance.entry.reach import stretched
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, hypot, sin
 from edl6dof.spatial.vector import clamp
@@ -90,18 +88,15 @@ class FnpegParams(Params):
     )
 
 
-MEMORY = np.dtype(
-    [
-        ("started", FLAG),
-        ("side", "f8"),  # +1 right, -1 left
-        ("bank", "f8"),  # magnitude now, rad; beyond the largest, what is added to the last
-        ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
-        ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
-        ("left", COUNT),  # reversals left
-        ("miss", "f8"),  # predicted, m: downrange, and crossrange
-        ("aside", "f8"),
-    ],
-    align=True,
+MEMORY = record(
+    ("started", FLAG),
+    ("side", "f8"),  # +1 right, -1 left
+    ("bank", "f8"),  # magnitude now, rad; beyond the largest, what is added to the last
+    ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
+    ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
+    ("left", COUNT),  # reversals left
+    ("miss", "f8"),  # predicted, m: downrange, and crossrange
+    ("aside", "f8"),
 )
 
 

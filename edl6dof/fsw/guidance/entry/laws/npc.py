@@ -20,7 +20,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.predictor import in_plane_shifted, predict
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos
 from edl6dof.spatial.vector import clamp
@@ -42,20 +42,17 @@ class NpcParams(Params):
 #: Reversals of the plan that are looked at, at most.
 MAX_TURNS = 12
 
-MEMORY = np.dtype(
-    [
-        ("shift", "f8"),
-        ("started", FLAG),
-        ("miss", "f8"),
-        ("iterations", COUNT),
-        ("side", "f8"),  # at the last call, +1 right, -1 left
-        ("done", COUNT),  # reversals begun
-    ],
-    align=True,
+MEMORY = record(
+    ("shift", "f8"),
+    ("started", FLAG),
+    ("miss", "f8"),
+    ("iterations", COUNT),
+    ("side", "f8"),  # at the last call, +1 right, -1 left
+    ("done", COUNT),  # reversals begun
 )
 
 #: Speeds (m/s) at which the plan reverses, falling, zero after the last.
-PLAN = np.dtype([("turn", "f8", (MAX_TURNS,))])
+PLAN = record(("turn", "f8", (MAX_TURNS,)))
 
 
 @kernel

@@ -17,8 +17,6 @@ from __future__ import annotations
 
 from math import inf
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.guidance_command import ARRIVAL, DWELL, GLIDE_SLOPE, TARGET, TILT
@@ -38,7 +36,7 @@ from edl6dof.fsw.guidance.powered.convex.landing_plan import (
 )
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, record, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import atan, cos, tan
 from edl6dof.spatial.vector import norm, take3
@@ -89,17 +87,14 @@ class ConvexParams(Params):
     velocity_gain: float = param(0.4, "acceleration per velocity off the plan, 1/s", ge=0.0)
 
 
-MEMORY = np.dtype(
-    [
-        ("plans", COUNT),
-        ("start", "f8"),  # s, flight time of the start of the plan
-        ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
-        ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
-        ("landing", LANDING),  # the state that the plan begins in
-        ("plan", PLAN),
-        ("other", PLAN),
-    ],
-    align=True,
+MEMORY = record(
+    ("plans", COUNT),
+    ("start", "f8"),  # s, flight time of the start of the plan
+    ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
+    ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
+    ("landing", LANDING),  # the state that the plan begins in
+    ("plan", PLAN),
+    ("other", PLAN),
 )
 
 
