@@ -26,7 +26,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "Attitude control and allocation": (
         ("edl6dof.fsw.control.registry", "CONTROL_INPUTS", "`inputs` of a controller"),
-        ("edl6dof.fsw.allocation.demand", "DEMAND", "demand on the thrusters"),
+        ("edl6dof.fsw.allocation.registry", "DEMAND", "demand on the thrusters"),
     ),
     "Disturbance estimation": (
         ("edl6dof.fsw.estimation.registry", "MEASURED", "`measured` of an estimator"),

@@ -8,17 +8,15 @@ signature names.
 
 from __future__ import annotations
 
-from edl6dof.fsw.allocation.demand import compose_demand, no_demand
 from edl6dof.fsw.allocation.effectiveness import update_effectiveness
-from edl6dof.fsw.allocation.registry import allocate
+from edl6dof.fsw.allocation.registry import allocate, compose_demand, no_demand
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.registry import gather_inputs
 from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
 from edl6dof.fsw.diagnosis.flow_evidence import NONE
-from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
+from edl6dof.fsw.estimation.engine_thrust import engine_shortfall, stuck_throttle
 from edl6dof.fsw.estimation.registry import estimate_disturbance, force_angle, remember_valves
-from edl6dof.fsw.estimation.stuck_throttle_detection import stuck_throttle
 from edl6dof.fsw.external import (
     replace_bank,
     replace_duties,
@@ -29,11 +27,9 @@ from edl6dof.fsw.external import (
     replace_torque,
 )
 from edl6dof.fsw.guidance.phase_guidance import guide, switch_engine
-from edl6dof.fsw.mission.phases import G_AVOID
-from edl6dof.fsw.mission.sequencer import sequence
+from edl6dof.fsw.mission import G_AVOID, sequence
 from edl6dof.fsw.modulation import command_valves, excess_torque, modulate, open_alone, open_for_test
-from edl6dof.fsw.navigation.derived import derive
-from edl6dof.fsw.navigation.drag_filter import filter_drag
+from edl6dof.fsw.navigation.derived import derive, filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.effectors import ENGINE_OFF

@@ -10,9 +10,8 @@ from typing import Annotated, Any
 
 from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
-from edl6dof.fsw.allocation.registry import ALLOCATION, AllocationParams
+from edl6dof.fsw.allocation.registry import ALLOCATION, DEMAND, AllocationParams
 from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
 from edl6dof.fsw.control.registry import CONTROL, CONTROLLERS
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
@@ -21,26 +20,24 @@ from edl6dof.fsw.external import OWN
 from edl6dof.fsw.guidance.entry.aim_point import HeadingAlignmentParams
 from edl6dof.fsw.guidance.entry.air_data import AirDataParams, ExpectedWindParams
 from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
-from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
+from edl6dof.fsw.guidance.entry.drag_velocity import EntryLimitParams
 from edl6dof.fsw.guidance.entry.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.guidance.entry.steering import ReversalParams
+from edl6dof.fsw.guidance.entry.reversal.registry import ReversalParams
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.phase_guidance import GUIDANCE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.fsw.guidance.powered.stuck_throttle_descent import StuckThrottleDescentParams
+from edl6dof.fsw.guidance.powered.stopping import StuckThrottleDescentParams
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal_descent import TerminalParams
-from edl6dof.fsw.hazard.backshell_drift import DRIFTER
+from edl6dof.fsw.hazard.coarse_avoidance import DRIFTER
 from edl6dof.fsw.hazard.detection import HAZARD
 from edl6dof.fsw.hazard.registry import HazardParams
 from edl6dof.fsw.hazard.site_selection import LANDING_POINT
-from edl6dof.fsw.mission.phases import MISSION
-from edl6dof.fsw.mission.sequencer import SEQUENCE
+from edl6dof.fsw.mission import MISSION, SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
-from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.fsw.navigation.drag_filter import DRAG_FILTER
+from edl6dof.fsw.navigation.derived import DRAG_FILTER, NAV
 from edl6dof.fsw.navigation.filters.registry import NavigationParams
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.update import NAVIGATION

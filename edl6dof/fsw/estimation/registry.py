@@ -17,8 +17,12 @@ from typing import Any
 
 from edl6dof.config.base import group, param
 from edl6dof.fsw.estimation import first_order, unfiltered
-from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL, EngineShortfallParams
-from edl6dof.fsw.estimation.stuck_throttle_detection import STUCK_THROTTLE, StuckThrottleParams
+from edl6dof.fsw.estimation.engine_thrust import (
+    ENGINE_SHORTFALL,
+    STUCK_THROTTLE,
+    EngineShortfallParams,
+    StuckThrottleParams,
+)
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record

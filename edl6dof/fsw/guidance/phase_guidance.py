@@ -6,8 +6,7 @@ from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.guidance_command import RELAXED, note_relaxed
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.fsw.guidance.powered.stopping import brake_in_time
-from edl6dof.fsw.guidance.powered.stuck_throttle_descent import descend_on_stuck_throttle
+from edl6dof.fsw.guidance.powered.stopping import brake_in_time, descend_on_stuck_throttle
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal_descent import (
     TERMINAL,
@@ -18,15 +17,7 @@ from edl6dof.fsw.guidance.powered.terminal_descent import (
     lateral_bias,
     start_or_throttle,
 )
-from edl6dof.fsw.mission.phases import (
-    G_AVOID,
-    G_DESCEND,
-    G_ENTRY,
-    G_HELD_THRUST,
-    G_HOLD_BANK,
-    G_HOVER,
-    G_POWERED,
-)
+from edl6dof.fsw.mission import G_AVOID, G_DESCEND, G_ENTRY, G_HELD_THRUST, G_HOLD_BANK, G_HOVER, G_POWERED
 from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.kernels import kernel

@@ -5,14 +5,11 @@ from them; which runs, and when.
 from __future__ import annotations
 
 from edl6dof.config.units import G0
-from edl6dof.fsw.hazard.backshell_drift import follow_wind, predict_drifts
-from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part
-from edl6dof.fsw.hazard.distance_transform import ENVELOPE, clearances
+from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part, follow_wind, predict_drifts
 from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, add_range, begin_map, fill_holes
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
-from edl6dof.fsw.hazard.safety import SAFETY_MAP
-from edl6dof.fsw.hazard.site_selection import CHOICE, choose_spot, least_bad
-from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
+from edl6dof.fsw.hazard.footprint import FOOTPRINT, SAFETY_MAP, assess
+from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, choose_spot, clearances, least_bad
+from edl6dof.fsw.mission import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel

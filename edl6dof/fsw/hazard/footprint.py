@@ -17,7 +17,7 @@ import numpy as np
 
 from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
 from edl6dof.kernels import kernel
-from edl6dof.records import record
+from edl6dof.records import record, whole
 from edl6dof.spatial.table_index import cell
 
 #: Largest radius of a footprint in cells.
@@ -46,6 +46,16 @@ FOOTPRINT = record(
     ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
     ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
     ("planes", PLANES),
+)
+
+#: Classes of a cell.
+SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)
+CELL_CLASSES = ("safe", "edge", "slope", "rock")
+
+SAFETY_MAP = record(
+    ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
+    ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
+    ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
 )
 
 

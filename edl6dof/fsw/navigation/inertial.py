@@ -4,17 +4,18 @@ accelerometers, less the estimated biases, referred to the centre of mass.
 
 from __future__ import annotations
 
+from edl6dof.fsw.navigation.gyro_gaps import RATE_BRIDGE, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.parity_test import NONE, PARITY, parity_test, restart_parity_test
-from edl6dof.fsw.navigation.rate_bridging import RATE_BRIDGE, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.redundancy import (
     REDUNDANT,
+    exclude_stale_flags,
     least_squares,
     prepare,
     take_increments,
     usable,
+    usable_gyros,
     without_one,
 )
-from edl6dof.fsw.navigation.saturation import exclude_stale_flags, usable_gyros
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3

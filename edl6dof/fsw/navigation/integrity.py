@@ -159,3 +159,32 @@ def height_while_lost(instruments, health, radar, memory):
             memory.held = seen
     memory.height = memory.held
     return memory.held
+
+
+@kernel
+def check_integrity(onboard, sensed, memory, estimate):
+    """Set the height of ``estimate`` to one that is plausible, and start the recovery of the vertical where
+    the solution cannot be true.
+    """
+    params, solution, instruments = onboard.navigation.guards, memory.solution, onboard.instruments
+    r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
+    height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
+    height = plausible_height(
+        params,
+        height,
+        climb,
+        sigma=solution.sigma_height,
+        contact=sensed.footpad_contact,
+        dt=memory.motion.dt,
+        memory=memory.integrity,
+    )
+    spin = onboard.planet.rotation_rate
+    speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
+    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
+    check_solution(
+        params, instruments, memory.health, sensed, speed, sigma=norm(take3(solution.sigma_v, 0)), q=q, up=up,
+        memory=memory.integrity, recovery=memory.recovery,
+    )  # fmt: skip
+    if memory.recovery.lost != 0:
+        height = height_while_lost(instruments, memory.health, sensed.radar, memory.integrity)
+    estimate.height_above_ground = height

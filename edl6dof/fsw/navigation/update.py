@@ -11,17 +11,16 @@ from edl6dof.fsw.navigation.exclusions import (
     watch_stars,
 )
 from edl6dof.fsw.navigation.filters.registry import GIVEN, NAVIGATION_FILTERS
-from edl6dof.fsw.navigation.gap_smoothing import GAP_SMOOTHING, smooth_gap
+from edl6dof.fsw.navigation.gyro_gaps import GAP_SMOOTHING, smooth_gap
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
-from edl6dof.fsw.navigation.integrity import INTEGRITY
-from edl6dof.fsw.navigation.output import check_integrity, extrapolate, take_given
+from edl6dof.fsw.navigation.integrity import INTEGRITY, check_integrity
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.fsw.navigation.strapdown import align, integrate
+from edl6dof.fsw.navigation.strapdown import align, gravity_I, integrate, turn_by
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 
 #: Time between two readings (s) below which they are one.
 LEAST_TIME = 1e-9
@@ -141,3 +140,39 @@ def follow_centre(centre, motion, solution, before):
     put3(solution.r_I, 0, add(take3(solution.r_I, 0), from_frame(q, arm)))
     put3(solution.v_I, 0, add(take3(solution.v_I, 0), from_frame(q, cross(take3(motion.rate, 0), arm))))
     put3(before, 0, centre)
+
+
+@kernel
+def extrapolate(planet, motion, solution, estimate):
+    """Fill ``estimate`` (``ESTIMATE``), except its time and height: ``solution`` extrapolated from the time
+    of the last reading to the cycle, with the latest rate and specific force of ``motion``.
+    """
+    age = estimate.t - solution.t
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
+    rate = take3(motion.rate, 0)
+    force = scale(1.0 / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0))
+    gained = scale(age, add(from_frame(q, force), gravity_I(planet, r)))
+    r = add(r, scale(age, add(v, scale(0.5, gained))))
+    put3(estimate.r_I, 0, r)
+    put3(estimate.v_I, 0, add(v, gained))
+    turned = turn_by(q, scale(age, rate))
+    for i in range(4):
+        estimate.q_I2B[i] = turned[i]
+    put3(estimate.w_B, 0, rate)
+    put3(estimate.specific_force_B, 0, force)
+    put3(estimate.imu_rate_B, 0, rate)
+
+
+@kernel
+def take_given(sensed, estimate):
+    """Copy the readings of ideal instruments."""
+    for i in range(4):
+        estimate.q_I2B[i] = sensed.q_I2B[i]
+    put3(estimate.r_I, 0, take3(sensed.r_I, 0))
+    put3(estimate.v_I, 0, take3(sensed.v_I, 0))
+    put3(estimate.w_B, 0, take3(sensed.w_B, 0))
+    put3(estimate.specific_force_B, 0, take3(sensed.specific_force_B, 0))
+    put3(estimate.imu_rate_B, 0, take3(sensed.imu_rate_B, 0))
+    put3(estimate.imu_gain_B, 0, take3(sensed.imu_gain_B, 0))
+    estimate.height_above_ground = sensed.height_above_ground

@@ -1,9 +1,13 @@
-"""The drag-velocity profile in three segments: quadratic, equilibrium glide (linear), constant drag; and the
-range along it.
+"""The entry flight corridor in the plane of drag and velocity, and a drag-velocity profile inside it.
 
-Each segment is c0 + c1 V + c2 V^2.  The profile bends over into the glide without a break of slope, and
-levels out.  It is laid by least squares along the reference flight, under the ceiling of the entry corridor,
-and scaled to the range of that flight.  In guidance one
+From above drag is bounded by the stagnation heat rate (Sutton-Graves), the load factor and the dynamic
+pressure; from below by equilibrium glide: with less drag all the lift, pointed up, does not carry the weight
+left by the centrifugal force, and the path bends down.  The lower bound vanishes above circular speed, and a
+capsule ends its entry below it: it falls.
+
+The profile has three segments c0 + c1 V + c2 V^2: quadratic, equilibrium glide (linear), constant drag.  It
+bends over into the glide without a break of slope, and levels out.  It is fitted by least squares along the
+reference flight, under the ceiling of the corridor, and scaled to the range of that flight.  In guidance one
 factor on the whole profile meets the range to go: along a drag profile, range goes with the inverse of drag.
 Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
 
@@ -14,17 +18,58 @@ itself: with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
+from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.arrays import product, pseudo_inverse
 from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import clamp
+
+
+class EntryLimitParams(Params):
+    """Limits of the vehicle during entry, as guidance knows them; every bound is met with the margin."""
+
+    heat_rate_w_cm2: float = param(200.0, "stagnation-point heat rate", status="estimate", gt=0.0)
+    nose_radius_m: float = param(
+        0.85,
+        "nose radius that the heat rate belongs to",
+        status="estimate",
+        source="D/4, Viking family",
+        gt=0.0,
+    )
+    load_g0: float = param(20.0, "aerodynamic load", status="estimate", gt=0.0)
+    dynamic_pressure_pa: float = param(25000.0, "dynamic pressure", status="estimate", gt=0.0)
+    margin: float = param(0.1, "share of each upper bound that a drag profile leaves free", ge=0.0, lt=1.0)
+
+
+@kernel
+def corridor(onboard, speed):
+    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure, and equilibrium
+    glide.
+    """
+    limits, vehicle, planet = onboard.guidance.entry.limits, onboard.vehicle, onboard.planet
+    area = vehicle.drag_area / vehicle.entry_mass
+    density = limits.nose_radius * (limits.heat_rate / (planet.sutton_graves_constant * speed**3)) ** 2
+    heat = 0.5 * density * speed * speed * area
+    load = limits.load / sqrt(1.0 + vehicle.lift_to_drag**2)
+    weight = planet.mu / planet.equatorial_radius**2 - speed * speed / planet.equatorial_radius
+    glide = inf
+    if vehicle.lift_to_drag > 0.0 or weight <= 0.0:
+        glide = max(weight, 0.0) / max(vehicle.lift_to_drag, 1e-9)
+    return heat, load, limits.dynamic_pressure * area, glide
+
+
+@kernel
+def ceiling(onboard, speed):
+    """Largest drag (m/s2) that a profile may ask for at ``speed``: the lowest upper bound less the margin."""
+    heat, load, pressure, _ = corridor(onboard, max(speed, 1.0))
+    return (1.0 - onboard.guidance.entry.limits.margin) * min(heat, load, pressure)
+
 
 RANGE_NODES = 129
 #: Speeds tried for the two joints, as shares of the speed at the start and of the speed at the end.

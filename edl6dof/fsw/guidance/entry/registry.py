@@ -5,7 +5,7 @@ wants (rad).  ``params``, ``plan`` and ``memory`` are its own: its settings, wha
 ``plan(onboard, planned)`` tabulated on the ground, and what it remembers.  ``onboard`` is what the flight
 computer believes.  Range to go, crossrange and the measured drag and lift ratios are in ``out`` before it is
 called; limits, side, heading alignment and rate come after it, in
-:mod:`~edl6dof.fsw.guidance.entry.steering`.
+:mod:`~edl6dof.fsw.guidance.entry.reversal.registry`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from edl6dof.fsw.guidance.entry.laws import (
     npc,
     pd_dob,
 )
-from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
+from edl6dof.fsw.guidance.entry.reversal.registry import STEERING, steer_bank
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.registry import Family

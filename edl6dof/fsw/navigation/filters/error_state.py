@@ -18,9 +18,8 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import (
     report_covariance,
     start_covariance,
 )
-from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction, update_by_stars
 from edl6dof.fsw.navigation.filters.kalman.radar_update import update_by_radar
-from edl6dof.fsw.navigation.filters.kalman.star_update import update_by_stars
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE
 from edl6dof.fsw.navigation.filters.kalman.transition import (
     accumulate,

@@ -19,10 +19,10 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     apply_gain,
     explained_by,
+    median,
     optimal_gain,
     predicted_variance,
 )
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import median
 from edl6dof.fsw.navigation.radar_beams import (
     STEEPEST,
     beam_usable,

@@ -33,11 +33,11 @@ from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics, uncertain_drag
 from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
+    ceiling,
     fill_drag_velocity,
     profile_drag,
     profile_range,
 )
-from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel

@@ -20,10 +20,11 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import reopen_slope
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     clear_row,
     explained_by,
+    outlier,
     predicted_variance,
+    refused_again,
     update_by_reading,
 )
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import outlier, refused_again
 from edl6dof.fsw.navigation.filters.kalman.states import (
     ATTITUDE_ERROR,
     POSITION,
