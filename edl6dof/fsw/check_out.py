@@ -74,14 +74,13 @@ def fill_check_out(record: np.void, params: CheckOutParams, thrusters: Sequence[
 
 @kernel
 def response(wrench, inertia, pulse, before, after):
-    """Rate change over a pulse along the expected one, in units of it: 1 for full thrust, 0 for none.
+    """Rate change over a pulse along the expected one, relative to it: 1 for full thrust, 0 for none.
 
     Args:
-        wrench: force and torque of the thruster at full thrust, 6 values.
+        wrench: force and torque of the thruster at full thrust, 6 values (N, N m).
         inertia: believed principal moments, kg m2.
         pulse: its length, s.
-        before: rate before it, rad/s.
-        after: rate after it, rad/s.
+        before, after: body rate, rad/s.
     """
     expected = (
         wrench[3] * pulse / inertia[0],
@@ -105,17 +104,11 @@ def put_off(memory):
 
 @kernel
 def check_out(params, effectiveness, inertia, t, rate, dt, memory):
-    """One control cycle of check-out: (thruster, on-time, loss), the valve to open from now, for how long,
-    and the fraction of thrust that it lacks once that is known, 0 for one that responds.
+    """One control cycle of check-out at time ``t`` with the measured body ``rate`` (rad/s).
 
-    Args:
-        params: ``CHECK_OUT`` record.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        inertia: believed principal moments, kg m2.
-        t: present time, s.
-        rate: measured body rate, rad/s.
-        dt: control cycle, s.
-        memory: ``CHECK_OUT_MEMORY`` record, updated.
+    Returns:
+        the valve to open from now, for how long (s), and the fraction of thrust that it lacks once that is
+        known, 0 for one that responds.
     """
     thruster, pulse = params.thruster[memory.next], params.setting.pulse
     if memory.under_way == 0:

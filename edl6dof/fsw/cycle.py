@@ -84,9 +84,7 @@ def commanded_thrust(vehicle, t, state, command):
 
 @kernel
 def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state):
-    """Update the belief in a loss of thrust, or in a stuck throttle, from the axial force that the thrusters
-    do not explain.
-    """
+    """Update the belief in a loss of thrust, or in a stuck throttle, from the unexplained axial force."""
     commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
     full, weight = state.engine.full_thrust, state.mass * nav.gravity
     state.held_thrust = stuck_throttle(
@@ -105,8 +103,8 @@ def axial_load(unexplained, goal, state):
 
 @kernel
 def run(functions, onboard, sensed, k, fsw):
-    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``; ``functions``: of the members that fly
-    (:mod:`edl6dof.fsw.functions`).
+    """Run base cycle ``k``, from ``sensed`` to ``fsw.command``, with the members that fly
+    (:mod:`.functions`).
     """
     laws, control, share_out, estimate, filters, classify, detect_hazards = functions
     vehicle, rates = onboard.vehicle, onboard.rates

@@ -51,14 +51,8 @@ def replace_landing_point(external, point):
 
 @kernel
 def replace_bank(external, limit, before, dt, goal):
-    """Put the commanded bank angle into the ``GUIDE`` record, or move it at the commanded rate.
-
-    Args:
-        external: ``EXTERNAL`` record.
-        limit: largest rate of the commanded bank angle, rad/s.
-        before: commanded in the last cycle, rad.
-        dt: base cycle, s.
-        goal: ``GUIDE`` record, written.
+    """Put the commanded bank angle into ``goal``, or move it at the commanded rate from ``before`` (rad), the
+    last cycle's, in both cases at no more than ``limit`` (rad/s).
     """
     if external.given.bank != 0:
         goal.bank = clamp(external.bank, before - limit * dt, before + limit * dt)
@@ -68,15 +62,8 @@ def replace_bank(external, limit, before, dt, goal):
 
 @kernel
 def replace_thrust(external, powered, state, t, goal):
-    """Put the commanded thrust, or the size of it, into the ``GUIDE`` record while the engine burns; lateral
-    force then comes from the tilt alone.
-
-    Args:
-        external: ``EXTERNAL`` record.
-        powered: parameters of powered guidance: the start of the engine.
-        state: ``VEHICLE_STATE`` record: what the engines can do.
-        t: present time, s.
-        goal: ``GUIDE`` record, written.
+    """Put the commanded thrust, or the size of it, into ``goal`` while the engine burns; lateral force then
+    comes from the tilt alone.  ``powered``: parameters of powered guidance (start of the engine).
     """
     given = external.given
     if state.ignited == 0 or (given.thrust == 0 and given.throttle == 0):
@@ -106,16 +93,14 @@ def replace_health(external, count, healthy):
 
 @kernel
 def replace_torque(external, torque, own):
-    """Return the torque (N m, B) that is demanded: the commanded one, or that of attitude control, which is
-    kept in ``own``.
-    """
+    """Return the commanded torque (N m, B), or that of attitude control, which is kept in ``own``."""
     put3(own.torque_B, 0, torque)
     return take3(external.torque_B, 0) if external.given.torque != 0 else torque
 
 
 @kernel
 def replace_duties(external, count, duty, own):
-    """Put the commanded duties of ``count`` thrusters in the place of those of allocation, which are kept in
+    """Replace the duties of ``count`` thrusters by the commanded ones; those of allocation are kept in
     ``own``.
     """
     for i in range(count):

@@ -62,15 +62,8 @@ MODULATION = record(
 
 @kernel
 def modulate(params, vehicle, duty, t, cycle, memory):
-    """Turn duties into the valve intervals of the cycle that starts at ``t``.
-
-    Args:
-        params: modulation record.
-        vehicle: believed vehicle (thrusters: minimum pulse).
-        duty: demanded duty of each, 0..1.
-        t: start of the cycle, s.
-        cycle: its length, s.
-        memory: ``MODULATION`` record, updated.
+    """Turn duties (0..1) into the valve intervals of the cycle that starts at ``t`` and lasts ``cycle`` (s);
+    ``memory``: ``MODULATION`` record, updated.
     """
     open_time, close_time = memory.open_time, memory.close_time
     for i in range(vehicle.n_thrusters):
@@ -100,8 +93,7 @@ def open_alone(thruster, on, count, t, memory):
 
 @kernel
 def open_for_test(i, vehicle, t, cycle, memory):
-    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for
-    it.
+    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for it.
     """
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
     memory.open_time[i], memory.close_time[i] = t, t + cycle

@@ -50,15 +50,7 @@ def take_off(vehicle, part, state):
 
 @kernel
 def follow_events(vehicle, mission, t, request, state):
-    """Apply the events requested in this cycle to the believed vehicle.
-
-    Args:
-        vehicle: believed vehicle.
-        mission: ``MISSION`` record: action of each event.
-        t: flight time, s.
-        request: one flag for each event.
-        state: ``VEHICLE_STATE`` record, updated.
-    """
+    """Apply the events requested in this cycle (``request``: a flag for each) to the believed vehicle."""
     for i in range(mission.n_events):
         if request[i] == 0:
             continue
@@ -108,14 +100,8 @@ def take_together(engines, count, state):
 
 @kernel
 def share_thrust(vehicle, thrust, state, command):
-    """Command each engine that burns its share of the thrust (N), in proportion to what it can give; one that
-    points aside gives more than it brings.
-
-    Args:
-        vehicle: believed vehicle.
-        thrust: of all together along the axis, N.
-        state: ``VEHICLE_STATE`` record.
-        command: thrust of each engine, N, written.
+    """Command each engine that burns its share of the ``thrust`` (N, of all together along the axis), in
+    proportion to what it can give, into ``command`` (N); one that points aside gives more than it brings.
     """
     for i in range(vehicle.n_engines):
         full = vehicle.engines[i].full_thrust
@@ -132,8 +118,7 @@ def count_propellant(vehicle, thrust, valves, dt, control_dt, state):
         vehicle: believed vehicle.
         thrust: of the engine while it runs, N.
         valves: ``MODULATION`` record: the valve intervals of the present control cycle.
-        dt: base cycle, s.
-        control_dt: control cycle, s.
+        dt, control_dt: base cycle and control cycle, s.
         state: ``VEHICLE_STATE`` record, updated.
     """
     used = 0.0

@@ -38,9 +38,7 @@ def effectiveness_matrix(thrusters, count, centre, matrix):
 
 @kernel
 def update_effectiveness(vehicle, configuration, effectiveness):
-    """Work out the effectiveness when the vehicle has another configuration, and so another centre of mass,
-    than before.
-    """
+    """Compute the effectiveness again when the configuration, and so the centre of mass, has changed."""
     if effectiveness.of != configuration + 1:
         effectiveness.of = configuration + 1
         centre = take3(vehicle.configuration[configuration].centre, 0)
@@ -66,8 +64,7 @@ def usable(i, thrusters, healthy, mask):
 
 @kernel
 def fine_enough(share, matrix, thrusters, count, healthy, demand):
-    """Return whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a
-    ``share`` of it.
+    """Return whether the healthy fine thrusters alone can give the torque of ``demand``, up to a ``share``.
     """
     x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):

@@ -64,14 +64,13 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
 
     Args:
         params: least-squares record.
-        shared: what all methods have in common: torque scale, share of the fine thrusters.
-        vehicle: believed vehicle (thrusters).
-        healthy: whether each may be used (0 for no).
+        shared: settings of all methods: torque scale, share of the fine thrusters.
+        vehicle, healthy: believed thrusters, and flags of those in use.
         effectiveness: ``EFFECTIVENESS`` record.
         demand: ``DEMAND`` record: force and torque, groups that may fire, priorities.
         memory: ``MEMORY`` record.
         duty: written, 0..1 for each thruster.
-        unallocated: written, what the duties leave of the demand (force and torque in B, N and N m).
+        unallocated: written, demand less what the duties give (force and torque in B, N and N m).
     """
     p, thrusters, count = params, vehicle.thrusters, vehicle.n_thrusters
     translating, boosting = demand.translating != 0, demand.boosting != 0
@@ -144,7 +143,7 @@ def update_products(weight, count, effectiveness, memory):
 
 @kernel
 def farthest(n, memory, duty):
-    """The thruster whose duty is farthest from its best value, and the way there; of equals the first in
+    """Thruster whose duty is farthest from its best value, and the change to it; of equals the first in
     order.
     """
     order, slope, price, gain = memory.order, memory.slope, memory.price, memory.gain

@@ -48,8 +48,8 @@ def no_demand(demand):
 
 @kernel
 def groups_of(phase, boosting, thrusters, count, healthy):
-    """Bit mask of the thruster groups that may fire: those of the phase; the axial ones to help the engine or
-    for a lost attitude one.
+    """Bit mask of the groups that may fire: those of the phase; axial ones to boost or for a lost attitude
+    one.
     """
     mask = 1 << AXIAL if boosting else 0
     for i in range(phase.n_thrusters):
@@ -72,20 +72,8 @@ def largest_axial_force(vehicle, effectiveness):
 
 @kernel
 def compose_demand(phase, vehicle, effectiveness, state, healthy, nav, goal, torque, error, demand):
-    """Torque of the attitude controller, lateral force and thrust of guidance, and the groups that may give
-    them.
-
-    Args:
-        phase: mission phase (its thruster groups).
-        vehicle: believed vehicle.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        state: ``VEHICLE_STATE`` record (engine).
-        healthy: whether each thruster may be used.
-        nav: ``NAV`` record.
-        goal: ``GUIDE`` record.
-        torque: demanded torque, N m, B.
-        error: attitude error that it is to remove, rad.
-        demand: ``DEMAND`` record, written.
+    """Combine the controller's ``torque`` (N m, B), the lateral force and thrust of guidance (``goal``), and
+    the groups that may give them into ``demand`` (``DEMAND``); ``error``: attitude error to remove, rad.
     """
     burns = state.ignited != 0
     descending = burns and state.engine.by_thrusters > 0.0 and nav.t >= state.ignition_time - 1e-9
@@ -156,16 +144,8 @@ def is_anything(wrench):
 
 @kernel
 def allocate(share_out, params, vehicle, healthy, effectiveness, demand, out):
-    """Share the demand out over the thrusters.
-
-    Args:
-        share_out: the method that flies.
-        params: allocation record.
-        vehicle: believed vehicle (thrusters).
-        healthy: whether each thruster may be used.
-        effectiveness: ``EFFECTIVENESS`` record.
-        demand: ``DEMAND`` record.
-        out: ``ALLOCATION`` record, written.
+    """Share the ``demand`` (``DEMAND``) out over the thrusters by the method that flies, into ``out``
+    (``ALLOCATION``).
     """
     if is_anything(demand.wrench) or demand.boosting != 0:
         share_out(

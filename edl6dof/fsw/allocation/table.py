@@ -54,8 +54,8 @@ def row_authority(alignment, matrix, vehicle, healthy, mask, row, sign):
 
 @kernel
 def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
-    """Give the demand left along an axis to the thrusters of its row in the groups of ``mask``, within the
-    pulse time they have left.
+    """Give the demand ``left`` along an axis to the thrusters of its row in ``mask``, within their pulse time
+    left.
     """
     sign = 1.0 if left[row] > 0.0 else -1.0
     total = row_authority(alignment, matrix, vehicle, healthy, mask, row=row, sign=sign)
@@ -72,8 +72,8 @@ def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
 
 @kernel
 def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty, left):
-    """Give the torque left along an axis to the fine thrusters, to the coarse ones where it is too much for
-    them, and to both where these do not suffice.
+    """Give the torque ``left`` along an axis to the fine thrusters, to the coarse ones where it is too much
+    for them, and to both where these do not suffice.
     """
     need, sign = abs(left[row]), 1.0 if left[row] > 0.0 else -1.0
     if need <= 1e-9:
@@ -91,9 +91,7 @@ def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty,
 
 @kernel
 def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
-    """Duties for a demanded force and torque by table; arguments as in
-    :func:`edl6dof.fsw.allocation.least_squares.share_out`.
-    """
+    """Duties by table; arguments as in :func:`edl6dof.fsw.allocation.least_squares.share_out`."""
     matrix, alignment = effectiveness.matrix, params.alignment
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]

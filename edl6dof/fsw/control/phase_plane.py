@@ -38,8 +38,8 @@ MEMORY = record(("firing", whole(-1, 1), (3,)))
 
 @kernel
 def switch_axis(p, firing, error, rate):
-    """-1, 0 or +1: torque direction for one axis, with ``error`` = goal minus actual (rad) and ``rate``
-    (rad/s).
+    """Direction of torque, -1, 0 or +1, for the ``error`` (goal minus actual, rad) and ``rate`` (rad/s) of an
+    axis.
     """
     switching = error - rate * abs(rate) / (2.0 * p.acceleration) - p.lead * rate
     threshold = p.deadband * (p.hysteresis if firing != 0 else 1.0)

@@ -36,7 +36,7 @@ AXIS = record(("integral", "f8"), ("zone", whole(PID, LIMITER)))
 
 @kernel
 def target_rate(zone, error, bandwidth):
-    """Signed rate wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone, rad/s.
+    """Signed rate (rad/s) wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone.
 
     The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is
     continuous.
@@ -59,8 +59,7 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
         motion: goal minus actual angle, rad; rate wanted outside the PID zone, rad/s (:func:`target_rate`, or
             this axis' part of a slew about another axis); actual minus goal rate, rad/s.
         dt: control cycle, s.
-        frozen: true if the integral stands still (the thrusters could not deliver the last demand, or
-            something else takes its place).
+        frozen: true if the integral stands still: thrusters fell short, or something else takes its place.
         bandwidth: factor on the natural frequency of the PID law; its damping ratio stays.
     """
     error, wanted, rate = motion
@@ -81,8 +80,7 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
 
 @kernel
 def follow(zone, memory, error, rate, dt, frozen):
-    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its
-    gains.
+    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains.
     """
     motion = (error, target_rate(zone, error, 1.0), rate)
     return axis_acceleration(zone, memory, motion, dt, frozen, bandwidth=1.0)

@@ -64,17 +64,8 @@ attitude_control = CONTROLLERS.role(
 
 @kernel
 def gather_inputs(vehicle, state, phase, phase_time, disturbance, saturated, excess, inputs):
-    """Fill the ``CONTROL_INPUTS`` record of this control cycle.
-
-    Args:
-        vehicle: believed vehicle.
-        state: ``VEHICLE_STATE`` record.
-        phase: mission phase.
-        phase_time: since it began, s.
-        disturbance: ``DISTURBANCE`` record.
-        saturated: whether the last demand was not delivered.
-        excess: torque that modulation gave beyond its duties, N m, B.
-        inputs: written.
+    """Fill ``inputs`` (``CONTROL_INPUTS``) for a control cycle ``phase_time`` s after the phase began;
+    ``excess``: torque that modulation gave beyond its duties (N m, B).
     """
     inputs.phase_time, inputs.bandwidth, inputs.hold_alpha = phase_time, phase.bandwidth, phase.hold_alpha
     put3(inputs.inertia, 0, take3(vehicle.configuration[state.configuration].inertia, 0))

@@ -85,9 +85,7 @@ def thrust_direction(nav, goal):
 
 @kernel
 def slew_rates(p, error, bandwidth):
-    """Rates wanted outside the PID zones: that of roll, and those of pitch and yaw as one rotation (eq.
-    8).
-    """
+    """Rates wanted outside the PID zones: roll by itself, pitch and yaw as one rotation (eq. 8)."""
     roll = target_rate(p.roll, error[0], bandwidth)
     angle = sqrt(error[1] * error[1] + error[2] * error[2])
     share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0

@@ -200,9 +200,7 @@ def isolate_most_probable(params, signals, memory):
 
 @kernel
 def isolate_dead(params, signals, i, loss, memory):
-    """Take a thruster out of use that did not respond when it was tested alone; its confidence is the
-    threshold.
-    """
+    """Take a thruster out of use that did not respond when tested alone; confidence: the threshold."""
     kind = kind_of(params, loss)
     record_fault(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
     signals.healthy[i] = 0
@@ -278,13 +276,7 @@ def filter_missing_wrench(params, signals, memory):
 
 @kernel
 def diagnose(params, signals, memory):
-    """Run one control cycle of diagnosis.
-
-    Args:
-        params: diagnosis record.
-        signals: ``DiagnosisSignals``.
-        memory: ``DIAGNOSIS`` record.
-    """
+    """Run one control cycle of diagnosis on ``DiagnosisSignals`` with ``memory`` (``DIAGNOSIS``)."""
     best, flow = memory.hypotheses, memory.flow
     vehicle, metered, activity, effectiveness, load = (
         signals.vehicle,

@@ -184,12 +184,8 @@ def longest_rested(params, signals, waiting, memory):
 @kernel
 def pair_to_test(params, signals, memory):
     """Choose the two thrusters to fire against each other from this control cycle on, the second ``NONE`` for
-    a single one; (``NONE``, ``NONE``) for no test.
-
-    Args:
-        params: exercise record.
-        signals: ``ExerciseSignals``.
-        memory: ``EXERCISE`` record.
+    a single one; (``NONE``, ``NONE``) for no test.  ``signals``: ``ExerciseSignals``; ``memory``:
+    ``EXERCISE``.
     """
     if params.enabled == 0:
         return NONE, NONE

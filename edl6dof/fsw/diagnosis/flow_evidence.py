@@ -126,12 +126,12 @@ def forget_loss(loss):
 
 @kernel
 def read_meters(params, instruments, vehicle, used, share, dt, memory):
-    """Residual and weight of each branch for the measured cycle; returns whether there was one before it.
+    """Compute residual and weight of each branch for the measured cycle; returns whether there was one before
+    it.
 
     Args:
         params: flow record.
-        instruments: ``INSTRUMENTS`` record (errors of the meters).
-        vehicle: believed vehicle (thrusters, branches).
+        instruments, vehicle: errors of the meters; believed thrusters and branches.
         used: counts of the meters, kg, of the end of the measured cycle.
         share: share of that cycle in which each thruster should have given thrust.
         dt: control cycle, s.
@@ -275,9 +275,7 @@ def is_waiting(branches, memory):
 
 @kernel
 def fires_alone(expected, given):
-    """Test whether nearly all of the ``expected`` flow of a branch is that of the thruster which is to let
-    ``given`` through.
-    """
+    """Test whether nearly all of the ``expected`` flow of a branch is the ``given`` flow of one thruster."""
     return expected - given < ALONE * given
 
 
@@ -303,10 +301,10 @@ def update_flow_evidence(params, keep, vehicle, share, closed, memory):
 
     Args:
         params: flow record.
-        keep: what a cycle leaves of those before it.
-        vehicle: believed vehicle (thrusters, branches).
+        keep: factor on the evidence of the cycles before.
+        vehicle: believed thrusters and branches.
         share: share of the measured cycle in which each thruster should have given thrust.
-        closed: branches whose latch valve is closed.
+        closed: flags of the branches whose latch valve is closed.
         memory: ``FLOW`` record, updated.
     """
     find_common_loss(params, vehicle.branches, memory)

@@ -88,7 +88,7 @@ HYPOTHESES = record(
 
 @kernel
 def collect(sums, keep, signature, along, square, every):
-    """Add one cycle to the sums of a hypothesis that predicts the residual ``signature`` times the thruster's
+    """Add a cycle to the sums of a hypothesis that predicts the residual ``signature`` times the
     effectiveness.
     """
     sums.cross = keep * sums.cross + signature * along
@@ -125,9 +125,7 @@ def evidence(sums, size):
 
 @kernel
 def may_reach(least, sums, size):
-    """Test whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 rejects most hypotheses
-    without a logarithm.
-    """
+    """Test whether :func:`evidence` may reach ``least``: ln x <= x - 1 rejects most without a logarithm."""
     floor = COMPONENTS * sums.cycles
     explained = size * (2.0 * sums.cross - size * sums.own)
     left = max(sums.all - explained, 0.0)
@@ -164,10 +162,9 @@ def update_evidence(params, vehicle, metered, effectiveness, activity, load, res
 
     Args:
         params: diagnosis record.
-        vehicle: believed vehicle (thrusters, branches).
-        metered: whether there are flow meters.
+        vehicle, metered: believed thrusters and branches; whether there are flow meters.
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        activity: what they should have done in the measured cycle.
+        activity: ``ACTIVITY`` record: what they should have done in the measured cycle.
         load: axial force of air and riser, N.
         residual: ``RESIDUAL`` record: unexplained force and torque.
         missing: one for each branch: what its thrusters should have given since its meter shows a loss.
@@ -216,8 +213,7 @@ def loss_evidence(params, sums, least, afresh):
 
 @kernel
 def stuck_on_evidence(sums, least):
-    """Evidence that a valve stays open, none below ``least``; it restarts where the evidence is
-    against it.
+    """Evidence that a valve stays open, none below ``least``; it restarts where the evidence is against it.
     """
     if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
         forget(sums)
@@ -262,17 +258,15 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
 
 @kernel
 def weigh_explanations(params, flow, memory, b, found):
-    """Compare three explanations of a loss of flow at a thruster: the meter of its branch has failed, the
-    whole branch is dead, or the thruster itself has failed; returns the evidence for the thruster.
+    """Compare three explanations of a loss of flow at a thruster of branch ``b``: the meter of its branch has
+    failed, the whole branch is dead, or the thruster itself has failed; returns the evidence for the
+    thruster.
 
     Args:
-        params: diagnosis record.
-        flow: ``FLOW`` record.
-        memory: ``HYPOTHESES`` record; the evidence against the meter (``against``) and for a dead branch
+        memory: ``HYPOTHESES`` record; its evidence against the meter (``against``) and for a dead branch
             (``lost``) is raised.
-        b: branch of the thruster.
-        found: fraction of the flow lost; evidence of flow, force and torque for the loss; evidence of the
-            flow alone.
+        found: fraction of the flow lost; evidence of flow, force and torque for it; evidence of the flow
+            alone.
     """
     loss, most, by_flow = found
     if flow.meter_check[b] == CONFIRMED:

@@ -34,15 +34,10 @@ def restart_residual(memory):
 
 @kernel
 def without_slow_part(time_constant, unexplained, dt, memory):
-    """Subtract the slow part; returns for how many cycles it has been known (0: not yet).
+    """Subtract the slow part of the ``unexplained`` force and torque of the last cycle (6; N, N m); returns
+    for how many cycles it has been known (0: not yet).  ``time_constant``: of the mean, s.
 
     At the start of the flight, in free fall, the slow part is taken to be zero.
-
-    Args:
-        time_constant: of the mean, s.
-        unexplained: unexplained force and torque of the last cycle (6), N and N m.
-        dt: control cycle, s.
-        memory: ``RESIDUAL`` record.
     """
     row = memory.taken % WINDOW
     older = memory.taken - WINDOW
@@ -61,9 +56,7 @@ def without_slow_part(time_constant, unexplained, dt, memory):
 
 @kernel
 def product(a, b, weight):
-    """Scalar product of two wrenches with the weights of lateral force, roll and pitch-yaw torque.
-
-    The axial force, which engine and drag spoil, does not count.
+    """Scalar product of two wrenches, weighted; the axial force, which engine and drag spoil, does not count.
     """
     return (
         weight[0] * (a[1] * b[1] + a[2] * b[2])

@@ -61,7 +61,7 @@ ENGINE_SHORTFALL = record(
 
 @kernel
 def engine_shortfall(params, commanded, measured, dt, memory):
-    """Loss of thrust over the commanded one that is believed, 0 while there is none.
+    """Loss of thrust, over the commanded one, that is believed; 0 while there is none.
 
     Args:
         params: ``EngineShortfallParams`` record.
@@ -132,9 +132,7 @@ def is_away(params, commanded, memory):
 
 @kernel
 def is_over(params, commanded, full, weight, memory):
-    """Return whether the thrust, as far as engines can give it, lies farther above its command than anything
-    but a stuck throttle explains.
-    """
+    """Return whether the thrust is farther above its command than anything but a stuck throttle explains."""
     return min(memory.smoothed, full) - commanded > params.over_from * weight
 
 
@@ -144,8 +142,7 @@ def stuck_throttle(params, commanded, measured, full, weight, dt, memory):
 
     Args:
         params: ``StuckThrottleParams`` record.
-        commanded: thrust of all engines that burn, N; 0: none burns.
-        measured: thrust that the specific force shows, N.
+        commanded, measured: as of :func:`engine_shortfall`, N.
         full: thrust of all engines that burn at full level, N.
         weight: of the lander, N.
         dt: since the last call, s.

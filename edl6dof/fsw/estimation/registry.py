@@ -58,15 +58,8 @@ def remember_valves(valves, count, memory):
 
 @kernel
 def expect(effectiveness, count, begin, end, lag, memory):
-    """Work out ``memory.share`` and ``memory.wrench`` for the time from ``begin`` to ``end`` (s).
-
-    Args:
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        count: how many thrusters there are.
-        begin: start of the measured cycle.
-        end: its end.
-        lag: time by which thrust follows the valve, s.
-        memory: ``ACTIVITY`` record.
+    """Compute ``memory.share`` and ``memory.wrench`` (``ACTIVITY``) of ``count`` thrusters for the time from
+    ``begin`` to ``end`` (s); ``lag``: time by which thrust follows the valve, s.
     """
     for j in range(6):
         memory.wrench[j] = 0.0
@@ -140,7 +133,7 @@ def force_angle(lag, force_B, dt, last):
 
     A body of revolution feels air that meets it along its axis as a force along that axis, whatever the wind;
     a force across it shows an angle of attack, or a thruster that fires without a command.  The angle of
-    attack that navigation works out shows these only as far as the wind is known.  Source: the acceleration
+    attack that navigation computes shows these only as far as the wind is known.  Source: the acceleration
     ratios technique of entry reconstruction (Withers et al. 2003, Planetary and Space Science 51, 541-561),
     without its aerodynamic table.
 
@@ -168,9 +161,7 @@ ESTIMATION = record(
 @kernel
 def unexplained_torque(inertia, w, last, applied, dt):
     """Mean torque (N m, B) over a cycle in which the rate went from ``last`` to ``w`` (rad/s), less the
-    ``applied`` one.
-
-    ``inertia`` is a tensor: xx, yy, zz, xy, xz, yz, kg m2.
+    ``applied`` one; ``inertia`` is a tensor: xx, yy, zz, xy, xz, yz, kg m2.
     """
     growth = inertia_times(inertia, scale(1.0 / dt, sub(w, last)))
     middle = scale(0.5, add(w, last))
@@ -188,8 +179,7 @@ def measure(inertia, mass, rate, gain, dt, memory):
     """Fill ``memory.measured`` for the cycle between the last inertial measurement and this one.
 
     Args:
-        inertia: believed principal moments, kg m2.
-        mass: believed mass, kg.
+        inertia, mass: believed principal moments, kg m2, and mass, kg.
         rate: measured body rate, rad/s, B.
         gain: count of the specific force, m/s, B.
         dt: control cycle, s.
@@ -211,19 +201,8 @@ def measure(inertia, mass, rate, gain, dt, memory):
 
 @kernel
 def estimate_disturbance(estimate, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
-    """Bring the estimate up to the latest inertial measurement.
-
-    Args:
-        estimate: the estimator that flies.
-        params: estimation record.
-        vehicle: believed vehicle.
-        state: ``VEHICLE_STATE`` record (configuration, mass).
-        nav: ``NAV`` record (readings of the inertial measurement unit).
-        imu_delay: age of these readings, s.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        dt: control cycle, s.
-        memory: ``ESTIMATION`` record, updated.
-        out: ``DISTURBANCE`` record, written.
+    """Bring the estimate ``out`` (``DISTURBANCE``) up to the latest inertial measurement, which is
+    ``imu_delay`` s old, by the estimator that flies.
     """
     end = nav.t - imu_delay
     expect(

@@ -52,9 +52,7 @@ def switch_engine(mission, request, state, goal):
 
 @kernel
 def hold_bank(onboard, nav, goal):
-    """Command the preset bank towards the aim point, chosen at the start of the flight, before lift has any
-    effect.
-    """
+    """Command the preset bank towards the aim point, chosen at the start of the flight, before lift acts."""
     goal.range_to_go, goal.crossrange, goal.downrange_to_go = to_target(onboard, nav)
     if nav.t <= 0.0:
         bank = onboard.guidance.entry.preset_bank
@@ -112,17 +110,16 @@ def guide(laws, onboard, kind, k, begins, nav, state, disturbance, point, memory
 
     Args:
         laws: entry law, reversal logic and powered law that fly.
-        onboard: what the flight computer believes.
-        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
+        onboard: ``ONBOARD`` record.
+        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission`.
         k: number of the base cycle.
         begins: whether this guidance begins in this cycle.
-        nav: ``NAV`` record.
-        state: ``VEHICLE_STATE`` record (mass, engine).
+        nav, state: ``NAV`` and ``VEHICLE_STATE`` records.
         disturbance: ``DISTURBANCE`` record: the force is fed forward.
         point: ``LANDING_POINT`` record: where to land, as far as it is chosen.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
-        own: ``OWN`` record: what guidance itself wants, apart from commands from outside; written.
+        own: ``OWN`` record: the result of guidance itself, apart from commands from outside; written.
     """
     entry_law, bank_side, powered_law = laws
     rates = onboard.rates

@@ -58,8 +58,7 @@ def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
 
 @kernel
 def follow_wind(time_constant, nav, dt, carried):
-    """Bring the velocity that the vehicle is carried with, north and east (m/s), ``dt`` (s) ahead: smoothed
-    over ``time_constant`` (s).
+    """Smooth the velocity that the vehicle is carried with, north and east (m/s), over ``time_constant`` (s).
     """
     share = min(dt / time_constant, 1.0)
     carried[0] += share * (nav.v_N[0] - carried[0])
@@ -68,8 +67,8 @@ def follow_wind(time_constant, nav, dt, carried):
 
 @kernel
 def predict_drifts(atmosphere, drifter, carried, nav, out):
-    """A path for each share of ``LASTING``, into the ``DRIFT`` records ``out``; arguments as of
-    :func:`predict_drift`.
+    """Predict a path for each share of ``LASTING``; arguments as of :func:`predict_drift`, ``out``: ``DRIFT``
+    each.
     """
     for k in range(len(LASTING)):
         predict_drift(atmosphere, drifter, carried, lasting=LASTING[k], nav=nav, out=out[k])
@@ -77,11 +76,10 @@ def predict_drifts(atmosphere, drifter, carried, nav, out):
 
 @kernel
 def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
-    """Fly backshell and canopy from the state of the vehicle to the ground.
+    """Fly backshell and canopy from the state of the vehicle at their release to the ground.
 
     Args:
-        atmosphere: believed air and wind.
-        drifter: ``DRIFTER`` record.
+        atmosphere, drifter: believed air and wind; ``DRIFTER`` record.
         carried: velocity that the vehicle was carried with, see :func:`follow_wind`.
         lasting: share of its difference from the expected wind that lasts.
         nav: ``NAV`` record at their release.
@@ -241,16 +239,12 @@ def lay_targets(p, nav, along, across, out):
 @kernel
 def choose_part(p, camera, nav, out):
     """Take the part of fewest obstacles whose target keeps clear of the drift; where none does, the one that
-    keeps clearest.
+    keeps clearest; returns its target, east and north of the landing site (m).
 
     Args:
         p: coarse parameters.
-        camera: ``CAMERA`` record: the image.
-        nav: ``NAV`` record when it was taken.
+        camera, nav: ``CAMERA`` record, the image; ``NAV`` record when it was taken.
         out: ``COARSE`` record with the drift predicted, written.
-
-    Returns:
-        Its target, east and north of the landing site (m).
     """
     q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
     side = sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1])

@@ -62,8 +62,8 @@ def body_axes(planet, frame, nav):
 def place_of_eye(eye, centre, memory, axes_L):
     """East, north, up of the landing site (m) of an eye; ``centre``: of mass, B.
 
-    It has moved since the scan began by the integral of the velocity: the altitude as navigated jumps by
-    metres with the ground that the radar meets, and would lay a step into the map wherever it does.
+    It has moved since the scan began by the integral of the velocity: the navigated altitude jumps by metres
+    with the ground that the radar meets, and each jump would put a step into the map.
     """
     arm = sub(take3(eye.place, 0), centre)
     off = add(scale(arm[0], axes_L[0]), add(scale(arm[1], axes_L[1]), scale(arm[2], axes_L[2])))
@@ -101,9 +101,7 @@ def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
 
 @kernel
 def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
-    """Take the points of a pair of images into the map; ``sharp``: standard deviation of a point of the
-    lidar, m.
-    """
+    """Take the points of a pair of images into the map; ``sharp``: standard deviation of a lidar point, m."""
     for i in range(STEREO_CELLS):
         for j in range(STEREO_CELLS):
             distance = stereo.range[i, j]
@@ -128,16 +126,9 @@ def begins_to_scan(params, nav, elapsed):
 
 @kernel
 def work_out(classify, params, terminal, deviation, nav, state, memory):
-    """Classify the cells of the map, and choose the spot.
-
-    Args:
-        classify: kernel of the selected detection method.
-        params: hazard parameters.
-        terminal: parameters of the terminal phases: how the spot is flown to.
-        deviation: of the elevation of a point, m.
-        nav: ``NAV`` record.
-        state: ``VEHICLE_STATE`` record.
-        memory: ``HAZARD`` record, map included, updated.
+    """Classify the cells of the map, and choose the spot; ``deviation``: of the elevation of a point, m;
+    ``terminal``: parameters of the terminal phases, how the spot is flown to; ``memory``: ``HAZARD`` record,
+    updated.
     """
     elevation_map, footprint, safety_map = memory.elevation_map, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, elevation_map)
@@ -225,16 +216,14 @@ def detect_nothing(classify, onboard, kind, elapsed, sensed, nav, state, memory,
 
 @kernel
 def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
-    """One base cycle of hazard detection.
+    """Run one base cycle of hazard detection.
 
     Args:
-        classify: the way of detection that flies.
-        onboard: what the flight computer believes.
-        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
-        elapsed: time since its beginning, s.
-        sensed: ``SENSED`` record: the eyes.
-        nav: ``NAV`` record.
-        state: ``VEHICLE_STATE`` record.
+        classify: member that flies.
+        onboard: ``ONBOARD`` record.
+        kind, elapsed: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission`; time
+            since its beginning, s.
+        sensed, nav, state: ``SENSED``, ``NAV`` and ``VEHICLE_STATE`` records.
         memory: ``HAZARD`` record, updated.
         point: ``LANDING_POINT`` record, written when a choice is made.
         command: ``COMMAND`` record: requests to camera and lidar, written.

@@ -42,8 +42,8 @@ def begin_map(side, centre_L, elevation_map):
 
 @kernel
 def cell_of(elevation_map, east, north):
-    """Return row and column of the cell that holds a point, or of the nearest cell for one outside the map;
-    and whether the map holds it.
+    """Row and column of the cell that holds a point, or of the nearest cell; and whether the map holds the
+    point.
     """
     i, up = cell((north - elevation_map.corner_L[1]) / elevation_map.cell, MAP_CELLS)
     j, right = cell((east - elevation_map.corner_L[0]) / elevation_map.cell, MAP_CELLS)
@@ -60,8 +60,8 @@ def middle_of(elevation_map, i, j):
 
 @kernel
 def add_point(point_L, weight, elevation_map):
-    """Take in a point (east, north, up of the landing site, m) of a ``weight``; one of at least a whole
-    weight counts for the highest too.
+    """Add a point (east, north, up of the landing site, m) of a ``weight``; from 1 on it may be the highest,
+    too.
     """
     i, j, held = cell_of(elevation_map, point_L[0], point_L[1])
     if not held:
@@ -77,11 +77,9 @@ def add_point(point_L, weight, elevation_map):
 
 @kernel
 def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
-    """Take in the point at ``distance`` (m) along a unit direction in B from the eye.
+    """Add the point at ``distance`` (m, none where not positive) along the unit vector ``direction_B``.
 
     Args:
-        distance: range, m; none where it is not positive.
-        direction_B: line of sight.
         eye_L: place of the eye, east, north, up of the landing site, m.
         axes_L: unit axes x, y, z of B, each as east, north, up.
         weight: of the point, see above.
@@ -96,8 +94,8 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
 
 @kernel
 def fill_holes(weight, elevation_map):
-    """Give cells of less than a ``weight`` the mean of the better known ones around them, at that weight;
-    what has too few of them stays as it is.
+    """Give cells of less than a ``weight`` the mean of the better known ones around, where enough, at that
+    weight.
     """
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):

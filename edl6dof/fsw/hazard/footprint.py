@@ -61,8 +61,8 @@ SAFETY_MAP = record(
 
 @kernel
 def chord(radius, row):
-    """Half of the chord, in whole cells, of a disc of ``radius`` cells in a row off its middle; of the row of
-    its middle, how far it reaches.
+    """Half of the chord, in whole cells, of a disc of ``radius`` cells in a ``row`` off its middle; row 0:
+    its reach.
     """
     return cell(sqrt(radius * radius - row * row), MAX_RADIUS + 1)[0]
 
@@ -133,10 +133,10 @@ def stray_row(elevation_map, radius, i, planes):
 
 @kernel
 def assess(elevation_map, radius_m, out):
-    """Slope and roughness of the footprint around every cell.
+    """Compute slope and roughness of the footprint around every cell of a map without holes.
 
     Args:
-        elevation_map: ``ELEVATION_MAP`` record, holes filled.
+        elevation_map: ``ELEVATION_MAP`` record.
         radius_m: of the footprint, m; at most ``MAX_RADIUS`` cells of it count.
         out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
     """

@@ -135,15 +135,8 @@ CHOICE = record(
 
 @kernel
 def cost_of(params, distance, clearance, speed, time, flow):
-    """Cost of a spot, m.
-
-    Args:
-        params: choice parameters.
-        distance: of the spot, m.
-        clearance: of the spot, m.
-        speed: with which it is flown to, m/s.
-        time: that the descent takes anyway, s.
-        flow: of propellant in hover, kg/s.
+    """Cost (m) of a spot at a ``distance`` with a ``clearance`` (m); ``speed``: with which it is flown to,
+    m/s; ``time``: that the descent takes anyway, s; ``flow``: of propellant in hover, kg/s.
     """
     lacks = max(params.clearance - clearance, 0.0)
     propellant = flow * max(distance / speed - time, 0.0)
@@ -171,8 +164,7 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
 
     Args:
         params: choice parameters.
-        elevation_map: ``ELEVATION_MAP`` record: where the map lies.
-        safety_map: ``SAFETY_MAP`` record.
+        elevation_map, safety_map: ``ELEVATION_MAP`` and ``SAFETY_MAP`` records.
         here_L: the point below.
         apart: distance by which spots that are passed over and remembered differ, m.
         speed, time, flow: as of :func:`cost_of`.
@@ -203,8 +195,8 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
 
 @kernel
 def least_bad(elevation_map, footprint, safety_map, here_L, out):
-    """Where no spot is safe: that of the least roughness among those that are not too steep, of several the
-    nearest; where none is known, the point below.
+    """Choose, where no spot is safe, that of the least roughness among those that are not too steep, of
+    several the nearest; where none is known, the point below.
     """
     out.spot_L[0], out.spot_L[1] = here_L
     out.clearance, least = 0.0, 1e9

@@ -93,9 +93,7 @@ NAV = record(
 
 @kernel
 def model_atmosphere(table, altitude):
-    """Density (kg/m3), speed of sound (m/s) and density scale height (m) of the onboard atmosphere at
-    ``altitude`` (m).
-    """
+    """Believed density (kg/m3), speed of sound (m/s) and density scale height (m) at ``altitude`` (m)."""
     i, f = held_cell((altitude - table.bottom) / table.spacing, table.ln_density.shape[0] - 1)
     slope = table.ln_density[i + 1] - table.ln_density[i]
     density = exp(table.ln_density[i] + f * slope)
@@ -112,9 +110,7 @@ def expected_wind(table, altitude):
 
 @kernel
 def drag_and_lift(force_B, alpha):
-    """Drag and lift (m/s2) in a specific force of a vehicle that meets the air at ``alpha`` (rad) without
-    sideslip; lift is up at zero bank.
-    """
+    """Drag and lift (m/s2; up at zero bank) in a specific force at an angle of attack ``alpha`` (rad)."""
     s, c = sincos(alpha)
     return -(force_B[0] * c + force_B[2] * s), force_B[0] * s - force_B[2] * c
 
@@ -210,10 +206,7 @@ DRAG_FILTER = record(("t", "f8"), ("speed", "f8"), ("rate", "f8"), ("ratio", "f8
 
 @kernel
 def filter_drag(params, atmosphere, vehicle, nav, memory):
-    """Put the filtered drag and the energy at the filtered speed in place of the measured ones in ``nav``.
-
-    ``atmosphere`` and ``vehicle`` are the believed ones, ``memory`` is a ``DRAG_FILTER``.
-    """
+    """Replace drag and energy of ``nav`` by the filtered drag and the energy at the filtered speed."""
     p = params
     density, _, _ = model_atmosphere(atmosphere, nav.altitude)
     area, _ = believed_aero(vehicle, nav.mach, nav.speed)

@@ -146,10 +146,8 @@ STAR_WATCH = record(("without", "f8"))  # s: duration without an expected fix
 
 @kernel
 def watch_stars(params, planet, instruments, requested, stars, motion, solution, health, memory):
-    """Exclude the star tracker, or use it again, after a cycle of ``motion``.
-
-    Args:
-        requested: one flag for each event of the mission that was requested.
+    """Exclude the star tracker, or use it again, after a cycle of ``motion``; ``requested``: a flag for each
+    event of the mission that was requested.
     """
     if params.enabled == 0 or instruments.star_sigma == 0.0:
         return
@@ -189,8 +187,7 @@ EXCLUSIONS = record(
 
 @kernel
 def note_changes(instruments, t, health, motion, memory):
-    """Log at ``t`` (s) the changes of ``health`` (``INSTRUMENT_HEALTH``) and ``motion`` since the last
-    cycle.
+    """Log at ``t`` (s) the changes of ``health`` (``INSTRUMENT_HEALTH``) and ``motion`` since the last cycle.
     """
     for i in range(instruments.n_gyros):
         _note(t, GYROS + i, health.gyro[i], memory)

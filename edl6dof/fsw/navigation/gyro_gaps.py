@@ -49,8 +49,7 @@ def acceleration_of(body, lever, force, rate):
     Args:
         body: believed configuration: ``mass``, ``centre``, ``inertia`` (principal) and ``hung_at``.
         lever: from the centre of mass to the accelerometers, m, B.
-        force: reading of the accelerometers, m/s2, B.
-        rate: rad/s, B.
+        force, rate: reading of the accelerometers, m/s2, B; rad/s, B.
     """
     arm, m = sub(take3(body.hung_at, 0), take3(body.centre, 0)), body.mass
     a, b, c = take3(body.inertia, 0)
@@ -134,9 +133,8 @@ def smooth_gap(body, lever, inertial, motion, memory, solution):
         body: believed configuration of the vehicle.
         lever: from the centre of mass to the accelerometers, m, B.
         inertial: ``INERTIAL_MEMORY`` record: their reading, and the correction at the end of the bridge.
-        motion: ``MOTION`` record.
+        motion, solution: ``MOTION`` and ``SOLUTION`` records; the latter is updated.
         memory: ``GAP_SMOOTHING`` record, updated.
-        solution: ``SOLUTION`` record, updated.
     """
     hung = 1 if norm(sub(take3(body.hung_at, 0), take3(body.centre, 0))) > 0.0 else 0
     if hung != memory.hung:
@@ -305,8 +303,7 @@ def _add_equation(terms, value, sigma, equations):
 
 @kernel
 def _solve(equations):
-    """Solve by elimination, without pivoting, as the matrix is positive definite; the solution is left in the
-    last column.
+    """Solve a positive definite system by elimination without pivoting; the last column holds the solution.
     """
     for k in range(UNKNOWNS):
         for j in range(k + 1, UNKNOWNS + 1):

@@ -53,17 +53,13 @@ def take_reading(instruments, t, inertial, memory):
 
 @kernel
 def read_motion(params, instruments, body, dt, inertial, solution, health, memory, motion):
-    """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds.
+    """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds, positive.
 
     Args:
         params: ``NavigationParams`` record.
-        instruments: ``INSTRUMENTS`` record.
-        body: believed configuration of the vehicle.
-        dt: since the last reading, s, positive.
-        inertial: ``INERTIAL`` record.
-        solution: ``SOLUTION`` record, of which the biases are used.
-        health: ``INSTRUMENT_HEALTH`` record, updated.
-        memory: ``INERTIAL_MEMORY`` record, updated.
+        instruments, body: ``INSTRUMENTS`` record; believed configuration of the vehicle.
+        inertial, solution: ``INERTIAL`` record; ``SOLUTION`` record, of which the biases are used.
+        health, memory: ``INSTRUMENT_HEALTH`` and ``INERTIAL_MEMORY`` records, updated.
     """
     put3(motion.last_angle, 0, take3(motion.angle, 0))
     put3(motion.last_gain, 0, scale(dt / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0)))
@@ -143,8 +139,7 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 
 @kernel
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Write angle turned and rate at the end of the cycle into ``motion``; both keep their values while too
-    few gyros are usable.
+    """Write angle turned and rate at the end of the cycle into ``motion``, unless too few gyros are usable.
     """
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
     in_use = usable_gyros(

@@ -125,15 +125,11 @@ def check_solution(params, instruments, health, sensed, speed, sigma, q, up, mem
     """Complete the checks, note the first failure of each, and declare the attitude lost where one fails.
 
     Args:
-        params: ``GuardParams`` record.
-        instruments: ``INSTRUMENTS`` record.
-        health: ``INSTRUMENT_HEALTH`` record.
-        sensed: ``SENSED`` record.
+        params, instruments, health, sensed: ``GuardParams``, ``INSTRUMENTS``, ``INSTRUMENT_HEALTH`` and
+            ``SENSED`` records.
         speed, sigma: relative to the planet and its standard deviation, m/s.
-        q: attitude ``q_I2B``.
-        up: unit vector, I.
-        memory: ``INTEGRITY`` record, updated.
-        recovery: ``RECOVERY`` record, updated.
+        q, up: attitude ``q_I2B``; unit vector, I.
+        memory, recovery: ``INTEGRITY`` and ``RECOVERY`` records, updated.
     """
     if beams_contradict_speed(params, instruments, health, sensed.radar, speed, sigma=sigma, memory=memory):
         memory.failed |= SPEED

@@ -77,10 +77,9 @@ def restart_parity_test(params, n_parity, memory):
 
 @kernel
 def parity_test(params, new, lasting, dt, redundant, number, memory):
-    """Run both tests on the increments of a cycle of ``dt`` seconds. Returns the instrument to leave out of
-    the cycle and the one to exclude for good (``NONE``: none).
-
-    ``new`` and ``lasting``: variances of an increment, from noise and from errors that stay.
+    """Run both tests on the increments of a cycle of ``dt`` seconds; ``new`` and ``lasting``: variances of an
+    increment, from noise and from errors that stay. Returns the instrument to leave out of the cycle and the
+    one to exclude for good (``NONE``: none).
     """
     if redundant.n_parity == 0:
         return NONE, NONE

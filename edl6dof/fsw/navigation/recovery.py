@@ -61,11 +61,8 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     Args:
         params: ``RecoveryParams`` record.
         onboard: ``ONBOARD`` record: planet, site and instruments.
-        health: ``INSTRUMENT_HEALTH`` record.
-        sensed: ``SENSED`` record.
-        motion: ``MOTION`` record.
-        memory: ``RECOVERY`` record, updated.
-        solution: ``SOLUTION`` record, updated.
+        health, sensed, motion: ``INSTRUMENT_HEALTH``, ``SENSED`` and ``MOTION`` records.
+        memory, solution: ``RECOVERY`` and ``SOLUTION`` records, updated.
     """
     if motion.rate_known == 0:
         memory.gap, memory.begun = memory.gap + motion.dt, 0
@@ -123,8 +120,8 @@ def _set_upright(planet, gravity, solution):
 
 @kernel
 def _take_over(onboard, health, radar, velocity, solution):
-    """Set the velocity of the solution to ``velocity`` (m/s, I, relative to the planet), and the height to
-    that of the echoes.
+    """Set the velocity of the solution to ``velocity`` (m/s, I, planet-relative), and the height to the
+    echoes'.
     """
     r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
     put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))

@@ -65,8 +65,7 @@ def take_increments(counts, number, memory):
 
 @kernel
 def prepare(axis, number, in_use, memory):
-    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` of ``number`` instruments
-    along ``axis`` (rows of H).
+    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` along ``axis`` (rows of H).
     """
     memory.in_use, memory.n_parity, memory.solvable = in_use, 0, 0
     xx = yy = zz = xy = xz = yz = 0.0
@@ -176,13 +175,11 @@ def exclude_stale_flags(patience, axis, number, end, flags, vector, dt, healthy,
     """Exclude instruments whose flag has been contradicted by the motion for more than ``patience`` s.
 
     Args:
-        patience: s.
         axis: of each of ``number`` instruments.
         end: of the range, rad/s or m/s2.
         flags: of saturation, as the instruments report them.
         vector: increment of ``dt`` seconds by the others.
-        healthy: flags, updated.
-        flagged: s, duration of each contradicted flag, updated.
+        healthy, flagged: flags; s, duration of each contradicted flag; updated.
     """
     for i in range(number):
         if flags[i] == 0 or abs(dot(take3(axis[i], 0), vector)) > _FAR_INSIDE * end * dt:

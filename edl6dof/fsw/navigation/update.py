@@ -48,10 +48,8 @@ def estimate_state(filters, onboard, state, sensed, memory):
     """Bring ``memory.estimate`` up to the cycle of ``sensed``.
 
     Args:
-        filters: functions that start the navigation filter that flies and correct with it.
-        onboard: ``ONBOARD`` record.
-        state: ``VEHICLE_STATE`` record: parts that are gone.
-        sensed: ``SENSED`` record.
+        filters: kernels of the navigation filter that flies: start and correct.
+        onboard, state, sensed: ``ONBOARD``, ``VEHICLE_STATE`` (parts that are gone) and ``SENSED`` records.
         memory: ``NAVIGATION`` record, updated.
     """
     estimate = memory.estimate

@@ -61,9 +61,7 @@ def believed_aero(vehicle, mach, speed):
 
 @kernel
 def area_rate(vehicle, mach, speed, speed_rate):
-    """Relative rate (1/s) of the drag area at trim while the speed changes at ``speed_rate`` (m/s2), the
-    speed of sound held.
-    """
+    """Relative rate (1/s) of the trimmed drag area at ``speed_rate`` (m/s2), with constant speed of sound."""
     drag = vehicle.airframe.drag
     i, _ = node_of(mach)
     return log(drag[i + 1] / drag[i]) / SPACING * speed_rate / speed

@@ -43,7 +43,7 @@ OBSERVER = record(
 
 @kernel
 def observer_gains(epsilon, dt):
-    """Gains on drag, rate and phi that put the poles of the sampled error at exp(-dt/eps), its square and its
+    """Gains on drag, rate and phi that put the poles of the sampled error at exp(-dt/eps), its square and
     cube.
     """
     z1 = exp(-dt / epsilon)
@@ -56,13 +56,12 @@ def observer_gains(epsilon, dt):
 
 @kernel
 def observe(memory, epsilon, start, t, drag, a, b, u):
-    """Bring the estimates to time ``t`` with the measured ``drag`` (m/s2); ``memory`` is an ``OBSERVER``,
-    ``start`` the drag (m/s2) that it starts from.
+    """Bring the estimates of ``memory`` (``OBSERVER``) to time ``t`` with the measured ``drag`` (m/s2);
+    ``start`` is the drag (m/s2) that it starts from.
 
     ``a`` and ``b`` are those of the drag dynamics now, ``u`` is the cosine of the bank angle flown since the
-    last sample.  The model
-    acceleration is the mean of both ends of the interval: that of its beginning alone would put half an
-    interval of lag into phi.
+    last sample.  The model acceleration is the mean of both ends of the interval: that of its beginning alone
+    would put half an interval of lag into phi.
     """
     dt = t - memory.t
     if memory.started == 0 or dt > MEMORY_S:
@@ -120,8 +119,7 @@ def disturbed_drag(onboard, nav, p, memory, out):
     """Drag errors and drag dynamics with the observed disturbance (eqs. 14 and 19).
 
     Returns (D - D_r, D' - D_r', a + f d^ - D_r'', b): the error's second derivative is the third plus b
-    cos(bank).  A disturbance d of the
-    path rate acts as lift does: f = b V/L.
+    cos(bank).  A disturbance d of the path rate acts as lift does: f = b V/L.
     """
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag

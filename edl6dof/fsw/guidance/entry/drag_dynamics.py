@@ -65,8 +65,8 @@ def measured_drag_dynamics(onboard, nav, lift):
 
 @kernel
 def bank_for(wanted, free, authority):
-    """Bank angle (rad, 0..pi) whose D'' = free + authority cos(bank) is nearest to ``wanted``; authority is
-    negative, zero in no air.
+    """Bank angle (rad, 0..pi) whose D'' = free + authority cos(bank) is nearest to ``wanted``; authority <=
+    0.
     """
     return acos(clamp((wanted - free) / min(authority, -1e-12), -1.0, 1.0))
 

@@ -78,8 +78,8 @@ def evaluate(coefficient, x):
 
 @kernel
 def predicted_range(memory, span, eta):
-    """Range (m) along the sampled drag scaled by 1 + eta f, over ``span`` of energy, and its derivative by
-    eta (Simpson's rule).
+    """Range (m) along the sampled drag times 1 + eta f over ``span`` of energy, and its derivative by eta
+    (Simpson).
     """
     total, slope = 0.0, 0.0
     for i in range(SAMPLES):
@@ -93,9 +93,7 @@ def predicted_range(memory, span, eta):
 @kernel
 def refit(reference, energy, wanted, limit, memory):
     """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
-    ``wanted`` m (eqs. 13-15).
-
-    ``limit`` bounds eta; 0 fits without changing the range.
+    ``wanted`` m (eqs. 13-15); ``limit`` bounds eta, 0 fits without changing the range.
     """
     terminal = 0.5 * reference.first * reference.first
     span = energy - terminal
@@ -125,10 +123,9 @@ def refit(reference, energy, wanted, limit, memory):
 @kernel
 def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
-    the updates included.
+    updates included.  ``p``: ``PolynomialParams`` of the law, ``memory``: its ``PROFILE``.
 
-    ``p`` are the ``PolynomialParams`` of the law, ``memory`` its ``PROFILE``.  With dE/dt = -V D the
-    derivatives are those along the flight as it is flown.
+    With dE/dt = -V D the derivatives are those along the flight as it is flown.
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
     terminal = 0.5 * reference.first * reference.first

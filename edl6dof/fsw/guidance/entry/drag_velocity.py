@@ -49,7 +49,7 @@ class EntryLimitParams(Params):
 
 @kernel
 def corridor(onboard, speed):
-    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure, and equilibrium
+    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure and equilibrium
     glide.
     """
     limits, vehicle, planet = onboard.guidance.entry.limits, onboard.vehicle, onboard.planet
@@ -91,9 +91,7 @@ DRAG_VELOCITY = record(
 
 @kernel
 def profile_drag(profile, speed):
-    """Drag of the profile and its first and second derivative by speed; held outside the speeds it was made
-    for.
-    """
+    """Drag of the profile and its two derivatives by speed; held outside the speeds it was made for."""
     v = clamp(speed, profile.final, profile.start)
     segment = 0 if v > profile.join else (1 if v > profile.level else 2)
     c0, c1, c2 = (
@@ -115,9 +113,7 @@ def profile_range(profile, speed):
 @kernel
 def path_sine(speed, drag, slope, gravity, scale_height):
     """Sine of the flight-path angle at which drag follows a profile of value ``drag`` and derivative
-    ``slope`` by speed.
-
-    From f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
+    ``slope`` by speed: from f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
     """
     stiff = slope - 2.0 * drag / speed
     return clamp(stiff / (speed * drag / (gravity * scale_height) - stiff) * drag / gravity, -0.99, 0.99)
@@ -141,8 +137,8 @@ def altitude_of(onboard, speed, drag):
 
 @kernel
 def integrate_range(onboard, profile):
-    """Fill ``profile.range`` from its coefficients: trapezoidal rule over four steps a node, upwards from the
-    final speed.
+    """Fill ``profile.range`` from its coefficients by the trapezoidal rule, four steps a node, from the final
+    speed.
     """
     planet = onboard.planet
     step = (profile.start - profile.final) / (4.0 * (RANGE_NODES - 1))
@@ -191,10 +187,8 @@ def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: flo
 
 def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float, float, np.ndarray]:
     """Joints and coefficients, shape (3, 3), closest to the drag ``d`` and not above ``highest`` at the
-    speeds ``v``.
-
-    For given joints the profile is linear in drag, slope and curvature at the first joint.  A relative misfit
-    counts as the range it costs.
+    speeds ``v``.  For given joints the profile is linear in drag, slope and curvature at the first joint.  A
+    relative misfit counts as the range it costs.
     """
     weight, target = np.sqrt(np.abs(np.gradient(v)) * v) / d, np.minimum(d, highest)
     best, found = np.inf, (0.0, 0.0, np.zeros(3))

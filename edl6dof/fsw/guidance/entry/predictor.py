@@ -135,8 +135,7 @@ def shifted(shift, side, first_turn, second_turn):
 
 @kernel
 def in_plane_shifted(shift, first_turn, second_turn):
-    """The same with the sideways lift left out, which the reversals cancel: they pass through lift up and no
-    more.
+    """The same without the sideways lift, which the reversals cancel: they pass through lift up and no more.
     """
     return IN_PLANE, shift, 0.0, 0.0, 1.0, first_turn, second_turn
 
@@ -288,16 +287,15 @@ def direction_ahead(here, target, v):
 
 @kernel
 def present_bank(nav, out):
-    """Bank angle (rad), positive on the side that is banked to: negative while a reversal is still short of
-    lift up.
+    """Bank angle (rad), positive on the commanded side; negative while a reversal is still short of lift up.
     """
     return abs(nav.bank) if out.side == 0.0 else out.side * nav.bank
 
 
 @kernel
 def to_aim(planet, target, r, v):
-    """Great-circle range to the aim point in direction ``target`` and signed crossrange, as ``to_target`` has
-    them, m.
+    """Great-circle range to the aim point in direction ``target`` and crossrange, as ``to_target`` has them,
+    m.
     """
     up = unit(r)
     left = unit(cross(up, v))

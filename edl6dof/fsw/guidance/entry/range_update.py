@@ -64,9 +64,8 @@ def top_of(reference):
 @kernel
 def range_scale(reference, energy_speed, wanted, scale, limit):
     """Scale of the reference drag whose predicted range is ``wanted`` (m): Newton's method from the last
-    value (eqs. 14-15).
-
-    Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE = u du.
+    value (eqs. 14-15).  Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE =
+    u du.
     """
     last, _ = cell((energy_speed - reference.first) / reference.spacing, NODES)
     if last < 3:
@@ -111,9 +110,7 @@ def tracking(onboard, nav):
 @kernel
 def drag_goal(onboard, nav, memory, drag, drag_rate, out):
     """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
-    the range update included.
-
-    ``memory`` is a ``TRACKING`` record; the goal is written to ``out.reference_drag``.
+    the range update included.  ``memory``: ``TRACKING``; the goal is written to ``out.reference_drag``.
     """
     p, reference = onboard.guidance.entry.tracking, onboard.reference
     u = sqrt(2.0 * max(nav.energy, 0.0))
@@ -129,9 +126,8 @@ def drag_goal(onboard, nav, memory, drag, drag_rate, out):
 @kernel
 def scaled(reference, scale, energy_speed, speed, along, drag, drag_rate):
     """Reference drag times F = 1 + ``scale`` f at an energy, and its first and second time derivative (m/s2,
-    m/s3, m/s4) while the energy falls as the flight's own ``drag`` makes it: E' = -V D.
-
-    ``along`` is the gravity against the velocity, m/s2.
+    m/s3, m/s4) while the energy falls with the flight's own ``drag``: E' = -V D.  ``along``: gravity against
+    the velocity, m/s2.
     """
     i, f = node_of(reference, energy_speed)
     d = catmull_rom(reference.drag, NODES, i, f)

@@ -140,9 +140,7 @@ def point_mass(onboard, h, v, gamma, bank):
 @kernel
 def reference_bank(onboard, shift, speed):
     """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift``, inside the
-    limits that all laws share.
-
-    Heading alignment banks to either side of zero: from there on the reference flies with wings level.
+    limits that all laws share; zero in heading alignment, which banks to either side of it.
     """
     entry = onboard.guidance.entry
     if speed <= max(entry.align_speed, entry.heading.speed):
@@ -154,7 +152,7 @@ def reference_bank(onboard, shift, speed):
 
 @kernel
 def node_of(reference, energy_speed):
-    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next, held
     at both ends.
     """
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)

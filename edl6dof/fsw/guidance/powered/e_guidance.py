@@ -35,9 +35,8 @@ _SHORTEST, _LONGEST, _RATIO, _HALVINGS = 0.1, 1e4, 1.1, 40
 
 @kernel
 def effort_rate(t, gravity, position, velocity):
-    """t^4 times the rate at which the cost changes with the time to go ``t``, up to its sign.
-
-    The position is relative to the target.  D'Souza 1997, without a weight of the flight time.
+    """t^4 times the rate at which the cost changes with the time to go ``t``, up to its sign; the position is
+    relative to the target.  D'Souza 1997, without a weight of the flight time.
     """
     rr, rv, vv = dot(position, position), dot(position, velocity), dot(velocity, velocity)
     return (0.5 * gravity * gravity * t * t - 2.0 * vv) * t * t - 12.0 * rv * t - 18.0 * rr
@@ -64,13 +63,8 @@ def optimal_time(gravity, position, velocity):
 
 @kernel
 def zem_zev(miss, velocity, gravity, t_go):
-    """Thrust acceleration along one axis.
-
-    Args:
-        miss: target less position, m.
-        velocity: m/s; none is wanted at arrival.
-        gravity: along the axis, m/s2.
-        t_go: time to go, s.
+    """Thrust acceleration (m/s2) along one axis; ``miss``: target less position, m; no ``velocity`` is wanted
+    at arrival.
     """
     zem = miss - velocity * t_go - 0.5 * gravity * t_go * t_go
     zev = -velocity - gravity * t_go

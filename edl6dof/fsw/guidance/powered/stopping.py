@@ -42,19 +42,17 @@ STOPPED = 2.0
 
 @kernel
 def stop_height(tilt_limit, stop_speed, thrust, flow, mass, gravity, height, sideways, descent):
-    """Height (m) at which a gravity turn from here is down to a descent rate of ``stop_speed``; far below
-    zero where it is not stopped.
+    """Height (m) at which a gravity turn from here is down to a descent rate of ``stop_speed`` (m/s); far
+    below zero where it is not stopped.
 
     Args:
         tilt_limit: of the thrust, rad.
         stop_speed: m/s.
         thrust: N, constant.
-        flow: propellant, kg/s.
-        mass: kg.
+        flow, mass: propellant, kg/s, and mass, kg.
         gravity: m/s2.
         height: above ground, m.
-        sideways: horizontal speed, m/s.
-        descent: descent rate, m/s.
+        sideways, descent: horizontal speed and descent rate, m/s.
     """
     steepest = tan(tilt_limit)
     while descent > stop_speed and height > -DEEP:
@@ -92,14 +90,13 @@ def stop_at(thrust, tilt_limit, engine, nav, mass):
 
 @kernel
 def brake_in_time(wanted, engine, nav, mass, target, braking, out):
-    """The acceleration (north, east, up, m/s2, gravity included) of the law or of a gravity turn at full
-    thrust, and whether it is the latter.
+    """Choose the acceleration (north, east, up, m/s2, gravity included): that of the law or of a gravity turn
+    at full thrust; returns it, and whether it is the latter.
 
     Args:
-        wanted: of the law, with its tilt limit (rad) as the last.
+        wanted: acceleration of the law, with its tilt limit (rad) as the last.
         engine: ``ENGINE_ABILITY`` record of those that burn.
-        nav: ``NAV`` record.
-        mass: kg.
+        nav, mass: ``NAV`` record; kg.
         target: ``POWERED_TARGET`` record.
         braking: whether it was the latter before.
         out: ``GUIDE`` record, written: full level, time to go, and what is relaxed.
@@ -185,9 +182,7 @@ def descend_on_stuck_throttle(p, terminal, vehicle, state, nav, bias, out):
         p: ``StuckThrottleDescentParams`` record.
         terminal: ``TerminalParams`` record: the horizontal thrusters work below ``upright_below_m`` as in the
             slow descent.
-        vehicle: believed vehicle.
-        state: ``VEHICLE_STATE`` record: mass, thrust of the stuck throttle.
-        nav: ``NAV`` record.
+        vehicle, state, nav: believed vehicle, ``VEHICLE_STATE`` and ``NAV`` records.
         bias: lateral bias force (north, east, N).
         out: ``GUIDE`` record, written: ``stop_height`` (m), and a ``time_to_go`` of 0 where the engine is to
             be cut off.

@@ -68,13 +68,8 @@ POWERED_TARGET = record(
 
 @kernel
 def choose_target(p, nav, point, target):
-    """Set ``target`` unless it is set already.
-
-    Args:
-        p: ``target`` section of powered guidance.
-        nav: ``NAV`` record.
-        point: ``LANDING_POINT`` record: its coarse point is taken where one is chosen.
-        target: ``POWERED_TARGET`` record.
+    """Set ``target`` (``POWERED_TARGET``) unless it is set already; ``point``: ``LANDING_POINT`` record,
+    whose coarse point is taken where one is chosen.
     """
     if target.set != 0:
         return
@@ -157,9 +152,7 @@ def root(a, s, d):
 
 @kernel
 def planned_sideways(reserve, tilt_limit, state):
-    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at the full level of the
-    start.
-    """
+    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at full level."""
     return (1.0 - reserve) * sin(tilt_limit) * state.engine.full_thrust / state.mass
 
 
@@ -180,13 +173,11 @@ def plan_arrival(p, gains, least, state, nav, target, plan):
     runs down at the end.
 
     Args:
-        p: tilt limit (rad), thrust reserve, and time to go (s) below which it runs down.
+        p: parameters of the law, ``PlanningParams``.
         gains: s and d of the upward law (see above).
         least: time to go that the law wants at least, s.
-        state: ``VEHICLE_STATE`` record.
-        nav: ``NAV`` record.
-        target: ``POWERED_TARGET`` record.
-        plan: ``PLAN`` record.
+        state, nav, target: ``VEHICLE_STATE``, ``NAV`` and ``POWERED_TARGET`` records.
+        plan: ``PLAN`` record, updated.
     """
     tilt_limit, reserve, runs_down = p
     s, d = gains

@@ -28,14 +28,8 @@ def lateral_bias(time_constant, nav, disturbance, dt, memory):
     engine nor thrusters explain.
 
     It is the estimated disturbance force (Hu et al. 2022, eqs. 10-12) without its axial part, turned into
-    north and east and smoothed, since each single estimate contains the vibration of the engine.
-
-    Args:
-        time_constant: over which it is smoothed, s.
-        nav: ``NAV`` record.
-        disturbance: ``DISTURBANCE`` record.
-        dt: time since the last call, s.
-        memory: ``LATERAL_BIAS`` record; at the first call it takes the estimate as it is.
+    north and east and smoothed over ``time_constant`` (s), since each single estimate contains the vibration
+    of the engine; ``memory``: ``LATERAL_BIAS`` record, which takes the first estimate as it is.
     """
     q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
     force = from_frame(q, (0.0, disturbance.force[1], disturbance.force[2]))
@@ -161,8 +155,7 @@ def vertical(p, nav, rate):
 
 @kernel
 def hover(p, engine, nav, mass, bias, out):
-    """Hold the hover height, and take out lateral velocity and the lateral ``bias`` (north, east, N) by a
-    small tilt.
+    """Hold the hover height, and take out lateral velocity and the ``bias`` (north, east, N) by a small tilt.
     """
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
     settle_by_tilt(p, engine, nav, mass, rate, bias=bias, out=out)
@@ -187,8 +180,7 @@ def stay_upright(p, engine, nav, mass, rate, out):
 
 @kernel
 def push_sideways(p, mass, acceleration, bias, out):
-    """Ask for the lateral force that makes an ``acceleration`` (north, east, m/s2) against the lateral
-    ``bias`` (N).
+    """Command the lateral force for an ``acceleration`` (north, east, m/s2) against the lateral ``bias`` (N).
     """
     limit = p.lateral_force
     out.translating = 1

@@ -30,13 +30,8 @@ class LidarDetectionParams(Params):
 
 @kernel
 def classify_by_limits(footprint, steepest, roughest, out):
-    """Call a cell safe where slope (tangent) and roughness (m) keep their limits.
-
-    Args:
-        footprint: ``FOOTPRINT`` record.
-        steepest: limit of the tangent of the slope.
-        roughest: limit of the roughness, m.
-        out: ``SAFETY_MAP`` record, classes and probabilities written.
+    """Call a cell safe where slope and roughness of ``footprint`` are at most ``steepest`` (tangent) and
+    ``roughest`` (m); writes classes and probabilities of ``out`` (``SAFETY_MAP``).
     """
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):

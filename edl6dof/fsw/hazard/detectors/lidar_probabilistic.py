@@ -97,9 +97,7 @@ def below_fast(x):
 def keep_row(elevation_map, sharp, radius, i, first, last, planes):
     """Write the probability that no cell of the footprint lies farther off its plane than ``planes.limit``
     (m, up or down) into ``planes.kept``, for the columns from ``first`` up to ``last`` of row ``i``; where a
-    cell is seen to, an upper bound of it.
-
-    ``sharp`` is the inverse of the standard deviation of each cell (1/m).
+    cell is seen to, an upper bound of it.  ``sharp``: inverse of the standard deviation of each cell (1/m).
     """
     reach = chord(radius, 0)
     level, limit, kept = planes.level[first:last], planes.limit[first:last], planes.kept[first:last]
@@ -121,18 +119,18 @@ def classify_by_probability(
     elevation_map, footprint, radius_m, steepest, roughest, deviation, between, least, out
 ):
     """Call a cell safe where the probability that slope and roughness keep their limits is large enough;
-    where it is not, an upper bound of it is noted.
+    elsewhere an upper bound of it is noted.
 
     Args:
         elevation_map: ``ELEVATION_MAP`` record.
         footprint: ``FOOTPRINT`` record of it; its scratch is used again.
         radius_m: of the footprint, m.
-        steepest, roughest: limits, as of :func:`classify_by_limits`.
+        steepest, roughest: limits of slope (tangent) and roughness (m).
         deviation: standard deviation of the elevation of one point of whole weight, m.
         between: standard deviation of the relief between the points of a cell, m.
         least: probability from which on a cell is safe.
-        out: ``SAFETY_MAP`` record, classes and probabilities written; its clearances, which are worked out
-            afterwards, are scratch.
+        out: ``SAFETY_MAP`` record, classes and probabilities written; its clearances, computed afterwards,
+            are scratch.
     """
     radius, planes, sharp = radius_m / elevation_map.cell, footprint.planes, out.clearance
     sharpness(elevation_map, max(deviation, 1e-9), between, sharp)

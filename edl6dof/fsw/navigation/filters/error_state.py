@@ -112,9 +112,7 @@ def start(params, onboard, sensed, solution, memory):
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Accumulate the motion; where it is time to, propagate the covariance and update with star tracker and
-    radar.
-    """
+    """Accumulate the motion; when due, propagate the covariance and update it with star tracker and radar."""
     accumulate(params, motion, solution, memory)
     early = 0.5 * motion.dt
     stars = sensed.stars.valid != 0 and health.star_tracker != 0

@@ -118,9 +118,7 @@ def _compare(params, height_off, speed_off, dt, memory):
 
 @kernel
 def _report_covariance(onboard, solution, memory):
-    """Fill the standard deviations: those of dead reckoning from the start, and in the loop those of the
-    radar.
-    """
+    """Fill the standard deviations: of dead reckoning from the start, in the loop those of the radar."""
     known, t = onboard.instruments, solution.t - memory.started_t
     turned = known.star_sigma**2 + known.star_bias**2 + known.gyro_noise**2 * t + (known.gyro_bias * t) ** 2
     for i in range(3):

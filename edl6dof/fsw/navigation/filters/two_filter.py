@@ -138,9 +138,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _carry_forward(params, memory):
-    """Propagate the fit to the time of a measurement: the velocity error grows by that of the acceleration,
-    and the information fades.
-    """
+    """Propagate the fit: the acceleration error adds to that of the velocity, and the information fades."""
     P, T = memory.covariance, memory.age
     fade = exp(min(T / params.window, 2.0))
     for i in range(3):
@@ -216,9 +214,7 @@ def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solut
 
 @kernel
 def _correct_velocity(params, solution, memory):
-    """Take the velocity error out of the solution once it is known well enough; the acceleration error is
-    kept for the prediction.
-    """
+    """Correct the velocity once its error is known well enough; the acceleration error stays in the fit."""
     worst = max(memory.covariance[0, 0], memory.covariance[1, 1], memory.covariance[2, 2])
     if worst < params.converged**2:
         memory.converged = 1
@@ -242,9 +238,7 @@ def _correct_height(params, solution, memory):
 
 @kernel
 def _report_covariance(params, onboard, solution, memory):
-    """Fill the standard deviations of the solution: of the fit and the mean, and those of dead reckoning from
-    the start.
-    """
+    """Fill the standard deviations: of fit and mean, and those of dead reckoning from the start."""
     instruments, t = onboard.instruments, solution.t - memory.started_t
     r_I = take3(solution.r_I, 0)
     north, east, up, altitude = level_axes(onboard.planet, r_I, solution.t)

@@ -177,10 +177,10 @@ def goal_rates(nav, drag, drag_rate, slope, curvature):
 
 @kernel
 def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u):
-    """Let theta follow what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
+    """Update theta by what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
     now, u = (L/D) cos(bank) without a limit.
 
-    ``dynamics`` is what :func:`~edl6dof.fsw.guidance.entry.drag_dynamics.uncertain_drag` returns;
+    ``dynamics`` is the result of :func:`~edl6dof.fsw.guidance.entry.drag_dynamics.uncertain_drag`;
     ``goal_free`` and ``goal_per_u`` are the two parts of D_r''.
     """
     free, unknown, per_u = dynamics

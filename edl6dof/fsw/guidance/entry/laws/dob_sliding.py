@@ -90,9 +90,7 @@ MEMORY = record(
 @kernel
 def observe(p, memory, dt, error, error_rate, applied):
     """Bring surface, virtual state, disturbance estimate and eta over the ``dt`` seconds in which cos(bank)
-    was ``applied``.
-
-    Source: eqs. 19, 23, 26, 28 and Fig. 1.  ``error`` and ``error_rate`` belong to the end of the interval.
+    was ``applied``; ``error`` and ``error_rate`` belong to the end.  Source: eqs. 19, 23, 26, 28 and Fig. 1.
     """
     if memory.started == 0 or dt <= 0.0:
         memory.started = 1

@@ -108,8 +108,7 @@ def integrate_adjoints(onboard, shift, speeds, altitude, path, found):
         onboard: ``ONBOARD`` record.
         shift: of the cosine of the reference bank angle.
         speeds: from the final speed upwards in even steps, m/s, each ``2 SUBSTEPS``-th of them a node.
-        altitude: of the reference there, m.
-        path: flight-path angle of the reference there, rad.
+        altitude, path: of the reference there, m; flight-path angle, rad.
         found: written, a row for each node: derivatives of the range to go by altitude (m/m), path angle
             (m/rad) and vertical lift-to-drag ratio (m) at equal speed.
     """

@@ -23,8 +23,8 @@ class CrossrangeCorridorParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once the crossrange leaves the corridor on the side being
-    turned to.
+    """Side to bank to (+1 right): the other one once the crossrange leaves the corridor on the side turned
+    to.
     """
     p = params
     limit = p.c0 + p.c1 * nav.speed + p.c2 * nav.speed * nav.speed

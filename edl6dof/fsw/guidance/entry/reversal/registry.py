@@ -50,9 +50,7 @@ STEERING = record(
 
 @kernel
 def limited(onboard, out, wanted):
-    """Bank magnitude (rad) inside the limits that all laws share; the lower one is that which the law allows
-    now.
-    """
+    """Bank magnitude (rad) between the smallest that the law allows now and the largest of all laws."""
     return clamp(abs(wanted), out.least_bank, onboard.guidance.entry.bank_max)
 
 
@@ -74,9 +72,7 @@ def chosen_side(bank_side, onboard, nav, memory, out, wanted):
 @kernel
 def steer_bank(bank_side, onboard, nav, memory, out, wanted):
     """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
-    ``own_sign`` only).
-
-    The rate limit moves the command through zero bank, never through lift down.
+    ``own_sign`` only).  The rate limit moves the command through zero bank, never through lift down.
     """
     p = onboard.guidance.entry
     if nav.speed < p.align_speed:

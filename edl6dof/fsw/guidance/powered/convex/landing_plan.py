@@ -80,10 +80,8 @@ def full_controls(plan):
 
 @kernel
 def lay_grid(plan):
-    """Lay the controls over the time of flight.
-
-    Returns:
-        Mean time to go (s), and the norm of (time to go less its mean), s^1.5.
+    """Lay the controls over the time of flight; returns mean time to go (s) and norm of its deviation
+    (s^1.5).
     """
     count = full_controls(plan)
     short = plan.full_time / count if count > 0 else 0.0
@@ -117,9 +115,8 @@ def control_at(plan, elapsed):
 @kernel
 def shift_controls(plan, elapsed, time, full_time):
     """Move the start of the plan forward by ``elapsed`` s and lay it over a new ``time``, each control taken
-    from what the plan says of its middle.
-
-    The multipliers stay: primer at the end and pull are constants of the motion.
+    from the old plan at its middle.  The multipliers stay: primer at the end and pull are constants of the
+    motion.
     """
     share = (plan.time - elapsed) / time
     old_full, old_time, old_count = plan.full_time, plan.time, full_controls(plan)

@@ -100,8 +100,8 @@ MEMORY = record(
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem that the present state poses, with no constraint relaxed: what the engine is
-    believed to lack is taken from the thrust that is held back.
+    """Write the landing problem of the present state, with no constraint relaxed: what the engine is believed
+    to lack is taken from the thrust that is held back.
     """
     left = 1.0 - state.thrust_lost
     landing.mass = state.mass
@@ -144,8 +144,8 @@ def least_throttled(p, memory):
 
 @kernel
 def first_plan(p, landing, throttled, memory):
-    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and
-    ``throttled`` s in the throttle band at least.
+    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and at
+    least ``throttled`` s in the throttle band.
     """
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
@@ -172,8 +172,8 @@ def next_plan(p, landing, elapsed, memory):
     """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival or a
     little earlier.
 
-    If that cannot be kept, what is held back of the thrust may be used at once, not later; then the time of
-    arrival is searched.  If none will do, the engine gives all of the throttle band now.
+    If that cannot be kept, the thrust held back may be used at once, not later; then the time of arrival is
+    searched.  If none will do, the engine gives all of the throttle band now.
     """
     plan, other = memory.plan, memory.other
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
@@ -232,7 +232,7 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """Return how far from the target a plan ends, if it has one, and how far it would move on in a second,
+    """Return how far from the target, if it has one, a plan ends, and how far it would move on in a second,
     m.
     """
     miss = plan.miss if landing.miss_price > 0.0 else 0.0

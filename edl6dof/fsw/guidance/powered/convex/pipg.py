@@ -79,16 +79,15 @@ def add_push(landing, flat, plan):
 
 @kernel
 def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
-    """Move the multipliers of the glide slope by where the extrapolated thrust 2 w - u flies; the square of
-    how far, extrapolation left out.
+    """Move the multipliers of the glide slope by where the extrapolated thrust 2 w - u flies; returns the
+    square of their change, extrapolation left out.
 
     Args:
-        landing: ``LANDING`` record.
+        landing, plan: ``LANDING`` and ``PLAN`` records.
         flat: first basis function of the end.
-        first, second: what the end misses in the two basis functions.
+        first, second: miss of the end in the two basis functions.
         sigma: dual step.
         extrapolation: of the multipliers.
-        plan: ``PLAN`` record.
     """
     changed = 0.0
     if landing.slope < 0.0:
@@ -207,12 +206,8 @@ def weigh(landing, plan):
 
 @kernel
 def solve(landing, most, plan):
-    """Least fuel for the time of flight and the time at full thrust of ``plan``, from what stands in it.
-
-    Args:
-        landing: ``LANDING`` record.
-        most: iterations.
-        plan: ``PLAN`` record: times; ``u`` and multipliers, the first guess and then the answer.
+    """Least fuel for the times of flight and at full thrust in ``plan`` (``PLAN``), whose ``u`` and
+    multipliers are the first guess and then the answer, in at most ``most`` iterations.
     """
     mean, norm = lay_grid(plan)
     lay_rows(plan)

@@ -50,9 +50,7 @@ def in_use(healthy, count):
 
 @kernel
 def axes_covariance(axis, bits, count, out):
-    """Write the inverse of H'H of the instruments in ``bits`` into ``out``; leave it unchanged where they do
-    not span space.
-    """
+    """Write the inverse of H'H of the instruments in ``bits`` into ``out``, unless they do not span space."""
     xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         if bits >> k & 1:

@@ -47,8 +47,7 @@ def weighted_noise(innovation, variance, noise, gate, huber):
 
     Args:
         innovation: reading less expected reading.
-        variance: variance of that difference, noise included.
-        noise: noise variance of the reading.
+        variance, noise: variance of that difference, noise included; noise variance of the reading.
         gate: standard deviations beyond which it is refused.
         huber: those beyond which its noise is enlarged, so that it lies there.
     """
@@ -164,9 +163,7 @@ def optimal_gain(product, variance, gain):
 @kernel
 def apply_gain(covariance, product, gain, correction, variance, innovation):
     """Update covariance and correction with a reading of the ``innovation`` and its ``variance``, noise
-    included, by any ``gain``.
-
-    The covariance stays symmetric to the last bit.
+    included, by any ``gain``; the covariance stays symmetric to the last bit.
     """
     n, m = covariance.shape
     for i in range(n):
@@ -198,10 +195,8 @@ def hold_horizontal(up, gain):
 
 @kernel
 def update_by_reading(params, noise, innovation, up, trusted, row, memory):
-    """Update covariance and correction with a reading of sensitivity ``row``, if it passes the gate and is
-    ``trusted``.
-
-    Returns its innovation over its standard deviation, and whether it passes the gate.
+    """Update with a reading of sensitivity ``row``, if it passes the gate and is ``trusted``.  Returns its
+    innovation over its standard deviation, and whether it passes the gate.
     """
     own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
     rest = innovation - explained_by(row, memory.correction)

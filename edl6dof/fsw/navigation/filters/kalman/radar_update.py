@@ -76,11 +76,12 @@ def find_outlier(gate, n_beams, present, healthy, memory):
 
 @kernel
 def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
-    """Update with the readings that are trusted (``healthy``: flags) and agree.
+    """Update with the readings that are trusted (``healthy``: flags) and agree; writes the innovation of each
+    over its standard deviation into ``deviations``.
 
-    Writes the innovation of each over its standard deviation into ``deviations``.  Returns bits of the beams
-    that were used, and of those refused; how many trusted readings there were, how many of them were refused,
-    and the least square of their innovations.
+    Returns:
+        bits of the beams that were used, and of those refused; how many trusted readings there were, how many
+        of them were refused, and the least square of their innovations.
     """
     left_out = find_outlier(params.gate, n_beams, present, healthy, memory)
     used, refused, tried, against, least = 0, 0, 0, 0, 0.0
@@ -141,8 +142,7 @@ def expect_speeds(onboard, radar, q, velocity, swing, memory):
 
 @kernel
 def update_by_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
-    """Update with the speeds along the beams. Returns bits of the beams that were used, and of those that
-    were refused.
+    """Update with the speeds along the beams; returns bits of the beams that were used, and of those refused.
     """
     n_beams = onboard.instruments.n_beams
     expect_speeds(onboard, radar, q, velocity, swing, memory=memory)
@@ -170,9 +170,7 @@ PLANE = 3
 
 @kernel
 def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
-    """Write the sensitivity of the range of a ``beam`` along ``u`` to the errors; ``reach`` is the expected
-    range.
-
+    """Write the sensitivity of the range of a ``beam`` along ``u`` to the errors; ``reach``: expected range.
     At a horizontal distance the vertical differs, too.
     """
     clear_row(row)
@@ -189,8 +187,7 @@ def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
 
 @kernel
 def range_noise(params, instruments, reach, steepness, off):
-    """Noise variance of a range: of the instrument, and of uneven ground between the vehicle and the spot
-    that the beam meets.
+    """Noise variance of a range: of the instrument, and of uneven ground from below to the spot of the beam.
     """
     own = instruments.range_sigma + instruments.range_sigma_relative * reach
     return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)

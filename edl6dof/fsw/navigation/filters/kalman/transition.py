@@ -82,9 +82,8 @@ def _turned(transition, to, of, v, factor):
 
 @kernel
 def fill_transition(mu, r_I, interval, transition):
-    """Write the rows of the changing states of the transition matrix of an ``interval``.
-
-    To second order in its length, with the mean of attitude and force over it where they meet each other.
+    """Write the rows of the changing states of the transition matrix of an ``interval``, to second order in
+    its length, with the mean of attitude and force over it where they meet each other.
     """
     dt, gain, path, frame = interval.dt, take3(interval.gain, 0), take3(interval.path, 0), interval.frame
     for i in range(MOVING):
@@ -113,9 +112,7 @@ def fill_transition(mu, r_I, interval, transition):
 
 @kernel
 def _act_on_attitude(turned, gain, path, of, transition):
-    """Write the effect of a rotation error, minus ``turned`` times three errors from place ``of``, on
-    attitude, velocity and position.
-    """
+    """Write the effect of a rotation error, minus ``turned`` times three errors from place ``of``."""
     for j in range(3):
         column = (turned[0, j], turned[1, j], turned[2, j])
         _put_column(transition, ATTITUDE_ERROR, of + j, scale(-1.0, column))
@@ -125,9 +122,7 @@ def _act_on_attitude(turned, gain, path, of, transition):
 
 @kernel
 def _act_on_velocity(pushed, dt, of, transition):
-    """Write the effect of a velocity error, minus ``pushed`` times three errors from place ``of``, on
-    velocity and position.
-    """
+    """Write the effect of a velocity error, minus ``pushed`` times three errors from place ``of``."""
     for i in range(3):
         for j in range(3):
             transition[VELOCITY + i, of + j] = -pushed[i, j]
@@ -142,9 +137,7 @@ def _put_column(a, row, column, v):
 
 @kernel
 def move_covariance(transition, considered, moved, covariance):
-    """Covariance after the transition: F P F', in which only the rows of the changing states differ
-    from P.
-    """
+    """Propagate the covariance, F P F', in which only the rows of the changing states differ from P."""
     for i in range(MOVING):
         for k in range(WIDTH):
             moved[i, k] = 0.0
@@ -173,8 +166,8 @@ def move_covariance(transition, considered, moved, covariance):
 
 @kernel
 def follow_slope(north, east, solution, covariance):
-    """Move the height of the ground, and its covariance, from the ground below to a point some metres
-    ``north`` and ``east`` of it.
+    """Move the height of the ground, and its covariance, to a point ``north`` and ``east`` (m) of the ground
+    below.
     """
     solution.terrain += solution.slope[0] * north + solution.slope[1] * east
     for j in range(WIDTH):
