@@ -25,18 +25,11 @@ class CheckOutParams(Params):
     """Pulses at the start of the first phase that show which thrusters work."""
 
     thrusters: list[str] = param(
-        None,
-        "thrusters that are tried, in order; none for no check-out",
-        record=False,
-        factory=list,
-        max_length=MAX_CHECKED,
+        None, "thrusters to try, in order; may be none", record=False, factory=list, max_length=MAX_CHECKED
     )
     pulse_s: float = param(0.08, "length of the trial pulse", status="estimate", ge=0.02, le=1.0)
     settle_s: float = param(
-        0.08,
-        "time after the pulse at which the gyros are read: valve decay and sensor delay",
-        ge=0.0,
-        le=1.0,
+        0.08, "time after the pulse at which the gyros are read: valve decay, sensor delay", ge=0.0, le=1.0
     )
     share: float = param(
         0.5, "share of the expected rate change below which a thruster counts as dead", gt=0.0, lt=1.0

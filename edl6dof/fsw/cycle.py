@@ -103,9 +103,7 @@ def axial_load(unexplained, goal, state):
 
 @kernel
 def run(functions, onboard, sensed, k, fsw):
-    """Run base cycle ``k``, from ``sensed`` to ``fsw.command``, with the members that fly
-    (:mod:`.functions`).
-    """
+    """Run base cycle ``k``, from ``sensed`` to ``fsw.command``, with the kernels of :mod:`.functions`."""
     laws, control, share_out, estimate, filters, classify, detect_hazards = functions
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command

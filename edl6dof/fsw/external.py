@@ -100,9 +100,7 @@ def replace_torque(external, torque, own):
 
 @kernel
 def replace_duties(external, count, duty, own):
-    """Replace the duties of ``count`` thrusters by the commanded ones; those of allocation are kept in
-    ``own``.
-    """
+    """Replace the duties of ``count`` thrusters by the commanded ones; ``own`` keeps those of allocation."""
     for i in range(count):
         own.duty[i] = duty[i]
     if external.given.duties != 0:

@@ -116,9 +116,7 @@ class Event(Params):
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
     action: Action = param(REQUIRED, "what is done", record=False)
     component: Key = param(
-        REQUIRED,
-        "name of what it is done to: a part, parachute, engine or surface of the vehicle, or landing_gear",
-        record=False,
+        REQUIRED, "object: a part, parachute, engine or surface of the vehicle, or landing_gear", record=False
     )
     delay_s: float = param(
         0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0
@@ -161,10 +159,7 @@ class Phase(Params):
         False, "whether bank_to_steer holds the angle of attack by thrusters, which trims itself otherwise"
     )
     bandwidth: float = param(
-        1.0,
-        "bandwidth of the attitude loop of thrust_vector in this phase over that of its gains",
-        gt=0.0,
-        le=3.0,
+        1.0, "bandwidth of the loop of thrust_vector in this phase over that of its gains", gt=0.0, le=3.0
     )
     events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
         None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS

@@ -36,10 +36,7 @@ class ModulationParams(Params):
         lt=1.0,
     )
     opening_share: float = param(
-        0.65,
-        "on-time due, over the shortest pulse, from which a valve opens",
-        ge=0.5,
-        le=1.0,
+        0.65, "on-time due, over the shortest pulse, from which a valve opens", ge=0.5, le=1.0
     )
     shortest_gap_s: float = param(
         0.012,
@@ -93,8 +90,7 @@ def open_alone(thruster, on, count, t, memory):
 
 @kernel
 def open_for_test(i, vehicle, t, cycle, memory):
-    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for it.
-    """
+    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle, without charging demand."""
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
     memory.open_time[i], memory.close_time[i] = t, t + cycle
     memory.busy_until[i] = end

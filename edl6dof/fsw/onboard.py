@@ -61,12 +61,7 @@ class EntryGuidanceParams(_EntryLaws):
         55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0
     )
     trim_alpha_deg: float = param(
-        -10.0,
-        "angle of attack commanded before and during lift control",
-        status="published",
-        source="S1",
-        ge=-90.0,
-        le=90.0,
+        -10.0, "angle of attack until lift control ends", status="published", source="S1", ge=-90.0, le=90.0
     )
     bank_min_deg: float = param(
         15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0
@@ -99,10 +94,7 @@ class EntryGuidanceParams(_EntryLaws):
         0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0
     )
     expected_wind: ExpectedWindParams = group(
-        ExpectedWindParams,
-        "mean wind that the angle of attack and the drift under the parachute are worked out with; the true "
-        "one is the section wind",
-        record=False,
+        ExpectedWindParams, "mean wind that is expected; the true one is the section wind", record=False
     )
 
     @property
@@ -117,11 +109,7 @@ class PoweredGuidanceParams(_PoweredLaws):
 
     full_time_s: float = param(1.0, "shortest time at full thrust after ignition", status="estimate", ge=0.0)
     full_again: float = param(
-        1.5,
-        "demand, over the upper end of the throttle band, beyond which full thrust comes back",
-        status="estimate",
-        ge=1.0,
-        le=100.0,
+        1.5, "demand, over the band, beyond which full thrust comes back", status="estimate", ge=1.0, le=100.0
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")

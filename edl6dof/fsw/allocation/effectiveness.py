@@ -64,8 +64,7 @@ def usable(i, thrusters, healthy, mask):
 
 @kernel
 def fine_enough(share, matrix, thrusters, count, healthy, demand):
-    """Return whether the healthy fine thrusters alone can give the torque of ``demand``, up to a ``share``.
-    """
+    """Return whether the healthy fine thrusters can give the torque of ``demand``, up to a ``share``."""
     x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):
         if healthy[i] != 0 and thrusters[i].group == FINE:

@@ -30,10 +30,7 @@ class LeastSquaresParams(Params):
     steps: int = param(200, "largest number of changes of a duty", ge=1, le=1000000)
     tolerance: float = param(4e-3, "change of duty below which the iteration stops", gt=0.0, lt=1.0)
     translating_tolerance: float = param(
-        2e-3,
-        "the same while translating, where force and torque compete and many small changes add up",
-        gt=0.0,
-        lt=1.0,
+        2e-3, "the same while translating, where many small changes add up", gt=0.0, lt=1.0
     )
     force_scale_n: float = param(
         600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0
@@ -143,9 +140,7 @@ def update_products(weight, count, effectiveness, memory):
 
 @kernel
 def farthest(n, memory, duty):
-    """Thruster whose duty is farthest from its best value, and the change to it; of equals the first in
-    order.
-    """
+    """Thruster whose duty is farthest from its best value, and the change; of equals the first in order."""
     order, slope, price, gain = memory.order, memory.slope, memory.price, memory.gain
     chosen, way, size = 0, 0.0, 0.0
     for k in range(n):

@@ -48,9 +48,7 @@ def no_demand(demand):
 
 @kernel
 def groups_of(phase, boosting, thrusters, count, healthy):
-    """Bit mask of the groups that may fire: those of the phase; axial ones to boost or for a lost attitude
-    one.
-    """
+    """Bit mask of the groups that may fire: of the phase, and axial ones to boost or for a lost one."""
     mask = 1 << AXIAL if boosting else 0
     for i in range(phase.n_thrusters):
         mask |= 1 << phase.thrusters[i]

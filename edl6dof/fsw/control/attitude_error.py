@@ -90,9 +90,7 @@ def velocity_axes(alpha, beta):
 
 @kernel
 def shortest_arc(a, b):
-    """Unit quaternion of the shortest rotation from the unit vector ``a`` to ``b``; of opposite vectors, one
-    about some axis across ``a``.
-    """
+    """Unit quaternion of the shortest rotation from the unit vector ``a`` to ``b``, any if opposite."""
     s = 1.0 + dot(a, b)
     if s < 1e-12:
         across = cross(a, (0.0, 1.0, 0.0)) if abs(a[1]) < 0.9 else cross(a, (1.0, 0.0, 0.0))
@@ -117,9 +115,7 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
 
 @kernel
 def shortest_path_error(q, goal):
-    """Rotation vector in B from the attitude ``q`` straight to ``goal`` (rad).  Source: Hu et al. 2022, eq.
-    4.
-    """
+    """Rotation vector (rad, B) from the attitude ``q`` to ``goal``. Source: Hu et al. 2022, eq. 4."""
     return rotation_vector(multiply(conjugate(q), goal))
 
 

@@ -44,11 +44,7 @@ class BankToSteerParams(Params):
     )
     rate_deadband_deg_s: float = param(0.4, "rate of angle of attack or sideslip that is left alone", ge=0.0)
     angle_limit_deg: float = param(
-        10.0,
-        "error of angle of attack or sideslip beyond which its angle loop closes",
-        status="published",
-        source="S1 4.1",
-        gt=0.0,
+        10.0, "angle error beyond which its loop closes", status="published", source="S1 4.1", gt=0.0
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
     held_alpha: ZoneParams = group(

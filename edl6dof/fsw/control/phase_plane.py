@@ -38,9 +38,7 @@ MEMORY = record(("firing", whole(-1, 1), (3,)))
 
 @kernel
 def switch_axis(p, firing, error, rate):
-    """Direction of torque, -1, 0 or +1, for the ``error`` (goal minus actual, rad) and ``rate`` (rad/s) of an
-    axis.
-    """
+    """Direction of torque, -1, 0 or +1, for ``error`` (goal minus actual, rad) and ``rate`` (rad/s)."""
     switching = error - rate * abs(rate) / (2.0 * p.acceleration) - p.lead * rate
     threshold = p.deadband * (p.hysteresis if firing != 0 else 1.0)
     if abs(switching) < threshold:

@@ -80,7 +80,6 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
 
 @kernel
 def follow(zone, memory, error, rate, dt, frozen):
-    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains.
-    """
+    """Demanded acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains."""
     motion = (error, target_rate(zone, error, 1.0), rate)
     return axis_acceleration(zone, memory, motion, dt, frozen, bandwidth=1.0)

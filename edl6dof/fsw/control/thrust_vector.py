@@ -51,16 +51,10 @@ class ThrustVectorParams(Params):
     """Thrust-direction and roll control of the lander."""
 
     error: Literal["decoupled", "shortest_path"] = param(
-        "decoupled",
-        "attitude error: thrust direction and roll apart, or the shortest path",
-        status="published",
-        source="S1 6.2",
+        "decoupled", "thrust direction and roll apart, or shortest path", status="published", source="S1 6.2"
     )
     against_disturbance: Literal["estimator", "integral"] = param(
-        "estimator",
-        "what works against disturbance torques: their estimate, or the integral terms",
-        status="published",
-        source="S1 6.2",
+        "estimator", "compensation by the estimate or by integral terms", status="published", source="S1 6.2"
     )
     pitch_yaw: ZoneParams = group(ZoneParams, "pitch and yaw channels")
     roll: ZoneParams = group(ZoneParams, "roll channel")

@@ -62,13 +62,7 @@ class DiagnosisParams(Params):
 
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
     load_noise: float = param(
-        0.01,
-        (
-            "lateral force over axial load, and pitch or yaw torque over it in m, by which air and riser "
-            "fluctuate"
-        ),
-        status="estimate",
-        ge=0.0,
+        0.01, "fluctuation of lateral force and pitch-yaw torque (m) over load", status="estimate", ge=0.0
     )
     load_noise_roll: float = param(0.001, "the same for roll torque", status="estimate", ge=0.0)
     torque_noise_nm: float = param(
@@ -258,9 +252,7 @@ def may_leak(params, b, load, residual, kind):
 
 @kernel
 def filter_missing_wrench(params, signals, memory):
-    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
-    the slow part contains them, steady use shows nothing.
-    """
+    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss."""
     vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     for b in range(vehicle.branches.count):
         missing = memory.missing[b]

@@ -127,9 +127,7 @@ def branch_is_measured(b, signals, memory):
 
 @kernel
 def retest(params, signals, memory):
-    """Thruster to test alone, of several the one that has rested longest; or the suspect of force and torque
-    with its opposite; or twice ``NONE``.
-    """
+    """Longest rested thruster to test alone; or the suspect with its opposite; or twice ``NONE``."""
     vehicle, diagnosis, t = signals.vehicle, signals.diagnosis, signals.t
     rested, oldest = NONE, t
     for i in range(vehicle.n_thrusters):

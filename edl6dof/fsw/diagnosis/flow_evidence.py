@@ -64,7 +64,7 @@ class FlowParams(Params):
 
     model_error: float = param(
         0.03,
-        "fraction by which the believed flow of a thruster may be wrong within a cycle, valve times among it",
+        "relative error of believed flow in a cycle, with valve times",
         status="estimate",
         ge=0.0,
         le=1.0,
@@ -160,9 +160,7 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 
 @kernel
 def monitor_rest(vehicle, memory):
-    """Count for each meter the cycles of rest in a row, in which no thruster of its branch was to fire, with
-    a flow that is less than an open valve lets through.
-    """
+    """Count for each meter the cycles of rest in a row with a flow less than an open valve lets through."""
     for b in range(vehicle.branches.count):
         if memory.expected[b] > 0.0:
             continue
@@ -183,9 +181,7 @@ def least_flow(vehicle, b):
 
 @kernel
 def impossible_meter(metered, branches, memory):
-    """First branch whose trusted meter reads a negative flow, or for some cycles one that no valve explains;
-    ``NONE`` if there is none.
-    """
+    """First branch whose trusted meter reads a flow that no valve explains, or ``NONE``."""
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
         backwards = flow < 0.0 and is_impossible(b, flow, memory)
@@ -232,9 +228,7 @@ def restart_pools(count, branches, memory):
 
 @kernel
 def cross_check(params, vehicle, share, memory):
-    """Record each meter's reading of the other thrusters once one of its branch shows a loss, and request
-    their firing until it has been read.
-    """
+    """Record how meters read the other thrusters once one shows a loss; request their firing until then."""
     of, count = vehicle.branches.of, vehicle.n_thrusters
     for i in range(count):
         memory.test_requested[i] = 0
@@ -362,9 +356,7 @@ def needs_trial(i, memory):
 
 @kernel
 def confirmed_loss(params, common, loss):
-    """Fraction of flow lost beyond the ``common`` loss and the evidence for it; zeros before enough cycles
-    confirm it, and for too small a one.
-    """
+    """Loss beyond the ``common`` one and the evidence for it; zeros if unconfirmed or too small."""
     if loss.cycles < LEAST_CYCLES:
         return 0.0, 0.0
     beyond = min(loss.cross / loss.own, 1.0) - common

@@ -88,9 +88,7 @@ HYPOTHESES = record(
 
 @kernel
 def collect(sums, keep, signature, along, square, every):
-    """Add a cycle to the sums of a hypothesis that predicts the residual ``signature`` times the
-    effectiveness.
-    """
+    """Add a cycle to the sums of a hypothesis whose residual is ``signature`` times the effectiveness."""
     sums.cross = keep * sums.cross + signature * along
     sums.own = keep * sums.own + signature * signature * square
     sums.all = keep * sums.all + every
@@ -213,8 +211,7 @@ def loss_evidence(params, sums, least, afresh):
 
 @kernel
 def stuck_on_evidence(sums, least):
-    """Evidence that a valve stays open, none below ``least``; it restarts where the evidence is against it.
-    """
+    """Evidence that a valve stays open, none below ``least``; contrary evidence restarts it."""
     if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
         forget(sums)
     return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0

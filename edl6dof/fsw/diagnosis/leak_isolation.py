@@ -123,9 +123,7 @@ def restart_look(residual, memory):
 
 @kernel
 def most_probable(count, memory):
-    """Find the candidate that explains the looks best; returns its probability among all of them, and without
-    a meter among "none leaks" as well.
-    """
+    """Find the best candidate; returns its probability, without a meter against "none leaks" as well."""
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:

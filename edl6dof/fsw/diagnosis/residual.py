@@ -56,8 +56,7 @@ def without_slow_part(time_constant, unexplained, dt, memory):
 
 @kernel
 def product(a, b, weight):
-    """Scalar product of two wrenches, weighted; the axial force, which engine and drag spoil, does not count.
-    """
+    """Weighted scalar product of two wrenches without axial force, which engine and drag spoil."""
     return (
         weight[0] * (a[1] * b[1] + a[2] * b[2])
         + weight[1] * a[3] * b[3]

@@ -35,18 +35,11 @@ class EngineShortfallParams(Params):
     """Belief in a loss of thrust."""
 
     settled_s: float = param(
-        1.0,
-        "time for which the command has to rest before the thrust is looked at",
-        status="estimate",
-        ge=0.0,
+        1.0, "time for which the command must rest before the thrust is looked at", status="estimate", ge=0.0
     )
     lag_s: float = param(0.5, "lag with which the loss is followed", status="estimate", gt=0.0)
     believed_from: float = param(
-        0.1,
-        "loss, over the commanded thrust, from which it is believed; 1: never",
-        status="estimate",
-        gt=0.0,
-        le=1.0,
+        0.1, "loss, over the command, from which it is believed; 1: never", status="estimate", gt=0.0, le=1.0
     )
     most: float = param(0.5, "largest loss that is believed", status="estimate", ge=0.0, lt=1.0)
 
@@ -95,10 +88,7 @@ class StuckThrottleParams(Params):
     lag_s: float = param(0.2, "lag with which the measured thrust is smoothed", status="estimate", gt=0.0)
     settled_s: float = param(1.0, "time for which the thrust has to stay behind", status="estimate", ge=0.0)
     believed_from: float = param(
-        0.2,
-        "fall of the command, over it, that the thrust has not followed, from which it is believed",
-        status="estimate",
-        gt=0.0,
+        0.2, "unfollowed fall of the command, over it, from which it is believed", status="estimate", gt=0.0
     )
     over_from: float = param(
         0.4,

@@ -115,11 +115,7 @@ class EstimationParams(_Estimators):
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
     held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a stuck throttle")
     force_angle_lag_s: float = param(
-        1.0,
-        "lag with which the angle of the unexplained force from the body axis is smoothed; outlasts a leak "
-        "that diagnosis stops",
-        status="design",
-        gt=0.0,
+        1.0, "lag of the force angle; outlasts a leak that diagnosis stops", status="design", gt=0.0
     )
 
 

@@ -61,9 +61,7 @@ def hold_bank(onboard, nav, goal):
 
 @kernel
 def keep_thrust_axis(nav, goal):
-    """Hold the current thrust axis until ignition: attitude control damps rates only, so that the lander does
-    not turn inside the departing backshell.
-    """
+    """Hold the thrust axis until ignition, so as not to turn inside the departing backshell."""
     q = nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3]
     axis = from_frame(q, (-1.0, 0.0, 0.0))
     north, east, up = take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0)

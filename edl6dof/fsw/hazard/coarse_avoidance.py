@@ -58,8 +58,7 @@ def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
 
 @kernel
 def follow_wind(time_constant, nav, dt, carried):
-    """Smooth the velocity that the vehicle is carried with, north and east (m/s), over ``time_constant`` (s).
-    """
+    """Smooth the velocity that the vehicle is carried with (north, east, m/s) over ``time_constant`` (s)."""
     share = min(dt / time_constant, 1.0)
     carried[0] += share * (nav.v_N[0] - carried[0])
     carried[1] += share * (nav.v_N[1] - carried[1])
@@ -67,9 +66,7 @@ def follow_wind(time_constant, nav, dt, carried):
 
 @kernel
 def predict_drifts(atmosphere, drifter, carried, nav, out):
-    """Predict a path for each share of ``LASTING``; arguments as of :func:`predict_drift`, ``out``: ``DRIFT``
-    each.
-    """
+    """Predict a path for each share of ``LASTING``; arguments as of :func:`predict_drift`."""
     for k in range(len(LASTING)):
         predict_drift(atmosphere, drifter, carried, lasting=LASTING[k], nav=nav, out=out[k])
 
@@ -123,9 +120,7 @@ def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
 
 @kernel
 def distance_from_drifts(drifts, east, north):
-    """Least horizontal distance (m) of a place from the paths, from their beginning on, as a weaker wind ends
-    on the way; 1e9 without a path.
-    """
+    """Least horizontal distance (m) of a place from any point of the paths; 1e9 without a path."""
     least = 1e9
     for path in range(len(LASTING)):
         place_L = drifts[path].place_L
@@ -147,11 +142,10 @@ class CoarseParams(Params):
     """Coarse avoidance at the start of powered descent."""
 
     halved_from_deg: float = param(
-        3.0, "angle of velocity to the vertical from which the image is halved", status="estimate",
-        ge=0.0, le=90.0,
-    )  # fmt: skip
+        3.0, "velocity off the vertical from which the image is halved", status="estimate", ge=0.0, le=90.0
+    )
     halved_to_deg: float = param(
-        60.0, "angle of velocity to the vertical up to which it is", status="estimate", ge=0.0, le=90.0
+        60.0, "velocity off the vertical up to which it is", status="estimate", ge=0.0, le=90.0
     )
     divert_m: float = param(
         170.0, "distance of the target into the part that is chosen", status="estimate", ge=0.0
@@ -160,13 +154,11 @@ class CoarseParams(Params):
         12.0, "time for which the target runs ahead with the drift", status="estimate", ge=0.0, le=60.0
     )
     keep_clear_m: float = param(
-        150.0, "least distance of the target from the predicted drift of backshell and canopy",
-        status="estimate", ge=0.0,
-    )  # fmt: skip
+        150.0, "least distance of the target from the drift of the backshell", status="estimate", ge=0.0
+    )
     wind_time_s: float = param(
-        10.0, "time over which the velocity under the parachute is taken for the wind", status="estimate",
-        gt=0.1, le=100.0,
-    )  # fmt: skip
+        10.0, "time over which drift under the canopy is taken for wind", status="estimate", gt=0.1, le=100.0
+    )
 
 
 COARSE = record(

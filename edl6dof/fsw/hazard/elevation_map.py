@@ -42,9 +42,7 @@ def begin_map(side, centre_L, elevation_map):
 
 @kernel
 def cell_of(elevation_map, east, north):
-    """Row and column of the cell that holds a point, or of the nearest cell; and whether the map holds the
-    point.
-    """
+    """Row and column of the cell of a point, or of the nearest cell; and whether the map holds it."""
     i, up = cell((north - elevation_map.corner_L[1]) / elevation_map.cell, MAP_CELLS)
     j, right = cell((east - elevation_map.corner_L[0]) / elevation_map.cell, MAP_CELLS)
     return i, j, 0.0 <= up < 1.0 and 0.0 <= right < 1.0
@@ -60,9 +58,7 @@ def middle_of(elevation_map, i, j):
 
 @kernel
 def add_point(point_L, weight, elevation_map):
-    """Add a point (east, north, up of the landing site, m) of a ``weight``; from 1 on it may be the highest,
-    too.
-    """
+    """Add a point (east, north, up of the site, m) of a ``weight``; from 1 on it may be the highest, too."""
     i, j, held = cell_of(elevation_map, point_L[0], point_L[1])
     if not held:
         return
@@ -94,9 +90,7 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
 
 @kernel
 def fill_holes(weight, elevation_map):
-    """Give cells of less than a ``weight`` the mean of the better known ones around, where enough, at that
-    weight.
-    """
+    """Give cells of less than ``weight`` the mean of enough better known ones around, at that weight."""
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):
             for j in range(1, MAP_CELLS - 1):

@@ -61,9 +61,7 @@ SAFETY_MAP = record(
 
 @kernel
 def chord(radius, row):
-    """Half of the chord, in whole cells, of a disc of ``radius`` cells in a ``row`` off its middle; row 0:
-    its reach.
-    """
+    """Half chord, in cells, of a disc of ``radius`` cells in a ``row`` off its middle; row 0: its reach."""
     return cell(sqrt(radius * radius - row * row), MAX_RADIUS + 1)[0]
 
 

@@ -117,9 +117,7 @@ def drag_and_lift(force_B, alpha):
 
 @kernel
 def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
-    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``), with the believed planet, atmosphere and
-    vehicle and the local frame of the landing site.
-    """
+    """Fill ``nav`` (``NAV``) from ``estimate`` with believed planet, air, vehicle and frame of the site."""
     t = estimate.t
     nav.t = t
     q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
@@ -182,18 +180,10 @@ class DragFilterParams(Params):
     """Fading memories of measured drag and speed."""
 
     time_constant_s: float = param(
-        1.0,
-        "memory of the ratio of measured to believed drag; 0: drag and energy as measured",
-        status="estimate",
-        ge=0.0,
-        le=100.0,
+        1.0, "memory of the drag ratio; 0: drag and energy as measured", status="estimate", ge=0.0, le=100.0
     )
     speed_time_constant_s: float = param(
-        10.0,
-        "memory of other changes of the speed than by drag and gravity",
-        status="estimate",
-        gt=0.0,
-        le=100.0,
+        10.0, "memory of changes of speed not by drag and gravity", status="estimate", gt=0.0, le=100.0
     )
     least_drag_m_s2: float = param(
         0.5, "drag below which drag and energy are as measured", status="estimate", gt=0.0

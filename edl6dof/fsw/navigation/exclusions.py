@@ -34,20 +34,13 @@ class BeamWatchParams(Params):
 
     enabled: bool = param(True, "whether beams are excluded")
     refused_looks: int = param(
-        30,
-        "looks in which a beam is refused, less those in which it is used, at which it is excluded",
-        ge=1,
-        le=10000,
+        30, "refused less used looks of a beam at which it is excluded", ge=1, le=10000
     )
     silent_looks: int = param(
         30, "looks in a row without an echo of it alone at which it is excluded", ge=1, le=10000
     )  # fmt: skip
     silent_angle_deg: float = param(
-        45.0,
-        "angle to the vertical beyond which a healthy beam may have no echo: limit of incidence less a slope",
-        status="estimate",
-        gt=0.0,
-        le=90.0,
+        45.0, "angle to the vertical beyond which a beam may lack an echo", status="estimate", gt=0.0, le=90.0
     )
     agreed_looks: int = param(100, "looks in a row in which it must agree to be used again", ge=1, le=10000)
 
@@ -187,8 +180,7 @@ EXCLUSIONS = record(
 
 @kernel
 def note_changes(instruments, t, health, motion, memory):
-    """Log at ``t`` (s) the changes of ``health`` (``INSTRUMENT_HEALTH``) and ``motion`` since the last cycle.
-    """
+    """Log at ``t`` (s) the changes of ``health`` and ``motion`` since the last cycle."""
     for i in range(instruments.n_gyros):
         _note(t, GYROS + i, health.gyro[i], memory)
     for i in range(instruments.n_accelerometers):

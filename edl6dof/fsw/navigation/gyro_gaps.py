@@ -303,8 +303,7 @@ def _add_equation(terms, value, sigma, equations):
 
 @kernel
 def _solve(equations):
-    """Solve a positive definite system by elimination without pivoting; the last column holds the solution.
-    """
+    """Solve a positive definite system without pivoting; its last column holds the solution."""
     for k in range(UNKNOWNS):
         for j in range(k + 1, UNKNOWNS + 1):
             equations[k, j] /= equations[k, k]

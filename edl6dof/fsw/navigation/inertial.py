@@ -139,8 +139,7 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 
 @kernel
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Write angle turned and rate at the end of the cycle into ``motion``, unless too few gyros are usable.
-    """
+    """Write angle turned and rate at the end of the cycle into ``motion``, if enough gyros are usable."""
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
     in_use = usable_gyros(
         params.saturation, instruments, dt, healthy=health.gyro, inertial=inertial, redundant=redundant

@@ -63,9 +63,7 @@ INTEGRITY = record(
 
 @kernel
 def height_and_climb(planet, site, r, v, terrain):
-    """Height above the ground (m) that lies ``terrain`` higher than the landing site, its rate (m/s), and the
-    unit vector up (I).
-    """
+    """Height above ground ``terrain`` over the site (m), its rate (m/s), and the unit vector up (I)."""
     s_lat, c_lat, s_lon, c_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
     up = ned_to_fixed(s_lat, c_lat, s_lon, c_lon, (0.0, 0.0, -1.0))
     spin = planet.rotation_rate
@@ -96,9 +94,7 @@ def plausible_height(params, height, climb, sigma, contact, dt, memory):
 
 @kernel
 def beams_contradict_speed(params, instruments, health, radar, speed, sigma, memory):
-    """Test whether the beams have contradicted ``speed`` (m/s, relative to the planet; ``sigma``: its
-    standard deviation) for several looks in a row.
-    """
+    """Test whether the beams have contradicted ``speed`` (m/s, ``sigma``) for several looks in a row."""
     velocity, seen = velocity_from_beams(instruments, health, radar)
     if seen:
         off = abs(norm(velocity) - speed) > params.speed_margin + params.sigmas * sigma
@@ -159,9 +155,7 @@ def height_while_lost(instruments, health, radar, memory):
 
 @kernel
 def check_integrity(onboard, sensed, memory, estimate):
-    """Set the height of ``estimate`` to one that is plausible, and start the recovery of the vertical where
-    the solution cannot be true.
-    """
+    """Set a plausible height of ``estimate``; start the recovery where the solution cannot be true."""
     params, solution, instruments = onboard.navigation.guards, memory.solution, onboard.instruments
     r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
     height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)

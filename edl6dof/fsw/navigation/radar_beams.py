@@ -68,9 +68,7 @@ def velocity_from_beams(instruments, health, radar):
 
 @kernel
 def height_from_beams(instruments, health, radar, down):
-    """Mean height (m) of the antenna above the points where the beams meet the ground, along ``down`` (unit
-    vector, B); 0 where no beam has an echo.
-    """
+    """Mean height (m) of the antenna over the beams' spots, along ``down`` (unit, B); 0 without an echo."""
     total, count = 0.0, 0
     for i in range(instruments.n_beams):
         if radar.locked[i] != 0 and health.beam_range[i] != 0:

@@ -105,9 +105,7 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
 
 @kernel
 def _set_upright(planet, gravity, solution):
-    """Turn the attitude until ``gravity`` (any length, in the axes used for I) is that of the planet; returns
-    the rotation.
-    """
+    """Turn the attitude until ``gravity`` (any length) is that of the planet; returns the rotation."""
     true = gravity_I(planet, take3(solution.r_I, 0))
     axis = cross(gravity, true)
     angle = scale(atan2(norm(axis), dot(gravity, true)), unit(axis))
@@ -120,9 +118,7 @@ def _set_upright(planet, gravity, solution):
 
 @kernel
 def _take_over(onboard, health, radar, velocity, solution):
-    """Set the velocity of the solution to ``velocity`` (m/s, I, planet-relative), and the height to the
-    echoes'.
-    """
+    """Set the velocity to ``velocity`` (m/s, I, planet-relative), and the height to that of the echoes."""
     r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
     put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))
     _, _, up, altitude = level_axes(onboard.planet, r, solution.t)

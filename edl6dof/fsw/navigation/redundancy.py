@@ -65,8 +65,7 @@ def take_increments(counts, number, memory):
 
 @kernel
 def prepare(axis, number, in_use, memory):
-    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` along ``axis`` (rows of H).
-    """
+    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` along ``axis``."""
     memory.in_use, memory.n_parity, memory.solvable = in_use, 0, 0
     xx = yy = zz = xy = xz = yz = 0.0
     for i in range(number):
@@ -139,9 +138,7 @@ class SaturationParams(Params):
     """Gyros at the end of their range."""
 
     left_out: bool = param(
-        True,
-        "whether they are left out while their flag is on; otherwise the rate is taken to be the end of the "
-        "range at which the flag came on",
+        True, "whether they are left out while flagged; otherwise read as the end of range that they reached"
     )
 
 

@@ -57,9 +57,7 @@ def rotation_vector_of(motion):
 
 @kernel
 def gain_in_first_axes(motion):
-    """Velocity that the specific force gave in the cycle, m/s, in the axes that B had at its beginning:
-    rotation and two-sample sculling.
-    """
+    """Velocity gained in the cycle, m/s, in the first axes of B: rotation and two-sample sculling."""
     angle, gain = take3(motion.angle, 0), take3(motion.gain, 0)
     last_angle, last_gain = take3(motion.last_angle, 0), take3(motion.last_gain, 0)
     rotation = scale(0.5, cross(angle, gain))

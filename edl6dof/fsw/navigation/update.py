@@ -128,9 +128,7 @@ def watch(onboard, state, sensed, memory):
 
 @kernel
 def follow_centre(centre, motion, solution, before):
-    """Refer the solution to the new centre of mass (m, B) once a part has left; ``before``: the centre that
-    it referred to, updated.
-    """
+    """Refer the solution to the new centre of mass (m, B) once a part has left; ``before`` is updated."""
     arm = sub(centre, take3(before, 0))
     if dot(arm, arm) == 0.0:
         return
@@ -142,9 +140,7 @@ def follow_centre(centre, motion, solution, before):
 
 @kernel
 def extrapolate(planet, motion, solution, estimate):
-    """Fill ``estimate`` (``ESTIMATE``), except its time and height: ``solution`` extrapolated from the time
-    of the last reading to the cycle, with the latest rate and specific force of ``motion``.
-    """
+    """Extrapolate ``solution`` from the last reading to the cycle of ``estimate``, except its height."""
     age = estimate.t - solution.t
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)

@@ -47,7 +47,5 @@ class HeadingAlignmentParams(Params):
 
 @kernel
 def heading_bank(p, range_to_go, crossrange):
-    """Bank angle (rad) against the heading error, the angle at the vehicle between its velocity and the aim
-    point, by its range and crossrange (m); ``p``: ``HeadingAlignmentParams``.
-    """
+    """Bank angle (rad) against the heading error towards the aim point; range and crossrange in m."""
     return clamp(-p.gain * atan2(crossrange, max(range_to_go, 1.0)), -p.limit, p.limit)

@@ -26,32 +26,21 @@ from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
 
+#: Usual winds, m/s.
+_JETS = (-150, 150, "jet streams")
+
 
 class ExpectedWindParams(Params):
     """Mean wind against height: a factor on the winds of a table, and a wind that is the same everywhere."""
 
     table_factor: float = param(
-        1.0,
-        "factor on the mean wind of the table that atmosphere.table names; without one there is none",
-        record=False,
-        ge=-10.0,
-        le=10.0,
+        1.0, "factor on the mean wind of atmosphere.table, where it has one", record=False, ge=-10.0, le=10.0
     )
     north_m_s: float = param(
-        0.0,
-        "wind towards north, added at all heights",
-        record=False,
-        ge=-200.0,
-        le=200.0,
-        usual=(-150, 150, "jet streams"),
+        0.0, "wind towards north, added at all heights", record=False, ge=-200.0, le=200.0, usual=_JETS
     )
     east_m_s: float = param(
-        0.0,
-        "wind towards east, added at all heights",
-        record=False,
-        ge=-200.0,
-        le=200.0,
-        usual=(-150, 150, "jet streams"),
+        0.0, "wind towards east, added at all heights", record=False, ge=-200.0, le=200.0, usual=_JETS
     )
 
 
@@ -62,11 +51,7 @@ class AirDataParams(Params):
         0.1, "standard deviation of the ratio of drag before entry", status="estimate", gt=0.0, lt=1.0
     )
     scale_height_error: float = param(
-        0.025,
-        "relative standard deviation of the believed density scale height: 5 K of temperature",
-        status="estimate",
-        ge=0.0,
-        lt=1.0,
+        0.025, "relative standard deviation of the scale height: 5 K", status="estimate", ge=0.0, lt=1.0
     )
     wave_sigma: float = param(
         0.03, "relative standard deviation of waves of density", status="estimate", gt=0.0, lt=1.0

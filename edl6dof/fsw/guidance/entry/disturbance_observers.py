@@ -43,9 +43,7 @@ OBSERVER = record(
 
 @kernel
 def observer_gains(epsilon, dt):
-    """Gains on drag, rate and phi that put the poles of the sampled error at exp(-dt/eps), its square and
-    cube.
-    """
+    """Gains on drag, rate, phi: poles of the sampled error at z = exp(-dt/eps), z^2 and z^3."""
     z1 = exp(-dt / epsilon)
     z2, z3 = z1 * z1, z1 * z1 * z1
     total, pairs, product = z1 + z2 + z3, z1 * z2 + z1 * z3 + z2 * z3, z1 * z2 * z3

@@ -78,9 +78,7 @@ def evaluate(coefficient, x):
 
 @kernel
 def predicted_range(memory, span, eta):
-    """Range (m) along the sampled drag times 1 + eta f over ``span`` of energy, and its derivative by eta
-    (Simpson).
-    """
+    """Range (m) of the sampled drag times 1 + eta f, ``span`` of energy; its derivative by eta (Simpson)."""
     total, slope = 0.0, 0.0
     for i in range(SAMPLES):
         f = shape(1.0 - SHARE[i])

@@ -36,11 +36,7 @@ class EntryLimitParams(Params):
 
     heat_rate_w_cm2: float = param(200.0, "stagnation-point heat rate", status="estimate", gt=0.0)
     nose_radius_m: float = param(
-        0.85,
-        "nose radius that the heat rate belongs to",
-        status="estimate",
-        source="D/4, Viking family",
-        gt=0.0,
+        0.85, "nose radius of that heat rate", status="estimate", source="D/4, Viking family", gt=0.0
     )
     load_g0: float = param(20.0, "aerodynamic load", status="estimate", gt=0.0)
     dynamic_pressure_pa: float = param(25000.0, "dynamic pressure", status="estimate", gt=0.0)
@@ -49,9 +45,7 @@ class EntryLimitParams(Params):
 
 @kernel
 def corridor(onboard, speed):
-    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure and equilibrium
-    glide.
-    """
+    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure and glide."""
     limits, vehicle, planet = onboard.guidance.entry.limits, onboard.vehicle, onboard.planet
     area = vehicle.drag_area / vehicle.entry_mass
     density = limits.nose_radius * (limits.heat_rate / (planet.sutton_graves_constant * speed**3)) ** 2
@@ -137,9 +131,7 @@ def altitude_of(onboard, speed, drag):
 
 @kernel
 def integrate_range(onboard, profile):
-    """Fill ``profile.range`` from its coefficients by the trapezoidal rule, four steps a node, from the final
-    speed.
-    """
+    """Fill ``profile.range`` by the trapezoidal rule, four steps a node, from the final speed upwards."""
     planet = onboard.planet
     step = (profile.start - profile.final) / (4.0 * (RANGE_NODES - 1))
     total, before = 0.0, 0.0

@@ -127,24 +127,19 @@ SHIFTED, LINEAR, IN_PLANE, HELD = range(4)
 
 @kernel
 def shifted(shift, side, first_turn, second_turn):
-    """Reference profile, its cosine shifted by ``shift``; ``side`` is +1 right, -1 left; reversals at two
-    speeds (m/s), 0 for none.
-    """
+    """Reference profile, cosine shifted; ``side`` +1 right, -1 left; reversal speeds (m/s), 0 for none."""
     return SHIFTED, shift, 0.0, 0.0, side, first_turn, second_turn
 
 
 @kernel
 def in_plane_shifted(shift, first_turn, second_turn):
-    """The same without the sideways lift, which the reversals cancel: they pass through lift up and no more.
-    """
+    """The same without the sideways lift, which the reversals cancel: they only pass through lift up."""
     return IN_PLANE, shift, 0.0, 0.0, 1.0, first_turn, second_turn
 
 
 @kernel
 def linear(bank, last_bank, speed, side, first_turn, second_turn):
-    """Linear in kinetic energy from ``bank`` at ``speed`` to ``last_bank`` (rad) at the final speed; the rest
-    as in ``shifted``.
-    """
+    """Linear in kinetic energy from ``bank`` at ``speed`` to ``last_bank`` (rad) at the final speed."""
     return LINEAR, bank, last_bank, speed, side, first_turn, second_turn
 
 
@@ -156,9 +151,7 @@ def held(bank):
 
 @kernel
 def planned_bank(onboard, plan, speed):
-    """Bank angle (rad) that the plan holds at ``speed``, its magnitude within the limits; of a flight in the
-    plane positive on the present side.
-    """
+    """Bank angle (rad) of the plan at ``speed``, within limits; in plane, positive on the present side."""
     entry = onboard.guidance.entry
     kind, first, last, start, side, first_turn, second_turn = plan
     if kind == HELD:
@@ -287,16 +280,13 @@ def direction_ahead(here, target, v):
 
 @kernel
 def present_bank(nav, out):
-    """Bank angle (rad), positive on the commanded side; negative while a reversal is still short of lift up.
-    """
+    """Bank angle (rad), positive on the commanded side; negative while a reversal is short of lift up."""
     return abs(nav.bank) if out.side == 0.0 else out.side * nav.bank
 
 
 @kernel
 def to_aim(planet, target, r, v):
-    """Great-circle range to the aim point in direction ``target`` and crossrange, as ``to_target`` has them,
-    m.
-    """
+    """Great-circle range to ``target`` (unit vector) and crossrange, m, as ``to_target`` has them."""
     up = unit(r)
     left = unit(cross(up, v))
     radius = planet.equatorial_radius

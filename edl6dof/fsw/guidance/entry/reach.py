@@ -26,9 +26,7 @@ from edl6dof.spatial.vector import clamp
 
 @kernel
 def straight_bank(onboard, nav, out):
-    """Bank angle (rad) to either side, no larger than the smallest magnitude, with which the predicted
-    crossrange is least if it is held to the end.
-    """
+    """Bank angle (rad), within the smallest magnitude, of least predicted crossrange if held to the end."""
     least = onboard.guidance.entry.bank_min
     _, right, _, _ = predict(onboard, nav, out, held(least))
     _, left, _, _ = predict(onboard, nav, out, held(-least))

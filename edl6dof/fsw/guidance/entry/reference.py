@@ -152,9 +152,7 @@ def reference_bank(onboard, shift, speed):
 
 @kernel
 def node_of(reference, energy_speed):
-    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next, held
-    at both ends.
-    """
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) and the share of the way to the next; held at the ends."""
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 

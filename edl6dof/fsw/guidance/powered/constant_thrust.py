@@ -43,9 +43,7 @@ MEMORY = record(("over", FLAG), ("rest", PLAN))
 
 @kernel
 def too_fast(p, state, nav, target):
-    """Return whether the largest deceleration within the throttle band, less the reserve, is too small to
-    stop the descent before the target height.
-    """
+    """Return whether the throttle band, less the reserve, cannot stop the descent above the target height."""
     height = max(nav.height - target.height, LEAST_HEIGHT)
     weak = planned_upward(p.thrust_reserve, state, nav, target)
     return nav.v_N[2] > 0.0 and nav.v_N[2] * nav.v_N[2] > 2.0 * weak * height

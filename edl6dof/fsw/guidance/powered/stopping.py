@@ -121,11 +121,7 @@ class StuckThrottleDescentParams(Params):
     """Descent on a throttle that is stuck."""
 
     thruster_share: float = param(
-        0.4,
-        "share of the axial thrusters' force that braking is planned with: the rest, and this, correct it",
-        status="estimate",
-        ge=0.0,
-        le=1.0,
+        0.4, "share of the axial thrusters' force planned for braking", status="estimate", ge=0.0, le=1.0
     )
     stop_height_m: float = param(
         1.0, "height at which the lander is to come down to stop_speed_m_s", status="estimate", ge=0.0
@@ -152,9 +148,7 @@ def axial_force(thrusters, count):
 
 @kernel
 def expect_stop(p, vehicle, state, nav):
-    """Height (m) at which the engine stops the lander if it brakes from now on, with the share of the axial
-    thrusters; one that is off has to start first, and the lander falls meanwhile.
-    """
+    """Height (m) at which the engine, once started, and a share of the axial thrusters stop the lander."""
     fall = 0.0
     if state.ignited == 0:
         fall = p.start

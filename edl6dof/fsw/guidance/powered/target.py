@@ -43,11 +43,7 @@ class PoweredTargetParams(Params):
         usual=(0.5, 1000, "airbags cut loose to hover"),
     )
     time_factor: float = param(
-        1.0,
-        "expected duration over 2 height / descent rate, that of a constant deceleration",
-        status="estimate",
-        gt=0.2,
-        le=3.0,
+        1.0, "expected duration over that of a constant deceleration", status="estimate", gt=0.2, le=3.0
     )
     drift_share: float = param(
         0.33, "share of velocity times expected duration by which the target leads the lander", ge=0.0, le=1.0
@@ -113,11 +109,7 @@ class PlanningParams(Params):
 
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
     thrust_reserve: float = param(
-        0.1,
-        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
-        status="estimate",
-        ge=0.0,
-        le=0.5,
+        0.1, "share of throttle band and tilt limit held back for feedback", status="estimate", ge=0.0, le=0.5
     )
     time_floor_s: float = param(2.5, "smallest time to go used in the gains of height", gt=0.0)
     lateral_time_floor_s: float = param(
@@ -134,9 +126,7 @@ PLAN = record(
 
 @kernel
 def planned_upward(reserve, state, nav, target):
-    """Upward acceleration (m/s2, gravity taken off) that the throttle band less the reserve gives at arrival,
-    when the propellant for the speed and the expected duration is gone.
-    """
+    """Upward acceleration at arrival (m/s2, no gravity), with the throttle band less the reserve."""
     engine = state.engine
     spent = nav.speed + nav.gravity * max(target.arrival - nav.t, 0.0)
     mass = state.mass * exp(-spent / (G0 * engine.specific_impulse))

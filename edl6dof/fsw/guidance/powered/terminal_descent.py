@@ -75,14 +75,11 @@ class TerminalParams(Params):
         0.2, "lateral acceleration per velocity in slow descent, 1/s", ge=0.0
     )
     rest_height_m: float = param(
-        3.0,
-        "height below which the horizontal thrusters rest, so that no pulse turns the vehicle as it touches",
-        ge=0.0,
+        3.0, "height below which the horizontal thrusters rest, to touch down without a turn", ge=0.0
     )
     descent_sideways: Literal["thrusters", "tilt"] = param(
         "thrusters",
-        "what stops lateral motion in slow descent: horizontal thrusters with the vehicle upright, or the "
-        "small tilt of hover, for a vehicle without any",
+        "what stops lateral motion in slow descent: horizontal thrusters, or the small tilt of hover",
     )
     standing_force_s: float = param(
         1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
@@ -101,9 +98,7 @@ TERMINAL = record(("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8
 
 @kernel
 def command_thrust(mass, acceleration, tilt_limit, out):
-    """Turn a wanted acceleration (north, east, up, gravity included, m/s2) into thrust direction and size for
-    ``mass`` (kg).
-    """
+    """Turn an acceleration (north, east, up, gravity included, m/s2) into thrust direction and size (N)."""
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
@@ -155,8 +150,7 @@ def vertical(p, nav, rate):
 
 @kernel
 def hover(p, engine, nav, mass, bias, out):
-    """Hold the hover height, and take out lateral velocity and the ``bias`` (north, east, N) by a small tilt.
-    """
+    """Hold the hover height; stop lateral velocity and the ``bias`` (north, east, N) by a small tilt."""
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
     settle_by_tilt(p, engine, nav, mass, rate, bias=bias, out=out)
 
@@ -180,8 +174,7 @@ def stay_upright(p, engine, nav, mass, rate, out):
 
 @kernel
 def push_sideways(p, mass, acceleration, bias, out):
-    """Command the lateral force for an ``acceleration`` (north, east, m/s2) against the lateral ``bias`` (N).
-    """
+    """Command lateral force for ``acceleration`` (north, east, m/s2) against the lateral ``bias`` (N)."""
     limit = p.lateral_force
     out.translating = 1
     out.force_N[0] = clamp(mass * acceleration[0] - bias[0], -limit, limit)
@@ -198,9 +191,7 @@ def acceleration_towards(p, nav, north, east):
 
 @kernel
 def avoid(p, engine, nav, mass, bias, point, memory, out):
-    """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending: to the
-    one that was chosen, else to the one that is given.
-    """
+    """Fly sideways to the safe spot, the one chosen or else the given one, while descending."""
     if point.fine_known != 0:
         memory.target_set = 1
         memory.target_L[0], memory.target_L[1] = point.fine_L[0], point.fine_L[1]

@@ -83,9 +83,7 @@ def sharpness(elevation_map, deviation, between, out):
 
 @kernel
 def below_fast(x):
-    """:func:`below` of ``x`` in single precision, within 3e-7 and many at once; of a negative ``x`` that of
-    zero.
-    """
+    """:func:`below` in single precision, within 3e-7; of a negative ``x`` that of zero."""
     x = x if x > _NONE else _NONE
     a, b, c, d, e, f = _HASTINGS
     root = _ALL + x * (a + x * (b + x * (c + x * (d + x * (e + x * f)))))

@@ -37,18 +37,10 @@ class DeadReckoningParams(Params):
         1e-3, "standard deviation of what the gravity model leaves out", status="estimate", ge=0.0, le=1.0
     )
     unknown_rate_deg_s: float = param(
-        5.0,
-        "standard deviation of the rate while it has to be bridged",
-        status="estimate",
-        ge=0.0,
-        le=1000.0,
+        5.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
-        5.0,
-        "standard deviation of the specific force while it has to be held",
-        status="estimate",
-        ge=0.0,
-        le=1000.0,
+        5.0, "standard deviation of the specific force while it is held", status="estimate", ge=0.0, le=1000.0
     )
 
 
@@ -108,9 +100,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _widen(P, first, sigma, known, dt, gap):
-    """Add the variance of three errors in a gap in which their rate is not known (standard deviation
-    ``sigma``); returns the duration of the gap.
-    """
+    """Add the variance of three errors in a gap of their rate (``sigma``); returns its duration."""
     if known != 0:
         return 0.0
     for i in range(first, first + 3):
@@ -129,9 +119,7 @@ def _forget(P, first, variance):
 
 @kernel
 def _step(gravity, onboard, motion, solution, memory):
-    """Propagate the covariance over the time since its last step; ``gravity``: standard deviation (m/s2) of
-    the model, whose error is constant.
-    """
+    """Propagate the covariance since its last step; ``gravity``: constant error of its model (m/s2)."""
     P, known, time = memory.covariance, onboard.instruments, memory.time
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)

@@ -48,38 +48,19 @@ class ErrorStateParams(Params):
     )
     huber: float = param(2.5, "those beyond which it counts less than fully", ge=1.0, le=20.0)
     patience: int = param(
-        10,
-        "looks in a row that refuse most beams, after which the solution is taken to be wrong instead",
-        ge=1,
-        le=1000,
+        10, "looks in a row that refuse most beams until the solution is taken to be wrong", ge=1, le=1000
     )
     terrain_sigma_m: float = param(
-        300.0,
-        "standard deviation of the ground below against the landing site, at the start",
-        status="estimate",
-        gt=0.0,
-        le=10e3,
+        300.0, "initial standard deviation of the ground over the site", status="estimate", gt=0.0, le=10e3
     )
     terrain_change_m: float = param(
-        5.0,
-        "standard deviation of how much the ground rises or falls over 1 km",
-        status="estimate",
-        gt=0.0,
-        le=1000.0,
+        5.0, "standard deviation of the rise of the ground over 1 km", status="estimate", gt=0.0, le=1000.0
     )
     slope_sigma_deg: float = param(
-        12.0,
-        "standard deviation of the slope of the ground, north and east, before the radar sees it",
-        status="estimate",
-        gt=0.0,
-        le=45.0,
+        12.0, "standard deviation of the slope before the radar sees it", status="estimate", gt=0.0, le=45.0
     )
     slope_change_deg: float = param(
-        2.0,
-        "standard deviation of how much it changes over a way as long as the height",
-        status="estimate",
-        gt=0.0,
-        le=45.0,
+        2.0, "standard deviation of its change over a way of one height", status="estimate", gt=0.0, le=45.0
     )
     unevenness_m: float = param(
         120.0,

@@ -34,10 +34,7 @@ class RadarInLoopParams(Params):
     """Inertial solution, drawn to the radar once that is in the loop."""
 
     settle_s: float = param(
-        10.0,
-        "time from the first echo until radar and inertial solution are compared",
-        status="estimate",
-        ge=0.0,
+        10.0, "time from the first echo until radar and solution are compared", status="estimate", ge=0.0
     )
     agree_s: float = param(
         1.0, "time for which they must agree to bring the radar into the loop", status="estimate", ge=0.0

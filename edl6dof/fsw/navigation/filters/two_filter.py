@@ -187,9 +187,7 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
 
 @kernel
 def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solution, memory):
-    """Put the heights of the beams whose speed was used (bits ``speeds``) and that agree with their median
-    into the buffer; returns a bit for each.
-    """
+    """Buffer the heights of beams with a used speed (bits) that agree with their median; returns bits."""
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
     used, count = 0, 0
     for step in range(2):  # the median first

@@ -148,9 +148,7 @@ def begin(p, memory):
 
 @kernel
 def scaled_profile(profile, onboard, nav, memory, out):
-    """Drag to follow at this speed and its first and second derivative by speed, scaled to the range to go,
-    under the ceiling.
-    """
+    """Drag to follow and its two derivatives by speed, scaled to the range to go, under the ceiling."""
     shared = onboard.guidance.entry.tracking
     if shared.update and nav.speed > shared.update_stop:
         wanted = profile_range(profile, nav.speed) / max(out.range_to_go, 1.0)

@@ -54,12 +54,7 @@ class DobSlidingParams(PrintedParams):
         usual=(0.01, 20, "the bandwidth of the law"),
     )
     surface_gain: float = param(
-        0.1,
-        "k_s, rate at which the surface is approached, 1/s",
-        status="published",
-        source=PAPER,
-        ge=0.0,
-        le=100.0,
+        0.1, "k_s, rate of approach to the surface, 1/s", status="published", source=PAPER, ge=0.0, le=100.0
     )
     boundary_m_s3: float = param(
         0.1, "c_s, boundary layer of the surface", status="published", source=PAPER, gt=0.0, le=100.0

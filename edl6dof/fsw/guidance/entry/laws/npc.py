@@ -57,8 +57,7 @@ PLAN = record(("turn", "f8", (MAX_TURNS,)))
 
 @kernel
 def miss_of(onboard, nav, out, shift, turn, later):
-    """Predicted downrange miss (m) with the next two reversals at ``turn`` and ``later`` (m/s), 0 for none.
-    """
+    """Predicted downrange miss (m) with the next two reversals at ``turn`` and ``later`` (m/s; 0: none)."""
     miss, _, _, _ = predict(onboard, nav, out, in_plane_shifted(shift, turn, later))
     return miss
 
@@ -75,8 +74,7 @@ def next_turns(plan, memory, out):
 
 @kernel
 def solve(p, onboard, nav, out, low, high, turn, later, memory):
-    """Move ``memory.shift`` to where the predicted miss is zero, or to the nearest of ``low`` and ``high``.
-    """
+    """Move ``memory.shift`` to where the predicted miss is zero, or to the nearer of ``low`` and ``high``."""
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
     memory.miss = miss_of(onboard, nav, out, memory.shift, turn, later=later)

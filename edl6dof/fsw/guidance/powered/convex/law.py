@@ -68,11 +68,7 @@ class ConvexParams(Params):
         10.0, "least angle over the horizon at which the target sees the lander", ge=0.0, lt=80.0
     )
     thrust_reserve: float = param(
-        0.1,
-        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
-        status="estimate",
-        ge=0.0,
-        le=0.5,
+        0.1, "share of throttle band and tilt limit held back for feedback", status="estimate", ge=0.0, le=0.5
     )
     throttled_s: float = param(
         8.0, "shortest time in the throttle band before the target, after the start at full thrust", gt=0.0
@@ -144,9 +140,7 @@ def least_throttled(p, memory):
 
 @kernel
 def first_plan(p, landing, throttled, memory):
-    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and at
-    least ``throttled`` s in the throttle band.
-    """
+    """Plan from a guess, the time of a constant deceleration, with at least ``throttled`` s in the band."""
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
     plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * throttled), LONGEST_GUESS)
@@ -232,9 +226,7 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """Return how far from the target, if it has one, a plan ends, and how far it would move on in a second,
-    m.
-    """
+    """Return how far from the target, if any, a plan ends, plus how far it moves on in a second, m."""
     miss = plan.miss if landing.miss_price > 0.0 else 0.0
     return miss + plan.height_error + norm(take3(plan.end_velocity, 0))
 

@@ -92,9 +92,7 @@ def add_rotated_block(covariance, at, variance, spread, q):
 
 @kernel
 def follow_exclusions(instruments, health, memory):
-    """Add the bias variance of the remaining instruments when some go out of use: the three axes are then
-    other means of other biases.
-    """
+    """Add the bias variance of the remaining instruments, whose axes are other means, when some drop out."""
     gyros = in_use(health.gyro, instruments.n_gyros)
     if gyros != memory.gyros_in_use:
         memory.gyros_in_use = gyros

@@ -73,9 +73,7 @@ def median(values, count, ordered):
 
 @kernel
 def refused_again(count, refused, usable):
-    """Count of looks in a row (``count`` before this one) in which more than half of the ``usable`` readings
-    were ``refused``: one beam against the others is wrong itself, most beams at once are not.
-    """
+    """Count of looks in a row in which more than half of the ``usable`` readings were ``refused``."""
     if usable == 0:
         return count
     return count + 1 if 2 * refused > usable else 0

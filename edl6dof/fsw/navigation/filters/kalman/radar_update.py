@@ -116,9 +116,7 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
 
 @kernel
 def speed_row(u, spin, velocity, speed, beam, row):
-    """Write the sensitivity of the speed of a ``beam`` along ``u`` to the errors; ``velocity`` is that of the
-    centre of mass relative to a planet that rotates at ``spin``.
-    """
+    """Write the sensitivity of the speed of a ``beam`` along ``u``; ``velocity``: planet-relative, m/s."""
     clear_row(row)
     put3(row, POSITION, (-spin * u[1], spin * u[0], 0.0))
     put3(row, VELOCITY, u)
@@ -142,8 +140,7 @@ def expect_speeds(onboard, radar, q, velocity, swing, memory):
 
 @kernel
 def update_by_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
-    """Update with the speeds along the beams; returns bits of the beams that were used, and of those refused.
-    """
+    """Update with the speeds along the beams; returns bits of those used, and of those refused."""
     n_beams = onboard.instruments.n_beams
     expect_speeds(onboard, radar, q, velocity, swing, memory=memory)
     used, refused, tried, against, least = update_by_beams(
@@ -187,8 +184,7 @@ def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
 
 @kernel
 def range_noise(params, instruments, reach, steepness, off):
-    """Noise variance of a range: of the instrument, and of uneven ground from below to the spot of the beam.
-    """
+    """Noise variance of a range: of the instrument, and of uneven ground from below to the spot."""
     own = instruments.range_sigma + instruments.range_sigma_relative * reach
     return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)
 

@@ -166,9 +166,7 @@ def move_covariance(transition, considered, moved, covariance):
 
 @kernel
 def follow_slope(north, east, solution, covariance):
-    """Move the height of the ground, and its covariance, to a point ``north`` and ``east`` (m) of the ground
-    below.
-    """
+    """Move the height of the ground, and its covariance, to a point ``north`` and ``east`` of it (m)."""
     solution.terrain += solution.slope[0] * north + solution.slope[1] * east
     for j in range(WIDTH):
         covariance[TERRAIN, j] += north * covariance[SLOPE, j] + east * covariance[SLOPE + 1, j]
