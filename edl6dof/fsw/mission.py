@@ -34,6 +34,7 @@ Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "d
 GUIDANCE: tuple[Guidance, ...] = get_args(Guidance)
 G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST = range(len(GUIDANCE))
 
+#: Quantities that a trigger can watch; :func:`watched` has their values.
 Quantity = Literal[
     "time_s",
     "phase_time_s",
@@ -55,28 +56,6 @@ Quantity = Literal[
     "held_thrust_n",  # of a throttle that is believed stuck; 0: it moves
     "stop_height_m",  # above ground: where that thrust brings the lander to rest, if it brakes from now on
 ]
-QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
-(
-    Q_TIME,
-    Q_PHASE_TIME,
-    Q_MACH,
-    Q_SPEED,
-    Q_HEIGHT,
-    Q_ALTITUDE,
-    Q_DRAG,
-    Q_DYNAMIC_PRESSURE,
-    Q_DESCENT_RATE,
-    Q_TIME_TO_GO,
-    Q_CONTACT,
-    Q_WING_OPEN,
-    Q_WING_TIME,
-    Q_TOTAL_ALPHA,
-    Q_FORCE_ANGLE,
-    Q_DOWNRANGE_TO_GO,
-    Q_SPOT_CHOSEN,
-    Q_HELD_THRUST,
-    Q_STOP_HEIGHT,
-) = range(len(QUANTITIES))
 
 
 class Condition(Params):
@@ -245,44 +224,29 @@ JOIN_ALL = 0
 
 @kernel
 def watched(quantity, nav, vehicle, guide, elapsed):
-    """Present value of a trigger quantity."""
-    if quantity == Q_TIME:
-        return nav.t
-    if quantity == Q_PHASE_TIME:
-        return elapsed
-    if quantity == Q_MACH:
-        return nav.mach
-    if quantity == Q_SPEED:
-        return nav.speed
-    if quantity == Q_HEIGHT:
-        return nav.height
-    if quantity == Q_ALTITUDE:
-        return nav.altitude
-    if quantity == Q_DRAG:
-        return nav.drag
-    if quantity == Q_DYNAMIC_PRESSURE:
-        return nav.dynamic_pressure
-    if quantity == Q_DESCENT_RATE:
-        return nav.v_N[2]
-    if quantity == Q_TIME_TO_GO:
-        return guide.time_to_go
-    if quantity == Q_WING_OPEN:
-        return 1.0 if nav.wing_open != 0 else 0.0
-    if quantity == Q_WING_TIME:
-        return nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0
-    if quantity == Q_TOTAL_ALPHA:
-        return degrees(nav.total_alpha)
-    if quantity == Q_FORCE_ANGLE:
-        return degrees(vehicle.force_angle)
-    if quantity == Q_DOWNRANGE_TO_GO:
-        return guide.downrange_to_go
-    if quantity == Q_SPOT_CHOSEN:
-        return 1.0 if guide.spot_chosen != 0 else 0.0
-    if quantity == Q_HELD_THRUST:
-        return vehicle.held_thrust
-    if quantity == Q_STOP_HEIGHT:
-        return guide.stop_height
-    return 1.0 if nav.footpad_contact != 0 else 0.0
+    """Present value of a trigger quantity, in the order of ``Quantity``."""
+    values = (
+        nav.t,
+        elapsed,
+        nav.mach,
+        nav.speed,
+        nav.height,
+        nav.altitude,
+        nav.drag,
+        nav.dynamic_pressure,
+        nav.v_N[2],
+        guide.time_to_go,
+        float(nav.footpad_contact),
+        float(nav.wing_open),
+        nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0,
+        degrees(nav.total_alpha),
+        degrees(vehicle.force_angle),
+        guide.downrange_to_go,
+        float(guide.spot_chosen),
+        vehicle.held_thrust,
+        guide.stop_height,
+    )
+    return values[quantity]
 
 
 @kernel

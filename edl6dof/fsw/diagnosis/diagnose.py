@@ -241,13 +241,13 @@ def update_streak(params, before, memory):
 
 
 @kernel
-def may_leak(params, b, load, residual, kind):
-    """Test whether a thruster of effectiveness ``b`` without a meter, with a suspected fault of ``kind``, may
-    be open: its effect is in the slow part, or air and riser may have absorbed it.
+def may_leak(params, signals, residual, best):
+    """Test whether the suspected thruster, without a meter, may be open: its effect is in the slow part, or
+    air and riser may have absorbed it.
     """
-    weight = weights(params, residual.slow, 0.0)
+    b, weight = signals.effectiveness[best.thruster], weights(params, residual.slow, 0.0)
     held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
-    return kind == STUCK_ON or held or params.load_noise * load > params.force_noise
+    return best.kind == STUCK_ON or held or params.load_noise * signals.load > params.force_noise
 
 
 @kernel
@@ -269,24 +269,16 @@ def filter_missing_wrench(params, signals, memory):
 @kernel
 def diagnose(params, signals, memory):
     """Run one control cycle of diagnosis on ``DiagnosisSignals`` with ``memory`` (``DIAGNOSIS``)."""
-    best, flow = memory.hypotheses, memory.flow
-    vehicle, metered, activity, effectiveness, load = (
-        signals.vehicle,
-        signals.metered,
-        signals.activity,
-        signals.effectiveness,
-        signals.load,
-    )
+    best, flow, vehicle, metered = memory.hypotheses, memory.flow, signals.vehicle, signals.metered
+    share = signals.activity.share
     known = without_slow_part(params.slow, signals.unexplained, signals.dt, memory.residual)
     if params.enabled == 0:
         return
     if metered and read_meters(
-        params.flow, signals.instruments, vehicle, signals.used, activity.share, dt=signals.dt, memory=flow
+        params.flow, signals.instruments, vehicle, signals.used, share, dt=signals.dt, memory=flow
     ):
         keep = 1.0 - 1.0 / params.memory_cycles
-        update_flow_evidence(
-            params.flow, keep, vehicle, activity.share, memory.leak.latch_closed, memory=flow
-        )
+        update_flow_evidence(params.flow, keep, vehicle, share, memory.leak.latch_closed, memory=flow)
     if metered:
         filter_missing_wrench(params, signals, memory)
     if memory.leak.branch != NONE:
@@ -298,18 +290,7 @@ def diagnose(params, signals, memory):
     leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         if known > 0:
-            update_evidence(
-                params,
-                vehicle,
-                metered,
-                effectiveness,
-                activity,
-                load=load,
-                residual=memory.residual,
-                missing=memory.missing,
-                flow=flow,
-                memory=best,
-            )
+            update_evidence(params, signals, memory.residual, memory.missing, flow, memory=best)
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, signals.healthy, flow, memory=best)
         update_streak(params, before, memory)
@@ -317,7 +298,7 @@ def diagnose(params, signals, memory):
         if (
             memory.streak >= params.streak
             and not is_read(metered, suspected, flow)
-            and may_leak(params, effectiveness[best.thruster], load, memory.residual, best.kind)
+            and may_leak(params, signals, memory.residual, best)
         ):
             leaking, metered_leak = suspected, False
     if leaking != NONE:

@@ -154,22 +154,20 @@ def weights(params, wrench, load):
 
 
 @kernel
-def update_evidence(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
+def update_evidence(params, signals, residual, missing, flow, memory):
     """Add one cycle to the evidence of every hypothesis with a prediction; where there are meters, to that of
     a loss only if the thruster fires alone in its branch, so that both use the same cycles.
 
     Args:
         params: diagnosis record.
-        vehicle, metered: believed thrusters and branches; whether there are flow meters.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        activity: ``ACTIVITY`` record: what they should have done in the measured cycle.
-        load: axial force of air and riser, N.
+        signals: ``DiagnosisSignals``.
         residual: ``RESIDUAL`` record: unexplained force and torque.
         missing: one for each branch: what its thrusters should have given since its meter shows a loss.
         flow: ``FLOW`` record.
         memory: ``HYPOTHESES`` record, updated.
     """
-    weight = weights(params, activity.wrench, load)
+    vehicle, activity, effectiveness = signals.vehicle, signals.activity, signals.effectiveness
+    weight = weights(params, activity.wrench, signals.load)
     keep = 1.0 - 1.0 / params.memory_cycles
     every = product(residual.value, residual.value, weight)
     for i in range(vehicle.n_thrusters):
@@ -177,7 +175,7 @@ def update_evidence(params, vehicle, metered, effectiveness, activity, load, res
         along = product(residual.value, effectiveness[i], weight)
         square = product(effectiveness[i], effectiveness[i], weight)
         expected = flow.expected[vehicle.branches.of[i]]
-        alone = not metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
+        alone = not signals.metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
         if share > LEAST_USE and alone:
             collect(memory.off[i], keep, signature=-share, along=along, square=square, every=every)
         if share < 1.0 - LEAST_USE:

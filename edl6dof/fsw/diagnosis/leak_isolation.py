@@ -103,8 +103,11 @@ def start_leak_isolation(params, signals, b, metered, residual, memory):
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         memory.idle[i] = 1.0 - signals.activity.share[i]
-        memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
-    close_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, memory)
+        on_branch = vehicle.branches.of[i] == b
+        memory.candidate[i] = 1 if on_branch and healthy[i] != 0 else 0
+        if on_branch:
+            healthy[i] = 0
+    memory.latch_closed[b] = 1
     mean_of(residual, 1, 1, memory.after)
     if metered and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
@@ -171,15 +174,6 @@ def step_leak_isolation(params, signals, flow, residual, memory):
         memory.latch_closed[b] = 1 - memory.open
         restart_look(residual, memory)
     return UNDER_WAY, 0.0
-
-
-@kernel
-def close_branch(branches, count, b, healthy, memory):
-    """Close the latch valve of branch ``b``: none of its thrusters can be used."""
-    memory.latch_closed[b] = 1
-    for i in range(count):
-        if branches.of[i] == b:
-            healthy[i] = 0
 
 
 @kernel

@@ -113,20 +113,6 @@ STUCK_THROTTLE = record(
 
 
 @kernel
-def is_away(params, commanded, memory):
-    """Return whether the command has fallen from where both were noted, and the thrust has not followed."""
-    fallen = memory.asked - commanded
-    followed = memory.reference - memory.smoothed
-    return fallen > params.believed_from * commanded and followed < FOLLOWS * fallen
-
-
-@kernel
-def is_over(params, commanded, full, weight, memory):
-    """Return whether the thrust is farther above its command than anything but a stuck throttle explains."""
-    return min(memory.smoothed, full) - commanded > params.over_from * weight
-
-
-@kernel
 def stuck_throttle(params, commanded, measured, full, weight, dt, memory):
     """Return the thrust (N) of a throttle that is believed to be stuck; 0 while there is none.
 
@@ -149,11 +135,10 @@ def stuck_throttle(params, commanded, measured, full, weight, dt, memory):
     if abs(memory.smoothed - memory.resting) > RESTS * memory.resting:
         memory.resting, memory.meanwhile = memory.smoothed, commanded
         memory.rested = memory.stayed = 0.0
-    away = (
-        memory.held > 0.0
-        or is_away(params, commanded, memory)
-        or is_over(params, commanded, full, weight, memory)
-    )
+    fallen, followed = memory.asked - commanded, memory.reference - memory.smoothed
+    left_behind = fallen > params.believed_from * commanded and followed < FOLLOWS * fallen
+    above = min(memory.smoothed, full) - commanded > params.over_from * weight
+    away = memory.held > 0.0 or left_behind or above
     if not away:
         memory.stayed = 0.0
     if memory.stayed >= params.settled:

@@ -105,28 +105,10 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     n_beams = onboard.instruments.n_beams
     if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
         _carry_forward(params, memory)
-        q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
-        speeds = _fit_speeds(
-            params,
-            onboard,
-            health,
-            sensed.radar,
-            q,
-            velocity=add(velocity, swing),
-            solution=solution,
-            memory=memory,
-        )
+        antenna = place_antenna(onboard, motion, solution, sensed.t)
+        speeds = _fit_speeds(params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory)
         ranges = _buffer_heights(
-            params,
-            onboard,
-            health,
-            sensed.radar,
-            speeds,
-            q=q,
-            up=up,
-            height=height,
-            solution=solution,
-            memory=memory,
+            params, onboard, health, sensed.radar, speeds, antenna=antenna, solution=solution, memory=memory
         )
         solution.beams_used = speeds | ranges
         solution.speeds_refused = locked_beams(sensed.radar, n_beams) & ~speeds
@@ -156,9 +138,10 @@ def _carry_forward(params, memory):
 
 
 @kernel
-def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
+def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
     """Update with the speeds whose residuals are not too large; returns a bit for each."""
     instruments, used, row = onboard.instruments, 0, memory.row
+    q, velocity = antenna[0], add(antenna[2], antenna[3])
     put3(row, 3, (0.0, 0.0, 0.0))
     for beam in range(instruments.n_beams):
         solution.speed_innovation[beam] = 0.0
@@ -186,9 +169,10 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
 
 
 @kernel
-def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solution, memory):
+def _buffer_heights(params, onboard, health, radar, speeds, antenna, solution, memory):
     """Buffer the heights of beams with a used speed (bits) that agree with their median; returns bits."""
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
+    q, _, _, _, up, height = antenna
     used, count = 0, 0
     for step in range(2):  # the median first
         common = median(memory.beam_errors, count, memory.ordered) if count > 0 else 0.0

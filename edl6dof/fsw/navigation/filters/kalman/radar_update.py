@@ -92,13 +92,7 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
         trusted, innovation, row = healthy[beam] != 0, memory.innovation[beam], memory.rows[beam]
         believed = trusted and beam != left_out
         deviation, agrees = update_by_reading(
-            params,
-            noise=memory.noise[beam],
-            innovation=innovation,
-            up=up,
-            trusted=believed,
-            row=row,
-            memory=memory,
+            params, memory.noise[beam], innovation, up, believed, row=row, memory=memory
         )
         agrees = agrees and beam != left_out
         if not agrees:
@@ -125,9 +119,10 @@ def speed_row(u, spin, velocity, speed, beam, row):
 
 
 @kernel
-def expect_speeds(onboard, radar, q, velocity, swing, memory):
+def expect_speeds(onboard, radar, antenna, memory):
     """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory`` for every beam with an echo."""
     instruments, spin = onboard.instruments, onboard.planet.rotation_rate
+    q, _, velocity, swing, _, _ = antenna
     for beam in range(instruments.n_beams):
         if radar.locked[beam] != 0:
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
@@ -139,18 +134,13 @@ def expect_speeds(onboard, radar, q, velocity, swing, memory):
 
 
 @kernel
-def update_by_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
+def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
     """Update with the speeds along the beams; returns bits of those used, and of those refused."""
     n_beams = onboard.instruments.n_beams
-    expect_speeds(onboard, radar, q, velocity, swing, memory=memory)
+    expect_speeds(onboard, radar, antenna, memory)
+    locked, up, deviations = locked_beams(radar, n_beams), antenna[4], solution.speed_innovation
     used, refused, tried, against, least = update_by_beams(
-        params,
-        n_beams,
-        present=locked_beams(radar, n_beams),
-        healthy=health.beam_speed,
-        up=up,
-        memory=memory,
-        deviations=solution.speed_innovation,
+        params, n_beams, locked, health.beam_speed, up, memory=memory, deviations=deviations
     )
     if tried > 1:  # a beam alone may be wrong itself
         memory.speeds_refused = refused_again(memory.speeds_refused, against, tried)
@@ -190,11 +180,12 @@ def range_noise(params, instruments, reach, steepness, off):
 
 
 @kernel
-def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
+def expect_ranges(params, onboard, radar, antenna, normal, memory):
     """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory``. Returns bits of the beams with an
     echo that are not too flat, and of those whose spot lies farther off the plane than uneven ground does.
-    ``height``: of the antenna, m.
     """
+    q, lever, _, _, up, height = antenna
+    height -= dot(lever, sub(up, normal))
     instruments, radius, present, off_ground = onboard.instruments, onboard.planet.equatorial_radius, 0, 0
     for beam in range(instruments.n_beams):
         u = from_frame(q, take3(instruments.beam_axis[beam], 0))
@@ -212,7 +203,7 @@ def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
 
 
 @kernel
-def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, height, solution, memory):
+def update_by_ranges(params, onboard, health, radar, speeds, antenna, solution, memory):
     """Update with the ranges of the beams whose speed was used (bits ``speeds``). Returns bits of the beams
     used, and of the one whose range no ground explains.
 
@@ -220,19 +211,11 @@ def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, heigh
     the variance of the slope is raised, and that of the height, too, unless three have agreed before and most
     do now.
     """
+    n_beams, up, deviations = onboard.instruments.n_beams, antenna[4], solution.range_innovation
     normal = ground_normal(up, solution.slope)
-    above = height - dot(lever, sub(up, normal))
-    present, off_ground = expect_ranges(
-        params, onboard, radar, q, lever, up=up, normal=normal, height=above, memory=memory
-    )
+    present, off_ground = expect_ranges(params, onboard, radar, antenna, normal, memory=memory)
     used, refused, tried, against, least = update_by_beams(
-        params,
-        onboard.instruments.n_beams,
-        present=present & speeds,
-        healthy=health.beam_range,
-        up=up,
-        memory=memory,
-        deviations=solution.range_innovation,
+        params, n_beams, present & speeds, health.beam_range, up, memory=memory, deviations=deviations
     )
     if tried >= PLANE and against == 0:
         memory.plane_seen = 1
@@ -249,32 +232,12 @@ def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, heigh
 @kernel
 def update_by_radar(params, onboard, health, sensed, motion, solution, memory):
     """Update covariance and correction with a new radar measurement."""
-    q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
-    radar = sensed.radar
+    antenna = place_antenna(onboard, motion, solution, sensed.t)
     speeds, off_speeds = update_by_speeds(
-        params,
-        onboard,
-        health,
-        radar,
-        q,
-        up=up,
-        velocity=velocity,
-        swing=swing,
-        solution=solution,
-        memory=memory,
+        params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory
     )
     ranges, off_ranges = update_by_ranges(
-        params,
-        onboard,
-        health,
-        radar,
-        speeds,
-        q=q,
-        lever=lever,
-        up=up,
-        height=height,
-        solution=solution,
-        memory=memory,
+        params, onboard, health, sensed.radar, speeds, antenna=antenna, solution=solution, memory=memory
     )
     solution.beams_used, solution.looked = ranges | speeds, 1
     solution.ranges_refused, solution.speeds_refused = off_ranges, off_speeds
