@@ -4,6 +4,14 @@ from outside may replace its result.
 
 The cycle alone sees the memories of all modules.  It hands each step its own, and the others that its
 signature names.
+
+Arguments have the same names in all kernels of the flight software: ``onboard`` is the ``ONBOARD`` record,
+``vehicle``, ``planet``, ``atmosphere`` and ``instruments`` its parts of these names, and ``params`` or ``p``
+the kernel's own settings in it.  ``sensed``, ``nav``, ``state`` and ``goal`` (``out`` in guidance) are the
+records ``SENSED``, ``NAV``, ``VEHICLE_STATE`` and ``GUIDE``.  ``effectiveness`` holds force and torque of each
+thruster at full thrust, rows of 6 (N, N m), ``healthy`` is 0 for a thruster out of use, ``t`` is flight time
+and ``dt`` the time since the last call (s).  ``memory`` is updated, ``out`` is written.  A docstring says what
+differs from this.
 """
 
 from __future__ import annotations
@@ -117,14 +125,7 @@ def run(functions, onboard, sensed, k, fsw):
     # navigation
     estimate_state(filters, onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
-    derive(
-        onboard.planet,
-        onboard.atmosphere,
-        vehicle,
-        site_frame=onboard.site.frame,
-        estimate=fsw.navigation.estimate,
-        nav=nav,
-    )
+    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav=nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
         return
@@ -290,14 +291,7 @@ def run(functions, onboard, sensed, k, fsw):
         replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation
-        modulate(
-            onboard.modulation,
-            vehicle,
-            fsw.allocation.duty,
-            nav.t,
-            cycle=control_dt,
-            memory=fsw.modulation,
-        )
+        modulate(onboard.modulation, vehicle, fsw.allocation.duty, nav.t, control_dt, memory=fsw.modulation)
         resting = ExerciseSignals(
             vehicle=vehicle,
             effectiveness=effectiveness,

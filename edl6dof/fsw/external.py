@@ -14,7 +14,7 @@ from edl6dof.fsw.guidance.powered.terminal_descent import start_or_throttle
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import record
-from edl6dof.spatial.vector import clamp, put3, take3
+from edl6dof.spatial.vector import clamp, put3, put4, take3
 
 #: Last results of the flight software itself, whatever was commanded.
 OWN = record(
@@ -33,8 +33,7 @@ def replace_estimate(external, estimate):
     put3(estimate.r_I, 0, take3(external.r_I, 0))
     put3(estimate.v_I, 0, take3(external.v_I, 0))
     put3(estimate.w_B, 0, take3(external.w_B, 0))
-    for i in range(4):
-        estimate.q_I2B[i] = external.q_I2B[i]
+    put4(estimate.q_I2B, external.q_I2B)
     estimate.height_above_ground = external.height_above_ground
 
 

@@ -28,8 +28,7 @@ from edl6dof.fsw.control.registry import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
-from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, SAFETY_MAP
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, FOOTPRINT, SAFETY_MAP
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.fsw.hazard.footprint import CELL_CLASSES
+from edl6dof.fsw.hazard.elevation_map import CELL_CLASSES
 from edl6dof.spatial import arrays
 
 

@@ -14,8 +14,7 @@ from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
-from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, SAFETY_MAP
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, FOOTPRINT, SAFETY_MAP
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, classify
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD

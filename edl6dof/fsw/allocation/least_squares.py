@@ -98,14 +98,8 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
             if boosting and thrusters[i].group == AXIAL
             else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
         )
-    descend(
-        p.steps,
-        tolerance=p.translating_tolerance if translating else p.tolerance,
-        n=n,
-        count=count,
-        memory=memory,
-        duty=duty,
-    )
+    tolerance = p.translating_tolerance if translating else p.tolerance
+    descend(p.steps, tolerance, n, count, memory, duty=duty)
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]
     for k in range(n):
@@ -164,9 +158,5 @@ def descend(steps, tolerance, n, count, memory, duty):
 
 
 MEMBER = Member(
-    "least_squares",
-    LeastSquaresParams,
-    {"share_out": share_out},
-    "Bertsekas, Nonlinear Programming, section 2.7",
-    MEMORY,
+    "least_squares", LeastSquaresParams, {"share_out": share_out}, "Bertsekas, section 2.7", MEMORY
 )

@@ -28,7 +28,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 from edl6dof.registry import Family
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import add, put3, scale, take3
+from edl6dof.spatial.vector import add, put3, scale, take3, take4
 
 DEMAND = record(
     ("attitude_error", "f8", (3,)),  # rad: error that the attitude controller works on, as it returned it
@@ -84,7 +84,7 @@ def compose_demand(phase, vehicle, effectiveness, state, healthy, nav, goal, tor
     elif boosting:
         demand.wrench[0] = largest_axial_force(vehicle, effectiveness)
     if goal.translating != 0:
-        q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+        q = take4(nav.q_I2B)
         north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
         force = to_frame(q, add(scale(goal.force_N[0], north), scale(goal.force_N[1], east)))
         demand.wrench[1], demand.wrench[2] = force[1], force[2]

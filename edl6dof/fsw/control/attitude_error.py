@@ -16,7 +16,7 @@ from edl6dof.spatial.quaternion import (
     rotation_vector,
     to_frame,
 )
-from edl6dof.spatial.vector import cross, dot, scale, sub, take3
+from edl6dof.spatial.vector import cross, dot, scale, sub, take3, take4
 
 
 @kernel
@@ -42,28 +42,16 @@ def beyond(x, limit):
 
 
 @kernel
-def body_rate(nav):
-    """Inertial body rate, rad/s, in B."""
-    return nav.w_B[0], nav.w_B[1], nav.w_B[2]
-
-
-@kernel
 def path_rate(nav):
     """Rate at which the planet-relative velocity turns, rad/s, B, from gravity and measured specific force.
 
     Rotation of the planet and centrifugal terms are left out: they are below 0.01 deg/s.
     """
-    q = attitude(nav)
+    q = take4(nav.q_I2B)
     v = take3(nav.v_rel_I, 0)
     acceleration = sub(from_frame(q, take3(nav.specific_force_B, 0)), scale(nav.gravity, take3(nav.up_I, 0)))
     speed2 = max(nav.speed * nav.speed, 1.0)
     return to_frame(q, scale(1.0 / speed2, cross(v, acceleration)))
-
-
-@kernel
-def attitude(nav):
-    """``q_I2B`` as a tuple."""
-    return nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3]
 
 
 @kernel
@@ -73,9 +61,9 @@ def wind_attitude_error(nav, command):
     """
     up_I = take3(nav.up_I, 0)
     goal = attitude_from_wind_angles(take3(nav.v_rel_I, 0), up_I, command.bank, command.alpha, 0.0)
-    q = attitude(nav)
+    q = take4(nav.q_I2B)
     error = rotation_vector(multiply(conjugate(q), goal))
-    return error, sub(body_rate(nav), path_rate(nav))
+    return error, sub(take3(nav.w_B, 0), path_rate(nav))
 
 
 @kernel

@@ -20,7 +20,6 @@ from __future__ import annotations
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.control.attitude_error import (
     beyond,
-    body_rate,
     gyroscopic_torque,
     inertia_torque,
     path_rate,
@@ -69,7 +68,7 @@ def control(params, nav, goal, inputs, dt, memory):
     along, across, aside = velocity_axes(nav.alpha, nav.beta)
     if wing_out:
         along, across, aside = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    rate = sub(body_rate(nav), path_rate(nav))
+    rate = sub(take3(nav.w_B, 0), path_rate(nav))
     bank_error = wrap(goal.bank - nav.bank)
     alpha_goal = 0.0 if wing_out else goal.alpha
     roll = follow(p.bank, memory=memory.bank, error=bank_error, rate=dot(rate, along), dt=dt, frozen=frozen)
@@ -88,7 +87,7 @@ def control(params, nav, goal, inputs, dt, memory):
         pitch = damped(p, damping, dot(rate, across), alpha_error)
         yaw = damped(p, p.damping, dot(rate, aside), beta)
     acceleration = add(scale(roll, along), add(scale(pitch, across), scale(yaw, aside)))
-    torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, body_rate(nav)))
+    torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, take3(nav.w_B, 0)))
     return torque, (bank_error, alpha_error, beta)
 
 

@@ -18,13 +18,7 @@ from edl6dof.spatial.vector import put3, take3
 
 CONTROLLERS = Family(
     "attitude controller",
-    (
-        off.MEMBER,
-        phase_plane.MEMBER,
-        bank_to_steer.MEMBER,
-        rate_damping.MEMBER,
-        thrust_vector.MEMBER,
-    ),
+    (off.MEMBER, phase_plane.MEMBER, bank_to_steer.MEMBER, rate_damping.MEMBER, thrust_vector.MEMBER),
 )
 
 #: Settings of a phase that each controller uses; for those of plugins they are unknown.

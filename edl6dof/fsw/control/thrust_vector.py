@@ -29,8 +29,6 @@ from typing import Literal
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.control.attitude_error import (
-    attitude,
-    body_rate,
     decoupled_error,
     goal_attitude,
     inertia_torque,
@@ -41,7 +39,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.vector import add, scale, sub, take3
+from edl6dof.spatial.vector import add, scale, sub, take3, take4
 
 DECOUPLED, SHORTEST_PATH = range(2)
 ESTIMATOR, INTEGRAL = range(2)
@@ -108,7 +106,7 @@ def compensation(inputs, dt, memory):
 def control(params, nav, goal, inputs, dt, memory):
     """Demand the torque towards the commanded thrust direction and roll."""
     p, bandwidth = params, inputs.bandwidth
-    q, w = attitude(nav), body_rate(nav)
+    q, w = take4(nav.q_I2B), take3(nav.w_B, 0)
     wanted_attitude = goal_attitude(
         take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, goal)
     )
@@ -135,9 +133,5 @@ def control(params, nav, goal, inputs, dt, memory):
 
 
 MEMBER = Member(
-    "thrust_vector",
-    ThrustVectorParams,
-    {"control": control},
-    "Hu et al. 2022, section 6.1 and eqs. 2-9",
-    MEMORY,
+    "thrust_vector", ThrustVectorParams, {"control": control}, "Hu et al. 2022, sections 6.1 and 6.2", MEMORY
 )

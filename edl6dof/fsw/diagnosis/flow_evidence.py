@@ -312,15 +312,8 @@ def update_flow_evidence(params, keep, vehicle, share, closed, memory):
         if share[i] > LEAST_USE:
             given = share[i] * (1.0 - memory.known_loss[i]) * flow
             if fires_alone(memory.expected[b], given):
-                add_loss_cycle(
-                    params,
-                    residual,
-                    prediction=-given,
-                    weight=weight,
-                    keep=keep,
-                    common=memory.common,
-                    loss=memory.off[i],
-                )
+                common, loss = memory.common, memory.off[i]
+                add_loss_cycle(params, residual, -given, weight, keep, common=common, loss=loss)
                 memory.doubtful[i] = 0
             elif (
                 -residual > (params.loss_least + memory.common) * given

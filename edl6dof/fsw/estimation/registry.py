@@ -201,14 +201,8 @@ def estimate_disturbance(estimate, params, vehicle, state, nav, imu_delay, effec
     ``imu_delay`` s old, by the estimator that flies.
     """
     end = nav.t - imu_delay
-    expect(
-        effectiveness,
-        count=vehicle.n_thrusters,
-        begin=end - dt,
-        end=end,
-        lag=params.valve_lag,
-        memory=memory.activity,
-    )
+    activity = memory.activity
+    expect(effectiveness, vehicle.n_thrusters, end - dt, end, params.valve_lag, memory=activity)
     rate, gain = take3(nav.imu_rate_B, 0), take3(nav.imu_gain_B, 0)
     if memory.started != 0:
         inertia = take3(vehicle.configuration[state.configuration].inertia, 0)

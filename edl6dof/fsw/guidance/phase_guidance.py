@@ -23,7 +23,7 @@ from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, put3, scale, take3
+from edl6dof.spatial.vector import dot, put3, scale, take3, take4
 
 GUIDANCE = record(
     ("entry", ENTRY_MEMORY),
@@ -62,7 +62,7 @@ def hold_bank(onboard, nav, goal):
 @kernel
 def keep_thrust_axis(nav, goal):
     """Hold the thrust axis until ignition, so as not to turn inside the departing backshell."""
-    q = nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3]
+    q = take4(nav.q_I2B)
     axis = from_frame(q, (-1.0, 0.0, 0.0))
     north, east, up = take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0)
     put3(goal.thrust_direction_N, 0, (dot(axis, north), dot(axis, east), -dot(axis, up)))

@@ -24,7 +24,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, take3
+from edl6dof.spatial.vector import dot, take3, take4
 
 #: Points of the path, a second apart; steps of integration in each second.
 PATH_POINTS, STEPS = 160, 10
@@ -97,23 +97,10 @@ def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
             return
         for _ in range(STEPS):
             # midpoint rule
-            a = fall(
-                atmosphere,
-                drifter,
-                nav.gravity,
-                altitude=below + height,
-                shift=shift,
-                velocity=(v_n, v_e, v_d),
-            )
+            a = fall(atmosphere, drifter, nav.gravity, below + height, shift, velocity=(v_n, v_e, v_d))
             half = (v_n + 0.5 * step * a[0], v_e + 0.5 * step * a[1], v_d + 0.5 * step * a[2])
-            a = fall(
-                atmosphere,
-                drifter,
-                nav.gravity,
-                altitude=below + height - 0.5 * step * v_d,
-                shift=shift,
-                velocity=half,
-            )
+            middle = below + height - 0.5 * step * v_d
+            a = fall(atmosphere, drifter, nav.gravity, middle, shift, velocity=half)
             north, east, height = north + step * half[0], east + step * half[1], height - step * half[2]
             v_n, v_e, v_d = v_n + step * a[0], v_e + step * a[1], v_d + step * a[2]
 
@@ -218,7 +205,7 @@ def count_obstacles(camera, parts, along, across, out):
 @kernel
 def lay_targets(p, nav, along, across, out):
     """Target of each part: ahead with the drift, and off into the part."""
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     for part in range(out.parts):
         y, z = direction_of(out.parts, part, along, across)
         into = from_frame(q, (0.0, y, z))
@@ -238,7 +225,7 @@ def choose_part(p, camera, nav, out):
         camera, nav: ``CAMERA`` record, the image; ``NAV`` record when it was taken.
         out: ``COARSE`` record with the drift predicted, written.
     """
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     side = sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1])
     slant = atan2(side, nav.v_N[2])
     north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)

@@ -6,8 +6,15 @@ from __future__ import annotations
 
 from edl6dof.config.units import G0
 from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part, follow_wind, predict_drifts
-from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, add_range, begin_map, fill_holes
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, SAFETY_MAP, assess
+from edl6dof.fsw.hazard.elevation_map import (
+    ELEVATION_MAP,
+    FOOTPRINT,
+    SAFETY_MAP,
+    add_range,
+    assess,
+    begin_map,
+    fill_holes,
+)
 from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, choose_spot, clearances, least_bad
 from edl6dof.fsw.mission import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
@@ -17,7 +24,7 @@ from edl6dof.records import FLAG, TIME_IF_EVER, record
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3, take4
 
 HAZARD = record(
     ("exposed", FLAG),  # the camera was triggered
@@ -48,7 +55,7 @@ def to_site(frame, turn, v_I):
 @kernel
 def body_axes(planet, frame, nav):
     """Axes x, y, z of B, each as east, north, up of the landing site."""
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     angle = planet.rotation_rate * nav.t
     turn = (cos(angle), sin(angle))
     return (
@@ -89,14 +96,7 @@ def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
             direction = cell_direction(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
-            add_range(
-                lidar.range[i, j],
-                direction_B=direction,
-                eye_L=eye_L,
-                axes_L=axes_L,
-                weight=1.0,
-                elevation_map=elevation_map,
-            )
+            add_range(lidar.range[i, j], direction, eye_L, axes_L, weight=1.0, elevation_map=elevation_map)
 
 
 @kernel
@@ -107,14 +107,8 @@ def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
             distance = stereo.range[i, j]
             blunt = max(deviation_at(eye, distance) / sharp, 1.001)
             direction = cell_direction(eye.tangent, STEREO_CELLS, i, j)
-            add_range(
-                distance,
-                direction_B=direction,
-                eye_L=eye_L,
-                axes_L=axes_L,
-                weight=1.0 / (blunt * blunt),
-                elevation_map=elevation_map,
-            )
+            weight = 1.0 / (blunt * blunt)
+            add_range(distance, direction, eye_L, axes_L, weight, elevation_map=elevation_map)
 
 
 @kernel
@@ -133,15 +127,8 @@ def work_out(classify, params, terminal, deviation, nav, state, memory):
     elevation_map, footprint, safety_map = memory.elevation_map, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, elevation_map)
     assess(elevation_map, params.footprint_radius, footprint)
-    classify(
-        params.detection,
-        params,
-        elevation_map,
-        footprint,
-        radius=params.footprint_radius,
-        deviation=deviation,
-        out=safety_map,
-    )
+    radius = params.footprint_radius
+    classify(params.detection, params, elevation_map, footprint, radius, deviation=deviation, out=safety_map)
     clearances(safety_map.cell_class, elevation_map.cell, memory.envelope, safety_map.clearance)
     here_L = (nav.site_L[0], nav.site_L[1])
     choose_spot(
@@ -196,15 +183,8 @@ def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, com
         eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
         take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.elevation_map)
         if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
-            work_out(
-                classify,
-                params,
-                onboard.guidance.powered.terminal,
-                deviation=sharp,
-                nav=nav,
-                state=state,
-                memory=memory,
-            )
+            terminal = onboard.guidance.powered.terminal
+            work_out(classify, params, terminal, sharp, nav, state=state, memory=memory)
             point.fine_L[0], point.fine_L[1] = memory.choice.spot_L[0], memory.choice.spot_L[1]
             point.fine_known, memory.spot_t = 1, nav.t
 
@@ -236,15 +216,7 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
         look_ahead(onboard, sensed, nav, memory, point, command=command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
         look_down(
-            classify,
-            onboard,
-            elapsed,
-            sensed,
-            nav,
-            state=state,
-            memory=memory,
-            point=point,
-            command=command,
+            classify, onboard, elapsed, sensed, nav, state=state, memory=memory, point=point, command=command
         )
     elif kind == G_AVOID and point.fine_known == 0:
         # nothing was seen: the point below is as good as any

@@ -1,14 +1,27 @@
-"""A map of elevations from ranges and the pose in which each was taken.
+"""A map of elevations from ranges and the pose in which each was taken; at every cell, the plane that the
+lander would stand on, and what would reach up under it.
 
 Rows run north, columns east.  A cell holds the weighted mean of the points in it, the highest of those of the
 sharpest instrument, and their weight: the inverse of the variance of the mean, in units of that of one such
 point.  A cell without a point is unknown: its weight is zero.
+
+The footprint is a disc, as the lander's azimuth at touchdown is free: its legs stand somewhere on the rim.
+The plane is that of least squares over the means of the cells of the disc, whose moments are known, so that
+level and rises follow from three running sums (cells that enter less cells that leave, chord by chord); the
+roughness is the largest distance of a cell from the plane, square to it: of a rock under the belly, or of a
+hole under a leg.  Source of the two measures: Johnson, Klumpp, Collier and Wolf, "Lidar-based hazard
+avoidance for safe landing on Mars", J. Guidance 25(6) 2002 (there with a robust plane in place of least
+squares).
 """
 
 from __future__ import annotations
 
+from math import sqrt
+
+import numpy as np
+
 from edl6dof.kernels import kernel
-from edl6dof.records import record
+from edl6dof.records import record, whole
 from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import add, scale
 
@@ -113,3 +126,138 @@ def _fill(i, j, weight, elevation_map):
     if count >= NEIGHBOURS_TO_FILL:
         elevation_map.mean[i, j] = elevation_map.highest[i, j] = total / count
         elevation_map.weight[i, j] = -weight
+
+
+#: Largest radius of a footprint in cells.
+MAX_RADIUS = 32
+#: Value of slope and roughness where the footprint is not all known; no footprint is so bad.
+UNKNOWN = np.float32(1e3)
+
+_ROW = MAP_CELLS + 2 * MAX_RADIUS + 2
+
+#: The planes of a row of cells, and the sums that they follow from.
+PLANES = record(
+    ("known", "f8", (_ROW,)),
+    ("sum", "f8", (_ROW,)),
+    ("east_sum", "f8", (_ROW,)),
+    ("north_sum", "f8", (_ROW,)),
+    ("level", "f4", (MAP_CELLS,)),  # m
+    ("rise_east", "f4", (MAP_CELLS,)),  # per metre
+    ("rise_north", "f4", (MAP_CELLS,)),
+    ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
+    ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
+    ("limit", "f4", (MAP_CELLS,)),  # m: how far off the plane a cell may be, along the vertical
+    ("kept", "f4", (MAP_CELLS,)),  # probability that none is farther
+)
+
+FOOTPRINT = record(
+    ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
+    ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
+    ("planes", PLANES),
+)
+
+#: Classes of a cell.
+SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)
+CELL_CLASSES = ("safe", "edge", "slope", "rock")
+
+SAFETY_MAP = record(
+    ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
+    ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
+    ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
+)
+
+
+@kernel
+def chord(radius, row):
+    """Half chord, in cells, of a disc of ``radius`` cells in a ``row`` off its middle; row 0: its reach."""
+    return cell(sqrt(radius * radius - row * row), MAX_RADIUS + 1)[0]
+
+
+@kernel
+def add_cells(elevation_map, i, row, sign, shift, planes):
+    """Add the cells of row ``i`` of the map, which is that many a ``row`` off the middle, to the running sums
+    ``shift`` columns farther on, where they enter the footprint (``sign`` 1) or leave it (-1).
+    """
+    first, end = shift, shift + MAP_CELLS
+    mean, weight = elevation_map.mean[i], elevation_map.weight[i]
+    known, total = planes.known[first:end], planes.sum[first:end]
+    east, north = planes.east_sum[first:end], planes.north_sum[first:end]
+    for c in range(MAP_CELLS):
+        z = sign * float(mean[c])
+        known[c] += sign if weight[c] > 0.0 else 0.0
+        total[c] += z
+        east[c] += c * z
+        north[c] += row * z
+
+
+@kernel
+def fit_row(elevation_map, radius, i, planes):
+    """Planes of the footprints around all cells of row ``i``, none of which reaches beyond the map."""
+    reach = chord(radius, 0)
+    for c in range(_ROW):
+        planes.known[c] = planes.sum[c] = planes.east_sum[c] = planes.north_sum[c] = 0.0
+    cells, second = 0, 0.0
+    for row in range(-reach, reach + 1):
+        half = chord(radius, row)
+        cells += 2 * half + 1
+        second += row * row * (2 * half + 1)
+        add_cells(elevation_map, i=i + row, row=row, sign=-1.0, shift=reach + half + 1, planes=planes)
+        add_cells(elevation_map, i=i + row, row=row, sign=1.0, shift=reach - half, planes=planes)
+    known = total = east = north = 0.0
+    for c in range(MAP_CELLS + reach):
+        known += planes.known[c]
+        total += planes.sum[c]
+        east += planes.east_sum[c]
+        north += planes.north_sum[c]
+        j = c - reach
+        if j < 0:
+            continue
+        planes.level[j] = total / cells
+        planes.rise_east[j] = (east - j * total) / second
+        planes.rise_north[j] = north / second
+        planes.whole[j] = 1.0 if known > cells - 0.5 else 0.0
+
+
+@kernel
+def stray_row(elevation_map, radius, i, planes):
+    """Largest distance (m, up or down) of a cell of each footprint around row ``i`` from its plane."""
+    reach = chord(radius, 0)
+    first, last = reach, MAP_CELLS - reach
+    # views that begin at the first column: an index that is never negative keeps the innermost loop short
+    level, farthest = planes.level[first:last], planes.farthest[first:last]
+    rise_east, rise_north = planes.rise_east[first:last], planes.rise_north[first:last]
+    for j in range(last - first):
+        farthest[j] = 0.0
+    for row in range(-reach, reach + 1):
+        half, north = chord(radius, row), np.float32(row)
+        for column in range(-half, half + 1):
+            east, top = np.float32(column), elevation_map.highest[i + row, first + column : last + column]
+            for j in range(last - first):
+                off = abs(top[j] - level[j] - rise_east[j] * east - rise_north[j] * north)
+                farthest[j] = off if off > farthest[j] else farthest[j]
+
+
+@kernel
+def assess(elevation_map, radius_m, out):
+    """Compute slope and roughness of the footprint around every cell of a map without holes.
+
+    Args:
+        elevation_map: ``ELEVATION_MAP`` record.
+        radius_m: of the footprint, m; at most ``MAX_RADIUS`` cells of it count.
+        out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
+    """
+    radius = min(radius_m / elevation_map.cell, float(MAX_RADIUS))
+    reach = chord(radius, 0)
+    planes, side = out.planes, np.float32(elevation_map.cell)
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            out.slope[i, j] = out.roughness[i, j] = UNKNOWN
+    for i in range(reach, MAP_CELLS - reach):
+        fit_row(elevation_map, radius, i, planes)
+        stray_row(elevation_map, radius, i, planes)
+        for j in range(reach, MAP_CELLS - reach):
+            if planes.whole[j] > 0.0:
+                east, north = planes.rise_east[j] / side, planes.rise_north[j] / side
+                steep = east * east + north * north
+                out.slope[i, j] = sqrt(steep)
+                out.roughness[i, j] = planes.farthest[j] / sqrt(1.0 + steep)

@@ -15,8 +15,7 @@ from __future__ import annotations
 from math import sqrt
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, cell_of, middle_of
-from edl6dof.fsw.hazard.footprint import CELL_CLASSES, SAFE, TOO_ROUGH
+from edl6dof.fsw.hazard.elevation_map import CELL_CLASSES, MAP_CELLS, SAFE, TOO_ROUGH, cell_of, middle_of
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 

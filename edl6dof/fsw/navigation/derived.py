@@ -44,7 +44,7 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes, to_frame
 from edl6dof.spatial.table_index import between, held_cell
-from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, clamp, dot, norm, put3, put4, scale, sub, take3, take4
 
 NAV = record(
     ("t", "f8"),  # s: flight time
@@ -120,9 +120,8 @@ def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
     """Fill ``nav`` (``NAV``) from ``estimate`` with believed planet, air, vehicle and frame of the site."""
     t = estimate.t
     nav.t = t
-    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
-    for i in range(4):
-        nav.q_I2B[i] = q[i]
+    q = take4(estimate.q_I2B)
+    put4(nav.q_I2B, q)
     for i in range(3):
         nav.w_B[i] = estimate.w_B[i]
         nav.specific_force_B[i] = estimate.specific_force_B[i]

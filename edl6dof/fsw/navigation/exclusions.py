@@ -26,7 +26,7 @@ from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import dot, norm, scale, take3, unit
+from edl6dof.spatial.vector import dot, norm, scale, take3, take4, unit
 
 
 class BeamWatchParams(Params):
@@ -57,33 +57,18 @@ BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES))
 def watch_beams(params, instruments, radar, solution, health, memory):
     """Exclude ranges and speeds of beams, or use them again, after the filter has processed the ``radar``."""
     if params.enabled != 0 and solution.looked != 0:
-        n_beams = instruments.n_beams
-        locked = locked_beams(radar, n_beams)
-        due = steep_beams(params, instruments, solution)
-        watch_readings(
-            params,
-            n_beams,
-            locked,
-            due,
-            refused=solution.ranges_refused,
-            healthy=health.beam_range,
-            memory=memory.range,
-        )
-        watch_readings(
-            params,
-            n_beams,
-            locked,
-            due,
-            refused=solution.speeds_refused,
-            healthy=health.beam_speed,
-            memory=memory.speed,
-        )
+        count, due = instruments.n_beams, steep_beams(params, instruments, solution)
+        locked = locked_beams(radar, count)
+        refused = solution.ranges_refused
+        watch_readings(params, count, locked, due, refused, healthy=health.beam_range, memory=memory.range)
+        refused = solution.speeds_refused
+        watch_readings(params, count, locked, due, refused, healthy=health.beam_speed, memory=memory.speed)
 
 
 @kernel
 def steep_beams(params, instruments, solution):
     """Bits of the beams that meet the ground so steeply that they must have an echo."""
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     down = to_frame(q, scale(-1.0, unit(take3(solution.r_I, 0))))
     least, bits = cos(params.silent_angle), 0
     for i in range(instruments.n_beams):

@@ -30,7 +30,7 @@ from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, put4, scale, sub, take3, take4
 
 #: Force (m/s2) whose pull would give as much torque as air and thrusters do.
 _OTHER = 2.0
@@ -174,8 +174,7 @@ def _follow_gap(body, lever, bridge, memory, solution):
         for i in range(3):
             memory.off[i] = memory.unexplained[last, i] * memory.dt[last]
             memory.added[i] = bridge.added[i]
-        for i in range(4):
-            memory.q_I2B[i] = solution.q_I2B[i]
+        put4(memory.q_I2B, solution.q_I2B)
     memory.after += 1
     if memory.after == AFTER:
         if memory.gap + BEFORE + AFTER < KEPT:
@@ -196,11 +195,10 @@ def _correct_attitude(body, lever, memory, solution):
     lacked = sub((x, y, z), take3(memory.added, 0))
     if not norm(lacked) < _LARGEST:  # nor a diverged fit, which is not a number
         return
-    q = (memory.q_I2B[0], memory.q_I2B[1], memory.q_I2B[2], memory.q_I2B[3])
-    now = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(memory.q_I2B)
+    now = take4(solution.q_I2B)
     turned = turn_by(now, to_frame(now, from_frame(q, lacked)))
-    for i in range(4):
-        solution.q_I2B[i] = turned[i]
+    put4(solution.q_I2B, turned)
 
 
 @kernel

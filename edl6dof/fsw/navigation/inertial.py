@@ -71,21 +71,11 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     _rotation(params, instruments, dt, inertial, solution, health=health, memory=memory, motion=motion)
     lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))
     arrived = known_before == 0 and motion.rate_known != 0
+    bridge, most = memory.rate_bridge, MOST * instruments.gyro_range
     if motion.rate_known == 0:
-        bridge_rate(
-            body,
-            lever,
-            gain,
-            most=MOST * instruments.gyro_range,
-            dt=dt,
-            memory=memory.rate_bridge,
-            motion=motion,
-        )
-    elif memory.rate_bridge.push > 0.0:
-        most = MOST * instruments.gyro_range
-        end_bridge(
-            body, lever, gain, most, dt, rate_before=rate_before, memory=memory.rate_bridge, motion=motion
-        )
+        bridge_rate(body, lever, gain, most, dt, memory=bridge, motion=motion)
+    elif bridge.push > 0.0:
+        end_bridge(body, lever, gain, most, dt, rate_before=rate_before, memory=bridge, motion=motion)
     # from the unit to the centre of mass
     angle = scale(dt, take3(motion.rate, 0)) if arrived else take3(motion.angle, 0)
     turned = scale(1.0 / dt, cross(angle, cross(angle, lever)))
@@ -97,11 +87,8 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
 @kernel
 def _force(params, instruments, dt, inertial, solution, health, memory, motion):
     """Velocity gained at the unit (m/s, B); that of the cycle before while too few accelerometers work."""
-    axis, number, redundant = (
-        instruments.accelerometer_axis,
-        instruments.n_accelerometers,
-        memory.accelerometers,
-    )
+    axis, number = instruments.accelerometer_axis, instruments.n_accelerometers
+    redundant = memory.accelerometers
     in_use = usable(number, health.accelerometer, inertial.accelerometer_saturated)
     _choose(params.parity, axis, number, in_use, redundant, parity=memory.accelerometer_parity)
     motion.force_known = redundant.solvable

@@ -22,7 +22,7 @@ from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, norm, take3
+from edl6dof.spatial.vector import dot, norm, take3, take4
 
 #: The checks, a bit for each.
 BELOW_GROUND, JUMP, SPEED, ABOVE_HORIZON = 1, 2, 4, 8
@@ -170,7 +170,7 @@ def check_integrity(onboard, sensed, memory, estimate):
     )
     spin = onboard.planet.rotation_rate
     speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
-    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
+    q = take4(estimate.q_I2B)
     check_solution(
         params, instruments, memory.health, sensed, speed, sigma=norm(take3(solution.sigma_v, 0)), q=q, up=up,
         memory=memory.integrity, recovery=memory.recovery,

@@ -20,7 +20,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, put4, scale, sub, take3, take4, unit
 
 
 class RecoveryParams(Params):
@@ -82,7 +82,7 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
         adopt_attitude(sensed, motion, solution)
         memory.lost = 0
         return
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     memory.since += motion.dt
     put3(memory.gained, 0, add(take3(memory.gained, 0), from_frame(q, take3(motion.gain, 0))))
     at_antenna, seen = velocity_from_beams(onboard.instruments, health, sensed.radar)
@@ -109,10 +109,9 @@ def _set_upright(planet, gravity, solution):
     true = gravity_I(planet, take3(solution.r_I, 0))
     axis = cross(gravity, true)
     angle = scale(atan2(norm(axis), dot(gravity, true)), unit(axis))
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     turned = turn_by(q, to_frame(q, angle))
-    for i in range(4):
-        solution.q_I2B[i] = turned[i]
+    put4(solution.q_I2B, turned)
     return turn_by((1.0, 0.0, 0.0, 0.0), angle)
 
 
@@ -122,7 +121,7 @@ def _take_over(onboard, health, radar, velocity, solution):
     r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
     put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))
     _, _, up, altitude = level_axes(onboard.planet, r, solution.t)
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     seen = height_from_beams(onboard.instruments, health, radar, to_frame(q, scale(-1.0, up)))
     height = altitude - onboard.site.altitude - solution.terrain
     put3(solution.r_I, 0, add(r, scale(seen - height, up)))

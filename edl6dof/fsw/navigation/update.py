@@ -20,7 +20,7 @@ from edl6dof.fsw.navigation.strapdown import align, gravity_I, integrate, turn_b
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, put3, put4, scale, sub, take3, take4
 
 #: Time between two readings (s) below which they are one.
 LEAST_TIME = 1e-9
@@ -132,7 +132,7 @@ def follow_centre(centre, motion, solution, before):
     arm = sub(centre, take3(before, 0))
     if dot(arm, arm) == 0.0:
         return
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     put3(solution.r_I, 0, add(take3(solution.r_I, 0), from_frame(q, arm)))
     put3(solution.v_I, 0, add(take3(solution.v_I, 0), from_frame(q, cross(take3(motion.rate, 0), arm))))
     put3(before, 0, centre)
@@ -142,7 +142,7 @@ def follow_centre(centre, motion, solution, before):
 def extrapolate(planet, motion, solution, estimate):
     """Extrapolate ``solution`` from the last reading to the cycle of ``estimate``, except its height."""
     age = estimate.t - solution.t
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
     rate = take3(motion.rate, 0)
     force = scale(1.0 / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0))
@@ -151,8 +151,7 @@ def extrapolate(planet, motion, solution, estimate):
     put3(estimate.r_I, 0, r)
     put3(estimate.v_I, 0, add(v, gained))
     turned = turn_by(q, scale(age, rate))
-    for i in range(4):
-        estimate.q_I2B[i] = turned[i]
+    put4(estimate.q_I2B, turned)
     put3(estimate.w_B, 0, rate)
     put3(estimate.specific_force_B, 0, force)
     put3(estimate.imu_rate_B, 0, rate)
@@ -161,8 +160,7 @@ def extrapolate(planet, motion, solution, estimate):
 @kernel
 def take_given(sensed, estimate):
     """Copy the readings of ideal instruments."""
-    for i in range(4):
-        estimate.q_I2B[i] = sensed.q_I2B[i]
+    put4(estimate.q_I2B, sensed.q_I2B)
     put3(estimate.r_I, 0, take3(sensed.r_I, 0))
     put3(estimate.v_I, 0, take3(sensed.v_I, 0))
     put3(estimate.w_B, 0, take3(sensed.w_B, 0))

@@ -122,9 +122,7 @@ def disturbed_drag(onboard, nav, p, memory, out):
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, authority, free = measured_drag_dynamics(onboard, nav, lift)
-    goal, goal_rate, goal_acceleration = drag_goal(
-        onboard, nav, memory=memory.tracking, drag=nav.drag, drag_rate=rate, out=out
-    )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, rate, out)
     disturbance = observe_path(p, memory.observer, nav, lift)
     out.path_disturbance = disturbance
     path_authority = (

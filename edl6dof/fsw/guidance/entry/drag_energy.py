@@ -130,13 +130,8 @@ def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     updating = shared.update and nav.speed > shared.update_stop
     if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
         # nothing is left to fit at the terminal energy
-        refit(
-            reference,
-            max(nav.energy, 1.01 * terminal),
-            out.range_to_go,
-            shared.scale_limit if updating else 0.0,
-            memory,
-        )
+        limit = shared.scale_limit if updating else 0.0
+        refit(reference, max(nav.energy, 1.01 * terminal), out.range_to_go, limit, memory)
         memory.updated = nav.t
     span = memory.energy - terminal
     goal, slope, curvature = evaluate(memory.coefficient, clamp((nav.energy - terminal) / span, 0.0, 1.0))

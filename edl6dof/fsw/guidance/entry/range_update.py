@@ -108,9 +108,9 @@ def tracking(onboard, nav):
 
 
 @kernel
-def drag_goal(onboard, nav, memory, drag, drag_rate, out):
-    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
-    the range update included.  ``memory``: ``TRACKING``; the goal is written to ``out.reference_drag``.
+def drag_goal(onboard, nav, memory, drag_rate, out):
+    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4) at the measured drag and
+    its rate; the range update included.  ``memory``: ``TRACKING``; the goal is in ``out.reference_drag``.
     """
     p, reference = onboard.guidance.entry.tracking, onboard.reference
     u = sqrt(2.0 * max(nav.energy, 0.0))
@@ -118,7 +118,7 @@ def drag_goal(onboard, nav, memory, drag, drag_rate, out):
         memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
     along = nav.gravity * sin(nav.flight_path_angle)
     out.reference_drag, rate, acceleration = scaled(
-        reference, memory.scale, energy_speed=u, speed=nav.speed, along=along, drag=drag, drag_rate=drag_rate
+        reference, memory.scale, u, nav.speed, along, drag=nav.drag, drag_rate=drag_rate
     )
     return out.reference_drag, rate, acceleration
 

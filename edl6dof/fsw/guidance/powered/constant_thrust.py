@@ -73,18 +73,11 @@ def guide(params, vehicle, state, nav, target, memory, out):
         north, east, up = against_velocity(p.offset, state.engine.full_thrust / state.mass, nav, target)
         return north, east, max(up, 0.5 * nav.gravity), p.tilt_limit
     memory.over = 1
-    limits = (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor)
-    out.time_to_go = plan_arrival(
-        limits, gains=GAINS, least=0.0, state=state, nav=nav, target=target, plan=memory.rest
-    )
+    out.time_to_go = plan_arrival(p, GAINS, 0.0, state, nav, target=target, plan=memory.rest)
     north, east, up = meet(p.time_floor, p.lateral_time_floor, out.time_to_go, nav, target)
     return north, east, up, p.tilt_limit
 
 
 MEMBER = Member(
-    "constant_thrust",
-    ConstantThrustParams,
-    {"guide": guide},
-    "CN108594802B (Tianwen-1: constant thrust at an offset, refined)",
-    MEMORY,
+    "constant_thrust", ConstantThrustParams, {"guide": guide}, "CN108594802B, claim 1 (Tianwen-1)", MEMORY
 )

@@ -81,15 +81,7 @@ def guide(params, vehicle, state, nav, target, memory, out):
     if memory.made == 0:
         velocity = nav.v_N[0], nav.v_N[1], -nav.v_N[2]
         least = optimal_time(nav.gravity, (-north, -east, -up), velocity)
-    out.time_to_go = plan_arrival(
-        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor),
-        gains=_GAINS,
-        least=least,
-        state=state,
-        nav=nav,
-        target=target,
-        plan=memory,
-    )
+    out.time_to_go = plan_arrival(p, _GAINS, least, state, nav, target=target, plan=memory)
     t_go = max(out.time_to_go, p.time_floor)
     upward = zem_zev(up, -nav.v_N[2], -nav.gravity, t_go)
     t_go = max(out.time_to_go, p.lateral_time_floor)
@@ -102,9 +94,5 @@ def guide(params, vehicle, state, nav, target, memory, out):
 
 
 MEMBER = Member(
-    "e_guidance",
-    EGuidanceParams,
-    {"guide": guide},
-    "Cherry 1964; D'Souza 1997; Guo, Hawkins & Wie 2013",
-    PLAN,
+    "e_guidance", EGuidanceParams, {"guide": guide}, "Cherry 1964; D'Souza 1997; Guo et al. 2013", PLAN
 )

@@ -141,12 +141,6 @@ def root(a, s, d):
 
 
 @kernel
-def planned_sideways(reserve, tilt_limit, state):
-    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at full level."""
-    return (1.0 - reserve) * sin(tilt_limit) * state.engine.full_thrust / state.mass
-
-
-@kernel
 def time_to_divert(sideways, nav, target):
     """Shortest time to go (s) in which the lateral law of least effort, a = 6 r / T^2 - 4 v / T with r what
     is left of the way, begins with no more than ``sideways`` (m/s2).
@@ -169,16 +163,16 @@ def plan_arrival(p, gains, least, state, nav, target, plan):
         state, nav, target: ``VEHICLE_STATE``, ``NAV`` and ``POWERED_TARGET`` records.
         plan: ``PLAN`` record, updated.
     """
-    tilt_limit, reserve, runs_down = p
     s, d = gains
     height, descent = max(nav.height - target.height, LEAST_HEIGHT), nav.v_N[2]
     if plan.made == 0:
         plan.made = 1
-        upward = planned_upward(reserve, state, nav, target)
-        sideways = planned_sideways(reserve, tilt_limit, state)
+        upward = planned_upward(p.thrust_reserve, state, nav, target)
+        # within the tilt limit, less the reserve, at the full level of the start
+        sideways = (1.0 - p.thrust_reserve) * sin(p.tilt_limit) * state.engine.full_thrust / state.mass
         t = max(root(upward, s * descent, d * height), least, time_to_divert(sideways, nav, target))
         plan.upward = max((d * height - s * descent * t) / (t * t), LEAST_UPWARD)
         plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
-    elif plan.arrival - nav.t > runs_down:
+    elif plan.arrival - nav.t > p.lateral_time_floor:
         plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
     return plan.arrival - nav.t

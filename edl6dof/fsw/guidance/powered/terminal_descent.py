@@ -17,7 +17,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp, tan
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import clamp, dot, put3, take3
+from edl6dof.spatial.vector import clamp, dot, put3, take3, take4
 
 LATERAL_BIAS = record(("known", FLAG), ("force_N", "f8", (2,)))
 
@@ -31,7 +31,7 @@ def lateral_bias(time_constant, nav, disturbance, dt, memory):
     north and east and smoothed over ``time_constant`` (s), since each single estimate contains the vibration
     of the engine; ``memory``: ``LATERAL_BIAS`` record, which takes the first estimate as it is.
     """
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     force = from_frame(q, (0.0, disturbance.force[1], disturbance.force[2]))
     step = 1.0 - exp(-dt / time_constant) if memory.known != 0 else 1.0
     memory.known = 1

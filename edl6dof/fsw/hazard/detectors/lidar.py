@@ -7,8 +7,7 @@ Guidance 25(6) (2002) 1091-1099.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
-from edl6dof.fsw.hazard.footprint import SAFE, TOO_ROUGH, TOO_STEEP, UNKNOWN, UNSEEN
+from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, SAFE, TOO_ROUGH, TOO_STEEP, UNKNOWN, UNSEEN
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import tan

@@ -22,8 +22,16 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.elevation_map import MAP_CELLS
-from edl6dof.fsw.hazard.footprint import SAFE, TOO_ROUGH, TOO_STEEP, UNKNOWN, UNSEEN, chord, fit_row
+from edl6dof.fsw.hazard.elevation_map import (
+    MAP_CELLS,
+    SAFE,
+    TOO_ROUGH,
+    TOO_STEEP,
+    UNKNOWN,
+    UNSEEN,
+    chord,
+    fit_row,
+)
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import erfc, tan
@@ -174,8 +182,5 @@ def classify(params, elevation_map, footprint, radius, deviation, out):
 
 
 MEMBER = Member(
-    "lidar_probabilistic",
-    ProbabilisticParams,
-    {"classify": classify},
-    "Tomita and Ho, arXiv 2409.09309, 2024",
+    "lidar_probabilistic", ProbabilisticParams, {"classify": classify}, "Tomita and Ho, arXiv 2409.09309"
 )

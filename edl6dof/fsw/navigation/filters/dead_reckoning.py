@@ -23,7 +23,7 @@ from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, take4
 
 #: Where each error begins in the covariance, and how many there are.
 R, V, TURN, GYRO_BIAS, FORCE_BIAS, GYRO_RELATIVE, FORCE_RELATIVE, ERRORS = range(0, 24, 3)
@@ -124,7 +124,7 @@ def _step(gravity, onboard, motion, solution, memory):
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
     gained = sub(sub(v, take3(memory.v_I, 0)), scale(time, gravity_I(onboard.planet, take3(solution.r_I, 0))))
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     middle = turn_by(q, (-0.5 * memory.roll, 0.0, 0.0))
     for _ in range(2):
         _carry(onboard.planet.mu, r, q=middle, gained=gained, roll=memory.roll, time=time, P=P)

@@ -20,8 +20,8 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import (
 )
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction, update_by_stars
 from edl6dof.fsw.navigation.filters.kalman.radar_update import update_by_radar
-from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE
-from edl6dof.fsw.navigation.filters.kalman.transition import (
+from edl6dof.fsw.navigation.filters.kalman.states import (
+    ERROR_STATE,
     accumulate,
     begin_interval,
     fill_transition,
@@ -32,7 +32,7 @@ from edl6dof.fsw.navigation.radar_beams import count_usable_beams
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import dot, scale, take3
+from edl6dof.spatial.vector import dot, scale, take3, take4
 
 
 class ErrorStateParams(Params):
@@ -124,7 +124,7 @@ def _carry_forward(params, onboard, health, ground_seen, solution, memory):
     north, east, up, altitude = level_axes(planet, r_I, solution.t)
     spin, v_I = planet.rotation_rate, take3(solution.v_I, 0)
     v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     if ground_seen:
         way = scale(memory.interval.dt, v_rel_I)
         follow_slope(dot(north, way), dot(east, way), solution, memory.covariance)

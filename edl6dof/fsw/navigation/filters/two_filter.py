@@ -155,15 +155,8 @@ def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
             residual = radar.speed[beam] - speed - explained_by(row, memory.correction)
             solution.speed_innovation[beam] = residual / sqrt(variance)
             if residual**2 <= params.edit**2 * variance:
-                optimal_gain(memory.product, variance, memory.gain)
-                apply_gain(
-                    memory.covariance,
-                    memory.product,
-                    memory.gain,
-                    memory.correction,
-                    variance,
-                    innovation=residual,
-                )
+                optimal_gain(memory, variance)
+                apply_gain(memory, variance, residual)
                 used |= 1 << beam
     return used
 

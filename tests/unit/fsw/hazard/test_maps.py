@@ -11,8 +11,19 @@ from scipy import ndimage, special
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.hazard.detectors.lidar import classify_by_limits
 from edl6dof.fsw.hazard.detectors.lidar_probabilistic import classify_by_probability
-from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, add_point, add_range, fill_holes
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, SAFE, SAFETY_MAP, TOO_ROUGH, TOO_STEEP, UNSEEN, assess
+from edl6dof.fsw.hazard.elevation_map import (
+    FOOTPRINT,
+    MAP_CELLS,
+    SAFE,
+    SAFETY_MAP,
+    TOO_ROUGH,
+    TOO_STEEP,
+    UNSEEN,
+    add_point,
+    add_range,
+    assess,
+    fill_holes,
+)
 from edl6dof.fsw.hazard.registry import HazardParams
 from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, ChoiceParams, choose_spot
 from edl6dof.fsw.hazard.site_selection import clearances as clearances_of

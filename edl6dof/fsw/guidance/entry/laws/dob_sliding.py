@@ -110,9 +110,7 @@ def guide(params, plan, onboard, nav, memory, out):
     p = params
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, authority, _ = measured_drag_dynamics(onboard, nav, lift)
-    goal, goal_rate, goal_acceleration = drag_goal(
-        onboard, nav, memory=memory.tracking, drag=nav.drag, drag_rate=rate, out=out
-    )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, rate, out)
     error, error_rate = nav.drag - goal, rate - goal_rate
     observe(p, memory, dt=nav.t - memory.t, error=error, error_rate=error_rate, applied=cos(nav.bank))
 

@@ -44,9 +44,7 @@ def guide(params, plan, onboard, nav, memory, out):
     _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
     rate, a, b = measured_drag_dynamics(onboard, nav, lift)
-    goal, goal_rate, goal_acceleration = drag_goal(
-        onboard, nav, memory=memory.tracking, drag=nav.drag, drag_rate=rate, out=out
-    )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, rate, out)
     omega = params.frequency
     wanted_acceleration = (
         goal_acceleration

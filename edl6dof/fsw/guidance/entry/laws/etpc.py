@@ -157,11 +157,8 @@ def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> 
         _, _, path_rate, _, still_drag = point_mass(record, h, v, gamma, bank)
         without_lift = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
         _, _, scale_height = model_atmosphere(record["atmosphere"], h)
-        table["range"][i], table["drag"][i], table["climb"][i] = (
-            beyond[0] - beyond[k],
-            drag[k],
-            v * sin(gamma),
-        )
+        table["range"][i], table["drag"][i] = beyond[0] - beyond[k], drag[k]
+        table["climb"][i] = v * sin(gamma)
         table["lift"][i] = (path_rate - without_lift) * v / still_drag
         table["by_drag"][i] = -found[i, 0] * scale_height / drag[k]
         table["by_climb"][i] = found[i, 1] / (v * cos(gamma))
@@ -214,10 +211,5 @@ def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
 
 
 MEMBER = Member(
-    "etpc",
-    EtpcParams,
-    {"guide": guide},
-    "Carman, Ives & Geller 1998; Mendeck & Carman 2002",
-    tables=INFLUENCE,
-    plan=lay_plan,
+    "etpc", EtpcParams, {"guide": guide}, "Carman, Ives & Geller 1998", tables=INFLUENCE, plan=lay_plan
 )

@@ -120,11 +120,5 @@ def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
 
 
 MEMBER = Member(
-    "npc",
-    NpcParams,
-    {"guide": guide},
-    "Lu 2014, J. Guidance 37(3), section IV",
-    MEMORY,
-    tables=PLAN,
-    plan=lay_plan,
+    "npc", NpcParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3)", MEMORY, tables=PLAN, plan=lay_plan
 )

@@ -30,8 +30,5 @@ def side(params, onboard, nav, memory, out, wanted, sign):
 
 
 MEMBER = Member(
-    "crossrange_corridor",
-    CrossrangeCorridorParams,
-    {"side": side},
-    "Mendeck & Craig McGrew 2014; Wu, Cui & Cui 2013, section 4",
+    "crossrange_corridor", CrossrangeCorridorParams, {"side": side}, "Mendeck & Craig McGrew 2014"
 )

@@ -23,12 +23,7 @@ from edl6dof.spatial.vector import clamp
 
 REVERSALS = Family(
     "bank-reversal logic",
-    (
-        crossrange_corridor.MEMBER,
-        heading_corridor.MEMBER,
-        own_sign.MEMBER,
-        predictive.MEMBER,
-    ),
+    (crossrange_corridor.MEMBER, heading_corridor.MEMBER, own_sign.MEMBER, predictive.MEMBER),
 )
 
 bank_side = REVERSALS.role(

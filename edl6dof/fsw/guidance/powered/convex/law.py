@@ -184,13 +184,7 @@ def next_plan(p, landing, elapsed, memory):
     search_time(landing, throttled, REACH, p.iterations, plan)
     if error_of(landing, plan) > TOLERATED and throttled < inf:
         refine_throttled(
-            landing,
-            throttled,
-            least=least_throttled(p, memory),
-            factor=FACTOR,
-            most=p.iterations,
-            plan=plan,
-            other=other,
+            landing, throttled, least_throttled(p, memory), FACTOR, p.iterations, plan=plan, other=other
         )
     if error_of(landing, plan) > TOLERATED:
         landing.low_now = landing.high = landing.high_now
@@ -253,9 +247,5 @@ def guide(params, vehicle, state, nav, target, memory, out):
 
 
 MEMBER = Member(
-    "convex",
-    ConvexParams,
-    {"guide": guide},
-    "Acikmese & Ploen 2007; Yu, Elango, Acikmese 2021 (PIPG)",
-    MEMORY,
+    "convex", ConvexParams, {"guide": guide}, "Acikmese & Ploen 2007; Yu, Elango, Acikmese 2021", MEMORY
 )

@@ -24,13 +24,13 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     TERRAIN,
     VELOCITY,
     WIDTH,
+    begin_interval,
 )
-from edl6dof.fsw.navigation.filters.kalman.transition import begin_interval
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.quaternion import axes
-from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub, take3
+from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub, take3, take4
 
 #: Variance about one axis (rad2) of an unknown attitude.
 ANYHOW = pi * pi / 3.0
@@ -165,7 +165,7 @@ def start_covariance(params, instruments, solution, memory):
         memory.correction[i] = 0.0
         for j in range(WIDTH):
             covariance[i, j] = 0.0
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     x, y, z = axes(q)
     fix = instruments.star_sigma**2 + instruments.star_bias**2
     for i in range(3):

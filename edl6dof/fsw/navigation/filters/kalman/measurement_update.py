@@ -38,7 +38,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
 from edl6dof.fsw.navigation.strapdown import attitude_at
 from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import axes, conjugate, multiply, normalise, rotation_vector
-from edl6dof.spatial.vector import dot, put3, scale, take3, unit
+from edl6dof.spatial.vector import dot, put3, put4, scale, take3, take4, unit
 
 
 @kernel
@@ -152,20 +152,21 @@ def explained_by(row, correction):
 
 
 @kernel
-def optimal_gain(product, variance, gain):
-    """Write the ``gain`` of least variance for a reading of ``variance``, noise included."""
-    for i in range(gain.shape[0]):
-        gain[i] = product[i] / variance
+def optimal_gain(memory, variance):
+    """Write the gain of least variance for a reading of ``variance``, noise included, into ``memory``."""
+    for i in range(memory.gain.shape[0]):
+        memory.gain[i] = memory.product[i] / variance
 
 
 @kernel
-def apply_gain(covariance, product, gain, correction, variance, innovation):
+def apply_gain(memory, variance, innovation):
     """Update covariance and correction with a reading of the ``innovation`` and its ``variance``, noise
     included, by any ``gain``; the covariance stays symmetric to the last bit.
     """
+    covariance, product, gain = memory.covariance, memory.product, memory.gain
     n, m = covariance.shape
     for i in range(n):
-        correction[i] += gain[i] * innovation
+        memory.correction[i] += gain[i] * innovation
     for i in range(n):
         for j in range(n):
             covariance[i, j] += variance * (gain[i] * gain[j]) - (gain[i] * product[j] + product[i] * gain[j])
@@ -201,16 +202,9 @@ def update_by_reading(params, noise, innovation, up, trusted, row, memory):
     variance = own + noise
     weighted = weighted_noise(rest, variance, noise, params.gate, params.huber)
     if trusted and weighted >= 0.0:
-        optimal_gain(memory.product, own + weighted, memory.gain)
+        optimal_gain(memory, own + weighted)
         hold_horizontal(up, memory.gain)
-        apply_gain(
-            memory.covariance,
-            memory.product,
-            memory.gain,
-            memory.correction,
-            variance=own + weighted,
-            innovation=rest,
-        )
+        apply_gain(memory, own + weighted, rest)
     return rest / sqrt(variance), weighted >= 0.0
 
 
@@ -219,10 +213,9 @@ def apply_correction(memory, solution):
     """Move the estimated error from the filter into the solution."""
     found = memory.correction
     half = scale(0.5, take3(found, ATTITUDE_ERROR))
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     q = normalise(multiply((1.0, half[0], half[1], half[2]), q))
-    for i in range(4):
-        solution.q_I2B[i] = q[i]
+    put4(solution.q_I2B, q)
     for i in range(3):
         solution.r_I[i] += found[POSITION + i]
         solution.v_I[i] += found[VELOCITY + i]
@@ -239,24 +232,16 @@ def apply_correction(memory, solution):
 def update_by_stars(params, onboard, sensed, motion, solution, memory):
     """Update covariance and correction with a valid star fix."""
     q, measured = attitude_at(solution, motion, sensed.t), sensed.stars.q_I2B
-    fix = (measured[0], measured[1], measured[2], measured[3])
+    fix = take4(measured)
     turn = rotation_vector(multiply(fix, conjugate(q)))
     x, y, z = axes(q)
-    row, refused = memory.row, 0
+    row, refused, noise = memory.row, 0, onboard.instruments.star_sigma**2
     up = unit(take3(solution.r_I, 0))
     for i in range(3):
         clear_row(row)
         row[ATTITUDE_ERROR + i] = 1.0
         row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
-        _, taken = update_by_reading(
-            params,
-            noise=onboard.instruments.star_sigma**2,
-            innovation=turn[i],
-            up=up,
-            trusted=True,
-            row=row,
-            memory=memory,
-        )
+        _, taken = update_by_reading(params, noise, turn[i], up, True, row=row, memory=memory)
         refused += not taken
     memory.fixes_refused = refused_again(memory.fixes_refused, refused, 1)
     if memory.fixes_refused >= params.patience:
