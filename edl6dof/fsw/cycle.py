@@ -8,10 +8,10 @@ signature names.
 Arguments have the same names in all kernels of the flight software: ``onboard`` is the ``ONBOARD`` record,
 ``vehicle``, ``planet``, ``atmosphere`` and ``instruments`` its parts of these names, and ``params`` or ``p``
 the kernel's own settings in it.  ``sensed``, ``nav``, ``state`` and ``goal`` (``out`` in guidance) are the
-records ``SENSED``, ``NAV``, ``VEHICLE_STATE`` and ``GUIDE``.  ``effectiveness`` holds force and torque of each
-thruster at full thrust, rows of 6 (N, N m), ``healthy`` is 0 for a thruster out of use, ``t`` is flight time
-and ``dt`` the time since the last call (s).  ``memory`` is updated, ``out`` is written.  A docstring says what
-differs from this.
+records ``SENSED``, ``NAV``, ``VEHICLE_STATE`` and ``GUIDE``.  ``effectiveness`` holds force and torque of
+each thruster at full thrust, rows of 6 (N, N m), ``healthy`` is 0 for a thruster out of use, ``t`` is flight
+time and ``dt`` the time since the last call (s).  ``memory`` is updated, ``out`` is written.  A docstring
+says what differs from this.
 """
 
 from __future__ import annotations

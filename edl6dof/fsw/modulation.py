@@ -90,7 +90,7 @@ def open_alone(thruster, on, count, t, memory):
 
 @kernel
 def open_for_test(i, vehicle, t, cycle, memory):
-    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle, without charging demand."""
+    """Open valve ``i`` for the shortest pulse, at least a cycle; no demand is charged for it."""
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
     memory.open_time[i], memory.close_time[i] = t, t + cycle
     memory.busy_until[i] = end

@@ -43,17 +43,10 @@ def update_effectiveness(vehicle, configuration, effectiveness):
         effectiveness.of = configuration + 1
         centre = take3(vehicle.configuration[configuration].centre, 0)
         effectiveness_matrix(vehicle.thrusters, vehicle.n_thrusters, centre, effectiveness.matrix)
-        effectiveness.mark = mark_of(effectiveness.matrix, vehicle.n_thrusters)
-
-
-@kernel
-def mark_of(matrix, count):
-    """Sum of all entries, each times its place: two matrices with equal sums are taken for the same."""
-    total = 0.0
-    for i in range(count):
-        for row in range(ROWS):
-            total += (ROWS * i + row + 1.0) * matrix[i, row]
-    return total
+        effectiveness.mark = 0.0
+        for i in range(vehicle.n_thrusters):
+            for row in range(ROWS):
+                effectiveness.mark += (ROWS * i + row + 1.0) * effectiveness.matrix[i, row]
 
 
 @kernel

@@ -71,7 +71,7 @@ def middle_of(elevation_map, i, j):
 
 @kernel
 def add_point(point_L, weight, elevation_map):
-    """Add a point (east, north, up of the site, m) of a ``weight``; from 1 on it may be the highest, too."""
+    """Add a point (east, north, up of the site, m); a ``weight`` of 1 or more counts for the highest, too."""
     i, j, held = cell_of(elevation_map, point_L[0], point_L[1])
     if not held:
         return
@@ -103,7 +103,7 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
 
 @kernel
 def fill_holes(weight, elevation_map):
-    """Give cells of less than ``weight`` the mean of enough better known ones around, at that weight."""
+    """Fill cells of less than ``weight`` with the mean of better known neighbours, at that weight."""
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):
             for j in range(1, MAP_CELLS - 1):

@@ -122,21 +122,14 @@ def isolate(vector, redundant, number):
     """Instrument whose failure alone explains most of a parity vector."""
     found, most = NONE, 0.0
     for i in range(number):
-        along, square = _along(vector, redundant, i)
+        along = square = 0.0
+        for k in range(redundant.n_parity):
+            v = redundant.parity[k, i]
+            along += vector[k] * v
+            square += v * v
         if square > 1e-6 and along * along > most * square:
             found, most = i, along * along / square
     return found
-
-
-@kernel
-def _along(vector, redundant, i):
-    """Scalar product of a parity vector with column ``i`` of V, and the square of the column."""
-    along = square = 0.0
-    for k in range(redundant.n_parity):
-        v = redundant.parity[k, i]
-        along += vector[k] * v
-        square += v * v
-    return along, square
 
 
 _BISECTIONS = 60

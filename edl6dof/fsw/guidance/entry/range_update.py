@@ -50,12 +50,6 @@ def shape(share):
 
 
 @kernel
-def shape_slope(share):
-    """Derivative of ``shape`` by the share of energy; its own derivative is ``SHAPE_CURVATURE``."""
-    return SHAPE_CURVATURE * (share - 0.5)
-
-
-@kernel
 def top_of(reference):
     """Square root of twice the energy (m/s) that the reference begins with."""
     return reference.first + (NODES - 1) * reference.spacing
@@ -141,7 +135,10 @@ def scaled(reference, scale, energy_speed, speed, along, drag, drag_rate):
     bend = catmull_rom(reference.drag_acceleration, NODES, i, f) - slope * planned_acceleration
     bend /= planned_rate * planned_rate
     factor = 1.0 + scale * shape(share)
-    factor_slope, factor_bend = scale * shape_slope(share) / span, scale * SHAPE_CURVATURE / (span * span)
+    factor_slope, factor_bend = (
+        scale * (SHAPE_CURVATURE * (share - 0.5)) / span,
+        scale * SHAPE_CURVATURE / (span * span),
+    )
     goal_slope = factor * slope + factor_slope * d
     goal_bend = factor * bend + 2.0 * factor_slope * slope + factor_bend * d
     energy_rate, energy_acceleration = -speed * drag, (drag + along) * drag - speed * drag_rate

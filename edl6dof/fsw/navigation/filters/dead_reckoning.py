@@ -100,7 +100,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _widen(P, first, sigma, known, dt, gap):
-    """Add the variance of three errors in a gap of their rate (``sigma``); returns its duration."""
+    """Add the variance of three errors in a gap of their rate (deviation ``sigma``); returns its duration."""
     if known != 0:
         return 0.0
     for i in range(first, first + 3):

@@ -92,7 +92,7 @@ def add_rotated_block(covariance, at, variance, spread, q):
 
 @kernel
 def follow_exclusions(instruments, health, memory):
-    """Add the bias variance of the remaining instruments, whose axes are other means, when some drop out."""
+    """Add the bias variance of the remaining instruments when some drop out: their means are others."""
     gyros = in_use(health.gyro, instruments.n_gyros)
     if gyros != memory.gyros_in_use:
         memory.gyros_in_use = gyros
