@@ -27,8 +27,7 @@ from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.tracks import Ensemble, Trajectory
 from edl6dof.replay.views.pages import TITLES
-from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.runs.folder import distinct_names
+from edl6dof.runs.files import atomic_file, distinct_names, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
 

@@ -12,8 +12,7 @@ from edl6dof.manifest import seal
 from edl6dof.report.catalogue import CELLS
 from edl6dof.report.flight import hazard_maps
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 from edl6dof.telemetry.landing_map import CELL_CLASSES
 
 

@@ -14,8 +14,7 @@ from edl6dof.report import terminal
 from edl6dof.report.catalogue import STATES
 from edl6dof.report.flight import common, navigation_errors
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 from edl6dof.telemetry.channels import CHANNELS
 from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 

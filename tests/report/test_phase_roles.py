@@ -22,8 +22,7 @@ from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.views.pages import TIMELINE
 from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.page import PLOTLY, page
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 from edl6dof.studies import hu2022, yan2016
 from edl6dof.telemetry.timeline import first_times
 

@@ -18,8 +18,7 @@ from edl6dof.report.flight import corridor, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.flight.phase_planes import aimed_rate, firing_error
 from edl6dof.report.plotly_figure import plotly_figure
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
 from edl6dof.report.figure import Dash, Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report, headline, mood
-from edl6dof.runs.folder import distinct_names
+from edl6dof.runs.files import distinct_names
 from edl6dof.runs.run import Run
 from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
