@@ -12,9 +12,9 @@ import numpy as np
 
 from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.replay.history import History
+from edl6dof.replay.pages import FLIGHTS, PHASES, TIMELINE, root_of
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import FLIGHTS, PHASES, TIMELINE, root_of
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """Catalogue of plots over time: each is declared once, for reports, comparisons, papers and replays.
 
 Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`);
-:mod:`edl6dof.replay.views.pages` lists the plots of each page of a replay.
+:mod:`edl6dof.replay.pages` lists the plots of each page of a replay.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
+from edl6dof.report.document import printed
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
-from edl6dof.report.numbers import printed
 from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
 from edl6dof.telemetry.columns import describe
 from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED

@@ -12,7 +12,7 @@ import numpy as np
 
 from edl6dof.campaign.executor import Row
 from edl6dof.campaign.statistics import flights_needed, percent, quantile
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.studies.frame import Curve, Finding, Grid
 
 #: Quantiles of a table, where its flights can bound them.

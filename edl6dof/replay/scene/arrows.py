@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
+from edl6dof.replay.pages import FIELD_DEG, body_eye
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
 from edl6dof.replay.scene.mesh import RGB
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import FIELD_DEG, body_eye
 from edl6dof.spatial import rotations as turns
 
 VELOCITY, LIFT, THRUST, TORQUE = (110, 230, 240), (130, 235, 120), (255, 190, 90), (240, 110, 220)

@@ -11,9 +11,8 @@ from edl6dof.campaign.statistics import percent, quantile
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign import drivers, footprint, margins
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section
+from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section, in_percent, printed
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
-from edl6dof.report.numbers import in_percent, printed
 
 #: Figures mapped over the grid, besides success.
 _FIGURES = (

@@ -14,9 +14,8 @@ from edl6dof.campaign.design.case import A, B
 from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, Index, drivers, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Cell, Row, Table, Text
+from edl6dof.report.document import Block, Cell, Row, Table, Text, in_percent
 from edl6dof.report.figure import Axis, Band, Figure, Panel, legend_entry
-from edl6dof.report.numbers import in_percent
 from edl6dof.report.palette import GREY, SERIES
 
 #: Figures to explain; those with limits come first by themselves.

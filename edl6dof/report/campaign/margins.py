@@ -12,9 +12,19 @@ import numpy as np
 from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Mood,
+    Row,
+    Table,
+    Text,
+    aligned,
+    in_percent,
+    printed,
+    significant,
+)
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.numbers import aligned, in_percent, printed, significant
 from edl6dof.report.palette import BLUE, GREEN
 
 #: Figures without a limit whose quantiles are of interest.

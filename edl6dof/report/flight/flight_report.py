@@ -11,10 +11,22 @@ from typing import Any
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.catalogue import STACKS
-from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Report, Row, Section, Table, Text
-from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Fact,
+    Listing,
+    Mood,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    in_percent,
+    printed,
+)
+from edl6dof.report.flight import landing, navigation_errors, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.common import has_signal, over_flight
-from edl6dof.report.numbers import in_percent, printed
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -49,9 +61,9 @@ def flight_report(run: Run) -> Report:
         ("disturbances", "Disturbances", thrusters.disturbances(run)),
         ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),
         ("chute", "Parachute", over_flight(run, STACKS["chute"])),
-        ("landing", "Powered descent", trajectory.powered_descent(run)),
-        ("hazards", "Hazards and the chosen spot", hazard_maps.figures(run)),
-        ("site", "Ground track and landing site", trajectory.site_figures(run)),
+        ("landing", "Powered descent", landing.powered_descent(run)),
+        ("hazards", "Hazards and the chosen spot", landing.hazard_maps(run)),
+        ("site", "Ground track and landing site", landing.site_figures(run)),
         ("configuration", "Configuration", configuration(run)),
         ("software", "Software and data", [software(run)]),
     )

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from edl6dof.replay.charts import axis_range, drawn, ends, shown
 from edl6dof.replay.history import History
-from edl6dof.replay.scene.arrows import scales
-from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.charts import axis_range, drawn, ends, shown
-from edl6dof.replay.views.lanes import Lanes
-from edl6dof.replay.views.pages import (
+from edl6dof.replay.lanes import Lanes
+from edl6dof.replay.pages import (
     AROUND_NOW,
     ENGINE,
     GROUPS,
@@ -34,6 +32,8 @@ from edl6dof.replay.views.pages import (
     spans_of,
     window,
 )
+from edl6dof.replay.scene.arrows import scales
+from edl6dof.replay.scene.poses import Motion
 from edl6dof.report.catalogue import Plot
 
 if TYPE_CHECKING:

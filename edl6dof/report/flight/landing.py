@@ -1,5 +1,5 @@
-"""Hazard avoidance: the map from hover with the chosen and the rejected spots, and the choice on the landing
-image before it.
+"""The landing: powered descent, ground track and landing site; and the map of hazards from hover with the
+chosen and the rejected spots, after the choice on the landing image.
 """
 
 from __future__ import annotations
@@ -9,19 +9,117 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.report.catalogue import CELLS
-from edl6dof.report.figure import Figure, Heat, Trace, legend_entry
-from edl6dof.report.flight.common import circle, flown, site_panel
-from edl6dof.report.palette import BLACK, BLUE, GREY, ORANGE, PURPLE, SEQUENTIAL, VERMILION
+from edl6dof.interface.roles import HOVER_IMAGING, begun
+from edl6dof.report.catalogue import CELLS, STACKS
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry
+from edl6dof.report.flight.common import circle, flown, over_flight, placed, site_panel
+from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SEQUENTIAL, VERMILION
 from edl6dof.runs.run import Run
+from edl6dof.scenario.terrain_preview import planned_ellipse
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Cells that a page needs side by side; more would weigh it down and nobody sees them.
 MOST_CELLS = 128
+#: Parts that are discarded, and their colours.
+_PARTS = {"canopy": GREY, "heat_shield": ORANGE, "backshell": PURPLE}
+EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
 _WAYS = ("east", "north")
 
 
-def figures(run: Run) -> Iterator[Figure]:
+def powered_descent(run: Run) -> Iterator[Figure]:
+    """Draw height over descent speed, in which powered descent is designed; then its plots over time."""
+    if "ignition" in run.when:
+        rows = run.between("backshell", "touchdown")
+        names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
+        curve = flown(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows])
+        events = placed(run, "truth.v_down_m_s", "truth.height_m", names)
+        panel = Panel(Axis("descent speed (m/s)"), Axis("height above the ground (m)"), [curve, events])
+        yield Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)
+    yield from over_flight(run, STACKS["landing"])
+
+
+def site_figures(run: Run) -> Iterator[Figure]:
+    """Draw ground track and landing site."""
+    yield ground_track(run)
+    if "mortar" in run.when and "backshell" in run.when:
+        yield landing_site(run)
+
+
+def ground_track(run: Run) -> Figure:
+    """Draw the whole path east and north of the landing site; the axes have different scales."""
+    traces = [_track(run, slice(None), 1e3), _target(run), _events(run, {"mortar": "parachute"}, 1e3)]
+    caption = "Axes have different scales."
+    if run.summary["figures"].get("bank_reversals"):
+        caption += " Bank reversals keep the track inside the corridor of crossrange."
+    panel = site_panel(traces, unit="km", equal=False)
+    return Figure("ground_track", "Ground track", [panel], caption, height=420)
+
+
+def landing_site(run: Run) -> Figure:
+    """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale."""
+    last = run.between("backshell")
+    target, planned, below = [_target(run)], _planned(run), _track(run, run.between("mortar"), 1e3)
+    limit, allowed = run.scenario["limits"]["landing_distance_m"], []
+    if limit is not None:
+        x, y = circle((0.0, 0.0), float(limit) / 1e3, 181)
+        allowed = [Trace(x, y, "allowed distance", colour=GREEN, dash="dash", width=1.2, border=True)]
+    panels = []
+    if planned:
+        panels.append(site_panel([*planned, *allowed, below, *target], unit="km", title="planned ellipse"))
+    parts = [_part(run, name, 1e3) for name in _PARTS]
+    traces = [
+        *([] if planned else allowed),
+        *parts,
+        below,
+        *target,
+        _events(run, {"mortar": "parachute"}, 1e3),
+    ]
+    panels.append(site_panel(traces, unit="km", title="from the parachute on"))
+    reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
+    away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
+    near = target if away < 2.0 * reach else []  # else there were nothing else to be seen
+    traces = [_part(run, "backshell"), _track(run, last), *near, _events(run, {"touchdown": "touchdown"})]
+    panels.append(site_panel(traces, title="powered descent"))
+    landed, caption = run.summary["figures"], ""
+    if landed.get("landing_distance_m") is not None:
+        offset = f"{landed['landing_east_m']:+,.0f} m east, {landed['landing_north_m']:+,.0f} m north"
+        caption = f"Landed {landed['landing_distance_m']:,.0f} m from the target: {offset}."
+    return Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
+
+
+def _track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
+    return flown(run[EAST][rows] / scale, run[NORTH][rows] / scale, "vehicle")
+
+
+def _target(run: Run) -> Trace:
+    """The landing site, called target unless the flight only has to last."""
+    name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
+    return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
+
+
+def _planned(run: Run) -> list[Trace]:
+    """The planned landing ellipse (km), if the scenario has one."""
+    terrain = run.scenario["terrain"]
+    length, width = (float(terrain[f"ellipse_{side}_m"]) / 1e3 for side in ("length", "width"))
+    if length <= 0.0:
+        return []
+    east, north = planned_ellipse(length, width, np.radians(terrain["ellipse_azimuth_deg"]))
+    name = f"planned ellipse, {length:g} x {width:g} km"
+    return [Trace(east, north, name, colour=GREY, width=1.0, border=True)]
+
+
+def _part(run: Run, name: str, scale: float = 1.0) -> Trace:
+    """The path of a discarded part to the ground."""
+    east, north = (run[f"truth.{name}_{way}_m"] / scale for way in ("east", "north"))
+    there = np.isfinite(east)
+    return Trace(east[there], north[there], name.replace("_", " "), colour=_PARTS[name], dash="dash")
+
+
+def _events(run: Run, names: dict[str, str], scale: float = 1.0) -> Trace:
+    return placed(run, EAST, NORTH, names, (1.0 / scale, 1.0 / scale))
+
+
+def hazard_maps(run: Run) -> Iterator[Figure]:
     """Draw the figures of the section; none for a flight that chose no spot from a scan."""
     found = run.landing_map
     if found is None:

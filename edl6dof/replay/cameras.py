@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.replay.history import thin
+from edl6dof.replay.pages import EYE, KEPT_DEG
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.replay.scene.craft_shapes import canopy as canopy_of
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import EYE, KEPT_DEG
 from edl6dof.spatial import rotations as turns
 
 #: For how long (s) after a separation both parts stay in the frame; how long (s) a camera takes to change.

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
+from edl6dof.replay.pages import GROUPS, NAVIGATION, OF_JETS, PAGES
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
-from edl6dof.replay.views.pages import GROUPS, NAVIGATION, OF_JETS, PAGES
 from edl6dof.report.catalogue import Plot
 from edl6dof.report.flight.phase_planes import zones_of
 from edl6dof.report.palette import BLUE, GREEN, ORANGE, SERIES, VERMILION, rgb
