@@ -73,7 +73,8 @@ class Arrows(Recorder):
             length = np.linalg.norm(ahead, axis=-1)
             shown = arrow.shown & np.isfinite(length) & (length > LEAST * size)
             self._arrow(arrow, rows, start, ahead, shown)
-            texts = _texts(arrow._replace(values=arrow.values[few]))
+            values = np.nan_to_num(np.linalg.norm(arrow.values[few], axis=-1)).tolist()
+            texts = [f"{arrow.name} {_amount(value, arrow.unit)}" for value in values]
             label = Label(plane.seen((start + ahead)[few]), shown[few], max(map(len, texts)), True)
             names.append((label, texts, arrow.colour))
         for (name, end), colour in zip(self._frames(rows, way).items(), AXES * 2, strict=True):
@@ -98,8 +99,7 @@ class Arrows(Recorder):
         Returns:
             ends of the axes from the centre of mass, m in L, shape (rows, 3), by their names.
         """
-        rr, motion = self.rr, self.motion
-        size = self.motion.shape.size
+        rr, motion, size = self.rr, self.motion, self.motion.shape.size
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
         right = np.cross(down, way)
         right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
@@ -108,12 +108,9 @@ class Arrows(Recorder):
         axes[steep] = np.eye(3)
         self.static(f"{self.root}/near/velocity_frame", rr.TransformAxes3D(axis_length=VELOCITY_AXES * size))
         self.poses(f"{self.root}/near/velocity_frame", self.t[rows], turn=turns.from_axes(axes))
-        middle = [self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"]
-        self.static(
-            f"{self.root}/vehicle/attitude_frame",
-            rr.Transform3D(translation=middle),
-            rr.TransformAxes3D(axis_length=BODY_AXES * size),
-        )
+        middle = rr.Transform3D(translation=[self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"])
+        entity = f"{self.root}/vehicle/attitude_frame"
+        self.static(entity, middle, rr.TransformAxes3D(axis_length=BODY_AXES * size))
         body = BODY_AXES * size * np.eye(3)
         ends = {f"{name}B": turns.rotate(motion.rotation[rows], body[k]) for k, name in enumerate("xyz")}
         return ends | {f"{name}V": VELOCITY_AXES * size * axes[:, :, k] for k, name in enumerate("xyz")}
@@ -143,13 +140,7 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
     torque = turns.rotate(turn, vector(columns, "truth.disturbance", "x y z", "_nm")[rows])
     found = (
         ("lift", LIFT, lift, lifting & (flight.t[rows] < flight.when.get("mortar", np.inf)), "N"),
-        (
-            "thrust",
-            THRUST,
-            -thrust[:, None] * ahead,
-            thrust > 1.0,
-            "N",
-        ),
+        ("thrust", THRUST, -thrust[:, None] * ahead, thrust > 1.0, "N"),
         ("disturbance", TORQUE, torque, ~np.isfinite(motion.canopy[rows, 0]), "N m"),
     )
     size = motion.shape.size
@@ -187,14 +178,9 @@ def _round_up(value: float) -> float:
 
 def _amount(value: float, unit: str) -> str:
     """A value with its unit, in thousands from 1000 on, but for a speed."""
-    if value < 1000.0 or unit == "m/s":
-        return f"{value:,.3g} {unit}" if value < 1000.0 else f"{value:,.0f} {unit}"
-    return f"{value / 1000.0:,.3g} k{unit}"
-
-
-def _texts(arrow: Arrow) -> list[str]:
-    values = np.nan_to_num(np.linalg.norm(arrow.values, axis=-1)).tolist()
-    return [f"{arrow.name} {_amount(value, arrow.unit)}" for value in values]
+    if value < 1000.0:
+        return f"{value:,.3g} {unit}"
+    return f"{value:,.0f} {unit}" if unit == "m/s" else f"{value / 1000.0:,.3g} k{unit}"
 
 
 class Screen(NamedTuple):

@@ -26,7 +26,9 @@ def campaign_report(folder: Path) -> Report:
     results = Results(folder)
     about = [str(results.document.get("description") or ""), *margins.injected(results)]
     matrix: list[Block] = []
-    words, mood = _headline(results), _mood(results)
+    share = f": {results.success}" if results.is_sample else ""
+    words = f"{results.success.successes} of {results.success.trials} flights succeed{share}"
+    mood = _mood(results)
     if results.has_faults:
         from edl6dof.report.campaign import faults  # loads the simulator's kinds of fault: for a matrix only
 
@@ -55,11 +57,6 @@ def campaign_report(folder: Path) -> Report:
         sections=[section for section in sections if section.blocks],
         footer=f"edl6dof {versions['edl6dof']}; source SHA-256 {sources}; interval: Wilson, 95 %",
     )
-
-
-def _headline(results: Results) -> str:
-    share = f": {results.success}" if results.is_sample else ""
-    return f"{results.success.successes} of {results.success.trials} flights succeed{share}"
 
 
 def _mood(results: Results) -> Mood:

@@ -1,6 +1,4 @@
-"""Margins of a campaign: quantiles and limits, propellant, faults that every flight carries, causes of
-failure, and the worst cases.
-"""
+"""Margins of a campaign: quantiles and limits, propellant, faults, causes of failure, and the worst cases."""
 
 from __future__ import annotations
 
@@ -167,10 +165,8 @@ def causes(results: Results) -> Block:
     if not results.causes:
         if not results.is_sample:
             return Text("No flight failed.")
-        low, _ = results.success.interval
-        return Text(
-            f"No flight failed. With 95 % confidence the success probability is above {in_percent(low, 2)}."
-        )
+        low = in_percent(results.success.interval[0], 2)
+        return Text(f"No flight failed. With 95 % confidence the success probability is above {low}.")
     rows: list[Row] = []
     for cause, number in results.causes:
         share = Proportion(number, len(results.cases))
@@ -199,12 +195,8 @@ def convergence(results: Results) -> Iterator[Figure]:
     ]
     flights = Axis("flights", range=(1.0, max(float(x[-1]), 2.0)), log=True)
     panel = Panel(flights, Axis("success (%)", range=(float(low.min()) - 4.0, 104.0)), traces)
-    yield Figure(
-        "convergence",
-        "Success probability",
-        [panel],
-        "It has converged when the interval is narrow enough for the question.",
-    )
+    caption = "It has converged when the interval is narrow enough for the question."
+    yield Figure("convergence", "Success probability", [panel], caption)
 
 
 def propellant(results: Results) -> Iterator[Block]:
@@ -218,13 +210,9 @@ def propellant(results: Results) -> Iterator[Block]:
         return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
     shares = shown_shares(results)[:1]
-    lowest = [(head(share), float(np.quantile(left, share))) for share in shares]
-    panel = Panel(
-        Axis("propellant left (kg)"),
-        Axis("flights"),
-        [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
-        marks=[Mark("x", at, words) for words, at in lowest],
-    )
+    bars = Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)
+    marks = [Mark("x", float(np.quantile(left, share)), head(share)) for share in shares]
+    panel = Panel(Axis("propellant left (kg)"), Axis("flights"), [bars], marks=marks)
     shown = "".join(
         f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
     )

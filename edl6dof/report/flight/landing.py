@@ -67,13 +67,8 @@ def landing_site(run: Run) -> Figure:
     if planned:
         panels.append(site_panel([*planned, *allowed, below, *target], unit="km", title="planned ellipse"))
     parts = [_part(run, name, 1e3) for name in _PARTS]
-    traces = [
-        *([] if planned else allowed),
-        *parts,
-        below,
-        *target,
-        _events(run, {"mortar": "parachute"}, 1e3),
-    ]
+    mortar = _events(run, {"mortar": "parachute"}, 1e3)
+    traces = [*([] if planned else allowed), *parts, below, *target, mortar]
     panels.append(site_panel(traces, unit="km", title="from the parachute on"))
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
@@ -142,19 +137,20 @@ def _fine(run: Run, found: LandingMap) -> Figure:
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
     way = list(_way(run, found))
-    classes = site_panel([*entries, *_passed_over(found), *way], title="what it made of them", heat=kinds)
+    passed = Trace(*found.rejected_m.T, "passed over", "points", ORANGE, symbol="x", width=3.0)
+    traces = [*entries, *[passed] * bool(len(found.rejected_m)), *way]
+    classes = site_panel(traces, title="what it made of them", heat=kinds)
     seen = site_panel(way, title="what it saw: height above the ground below", heat=heights)
-    return Figure(
-        "hazard_map", "Map of hazards from hover", [classes, seen], _words(run, found), 2, height=480
-    )
+    title = "Map of hazards from hover"
+    return Figure("hazard_map", title, [classes, seen], _words(run, found), columns=2, height=480)
 
 
 def _words(run: Run, found: LandingMap) -> str:
     """A caption that explains the map and the choice."""
     safe = 100.0 * np.mean(found.cell_class == CELL_CLASSES.index("safe"))
     away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
-    reasons = Counter(found.reasons())
-    passed = ", ".join(f"{count} for {name}" for name, count in reasons.most_common())
+    reasons = Counter(found.reasons()).most_common()
+    passed = ", ".join(f"{count} for {name}" for name, count in reasons)
     text = f"Of the map {safe:.0f} % is safe for the whole footprint. "
     if passed:
         text += (
@@ -190,10 +186,10 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 def _coarse(run: Run, found: LandingMap) -> Figure:
     """The targets that the parts of the landing image offered, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
-    offered = Trace(*_xy(found.coarse_m), "parts of the image", "points", GREY, labels=labels, width=4.0)
+    offered = Trace(*found.coarse_m.T, "parts of the image", "points", GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[int(found.coarse_part)]
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
-    drift = Trace(*_xy(found.drift_m), "backshell, as predicted", colour=PURPLE, dash="dot")
+    drift = Trace(*found.drift_m[:, :2].T, "backshell, as predicted", colour=PURPLE, dash="dot")
     # all as navigated: off the ground by the error of navigation
     off = run["nav.error_east_m"], run["nav.error_north_m"]
     east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
@@ -223,17 +219,6 @@ def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
     if "touchdown" in run.when:
         row = [int(np.searchsorted(run.t, run.when["touchdown"]).clip(0, len(run.t) - 1))]
         yield Trace(east[row], north[row], "touchdown", "points", BLUE, symbol="diamond", width=4.0)
-
-
-def _passed_over(found: LandingMap) -> Iterator[Trace]:
-    """The spots that the search rejected."""
-    if len(found.rejected_m):
-        yield Trace(*_xy(found.rejected_m), "passed over", "points", ORANGE, symbol="x", width=3.0)
-
-
-def _xy(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """East and north of places."""
-    return places[:, 0], places[:, 1]
 
 
 def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:

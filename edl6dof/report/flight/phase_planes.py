@@ -33,7 +33,7 @@ _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fi
 
 def figures(run: Run) -> Iterator[Figure]:
     """Draw one figure for each controller that flew; none for a point mass."""
-    if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
+    if not has_signal(run, *(f"truth.rate_{axis}_deg_s" for axis in RATES)):
         return
     phases = run.scenario["mission"]["phases"]
     flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
@@ -103,8 +103,7 @@ def _meanings(panels: Sequence[Panel]) -> str:
     names = {trace.name for panel in panels for trace in panel.traces}
     found = ["grey: zone borders of the controller"] * grey
     found += [f"green: {words}" for name, words in _GREEN.items() if name in names]
-    words = "; ".join(found)
-    return f"{words[0].upper()}{words[1:]}. " if words else ""
+    return f"{'; '.join(found).capitalize()}. " if found else ""
 
 
 def control_cycles(run: Run) -> np.ndarray:

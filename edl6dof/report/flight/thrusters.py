@@ -13,13 +13,7 @@ from edl6dof.config.units import G0
 from edl6dof.report.catalogue import DISTURBANCE, PROPELLANT_AND_MASS, TORQUE
 from edl6dof.report.document import Table
 from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
-from edl6dof.report.flight.common import (
-    figure_of,
-    has_signal,
-    over_flight,
-    stacked,
-    time_panel,
-)
+from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
 from edl6dof.report.palette import BAD, BLUE, GREEN, GREY, ORANGE, VERMILION
 from edl6dof.runs.run import Run
 
@@ -33,10 +27,9 @@ MEAN_S, MOST = 0.1, 4
 
 def thruster_use(run: Run) -> Iterator[Figure | Table]:
     """Draw activity, torque and propellant, and tabulate the use of each thruster."""
-    thrusters = [
-        jet["name"] for jet in run.scenario["vehicle"]["rcs"]["thrusters"] if f"rcs.{jet['name']}" in run
-    ]
-    if thrusters and any(has_signal(run, f"rcs.{name}") for name in thrusters):
+    jets = run.scenario["vehicle"]["rcs"]["thrusters"]
+    thrusters = [jet["name"] for jet in jets if f"rcs.{jet['name']}" in run]
+    if has_signal(run, *(f"rcs.{name}" for name in thrusters)):
         yield activity(run, thrusters)
         yield use(run)
         yield from branch_use(run)
@@ -64,10 +57,8 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     ]
     y = Axis("thruster", (len(thrusters) - 0.5, -0.5), names=thrusters)
     panel = replace(time_panel(run, run.t, y, ()), bands=bands, heat=heat)
-    width = edges[1] - edges[0]
-    caption = (
-        f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
-    )
+    caption = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s; the colour scale ends at the 98th "
+    caption += "percentile of firing."
     caption += "".join(f" {name} failed at {since:.1f} s." for name, since in failed.items())
     return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
 
@@ -93,11 +84,11 @@ def use(run: Run) -> Table:
 
 def disturbances(run: Run) -> Iterator[Figure]:
     """Draw torque and force from other sources than the thrusters, and their estimates."""
-    if not any(has_signal(run, f"truth.disturbance_{axis}_nm") for axis in "xyz"):
+    if not has_signal(run, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")):
         return
     acting = "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
     yield figure_of(run, DISTURBANCE, acting=acting)
-    if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
+    if has_signal(run, *(f"estimate.force_{axis}_n" for axis in "xyz")):
         yield force(run, acting)
 
 
@@ -147,23 +138,15 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
     for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True):
         torque = run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"]
         residual.append(Trace(t, free * torque[rows], name, colour=colour))
-    threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
+    needed = Mark("y", float(run.scenario["flight_software"]["diagnosis"]["confidence"]), "needed", BAD)
+    confidence = Trace(t, run["diagnosis.confidence"][rows], colour=BLUE)
+    count = Trace(t, isolated, kind="steps", colour=BAD, width=2.0)
+    most = max(float(isolated.max()), 1.0)
     panels = [
         time_panel(run, t, Axis("torque residual\n(N m)"), residual),
-        time_panel(
-            run,
-            t,
-            Axis("confidence (1)", (0.0, 1.18)),
-            [Trace(t, run["diagnosis.confidence"][rows], colour=BLUE)],
-            [Mark("y", threshold, "needed", BAD)],
-        ),
+        time_panel(run, t, Axis("confidence (1)", (0.0, 1.18)), [confidence], [needed]),
         leaks(run, rows),
-        time_panel(
-            run,
-            t,
-            Axis("isolated (1)", (-0.1, max(float(isolated.max()), 1.0) + 0.1)),
-            [Trace(t, isolated, kind="steps", colour=BAD, width=2.0)],
-        ),
+        time_panel(run, t, Axis("isolated (1)", (-0.1, most + 0.1)), [count]),
     ]
     caption = (
         "Residual: estimated less true disturbance torque, which is thrust that never came; left out while "

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,16 +19,8 @@ import numpy as np
 from edl6dof.config.units import G0
 from edl6dof.report.catalogue import OVERVIEW
 from edl6dof.report.figure import Axis, Band, Dash, Figure, Panel, Trace, legend_entry
-from edl6dof.report.flight.common import (
-    EVENTS,
-    figure_of,
-    flown,
-    has_signal,
-    phase_bands,
-    phase_keys,
-    placed,
-)
-from edl6dof.report.palette import GREEN, GREY, ORANGE, PURPLE, VERMILION
+from edl6dof.report.flight.common import EVENTS, figure_of, flown, has_signal, placed
+from edl6dof.report.palette import GREEN, GREY, ORANGE, PHASES, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 
 #: Dynamic pressure (Pa) below which ratios to it say nothing.
@@ -50,12 +43,15 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def overview(run: Run) -> Figure:
-    """Draw the main quantities over the whole flight."""
-    figure, phases = figure_of(run, OVERVIEW), phase_keys(run)
-    panels = [replace(panel, bands=phase_bands(run)) for panel in figure.panels]
+    """Draw the main quantities over the whole flight, on the colours of the mission phases."""
+    figure = figure_of(run, OVERVIEW)
+    phases = [name for name in run.phase_names if f"phase.{name}" in run.when]
+    spans = pairwise([*(run.when[f"phase.{name}"] for name in phases), float(run.t[-1])])
+    bands = [Band(PHASES[k % len(PHASES)], x=span, opacity=0.75) for k, span in enumerate(spans)]
+    panels = [replace(panel, bands=bands) for panel in figure.panels]
     entries = [
-        legend_entry(key.removeprefix("phase.").replace("_", " "), colour, border=True)
-        for key, colour in phases.items()
+        legend_entry(name.replace("_", " "), band.colour, border=True)
+        for name, band in zip(phases, bands, strict=True)
     ]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
     caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
@@ -65,18 +61,14 @@ def overview(run: Run) -> Figure:
 def on_scale(panel: Panel) -> tuple[Panel, str]:
     """Return the panel without the borders that lie outside its scales, and a sentence that names them."""
     (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
-    seen = [
-        not trace.border
-        or bool(np.any((trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)))
-        for trace in panel.traces
-    ]
-    beyond = [
-        trace.name
-        for trace, on in zip(panel.traces, seen, strict=True)
-        if not on and trace.name and np.isfinite(trace.y).any()
-    ]
-    words = f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
-    return replace(panel, traces=[trace for trace, on in zip(panel.traces, seen, strict=True) if on]), words
+    kept, beyond = list[Trace](), list[str]()
+    for trace in panel.traces:
+        inside = (trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)
+        if not trace.border or inside.any():
+            kept.append(trace)
+        elif trace.name and np.isfinite(trace.y).any():
+            beyond.append(trace.name)
+    return replace(panel, traces=kept), f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
@@ -148,10 +140,9 @@ def deployment_box(run: Run) -> Figure:
     box = Band(GREEN, (0.0, most[0]), (0.0, most[1]), words, 0.14, outline=True)
     x = Axis("Mach number (1)", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
-    alpha = run.at("truth.total_alpha_deg", t0)
     caption = ""
     if has_signal(run, "truth.total_alpha_deg"):
-        allowed = float(limit["parachute_total_alpha_deg"])
+        alpha, allowed = run.at("truth.total_alpha_deg", t0), float(limit["parachute_total_alpha_deg"])
         caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {allowed:g} deg)."
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)
 
@@ -178,11 +169,8 @@ class Entry(NamedTuple):
 
 def entry_state(run: Run) -> Entry | None:
     """Return drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
-    rows = (
-        run.between(until="mortar")
-        & (run["truth.dynamic_pressure_pa"] > THIN_AIR)
-        & (run["truth.height_m"] > 0.0)
-    )
+    rows = run.between(until="mortar") & (run["truth.height_m"] > 0.0)
+    rows &= run["truth.dynamic_pressure_pa"] > THIN_AIR
     if rows.sum() < 50 or not has_signal(run, "truth.heat_flux_w_cm2"):
         return None
     order = np.flatnonzero(rows)
