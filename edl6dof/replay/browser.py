@@ -66,15 +66,12 @@ def _program() -> tuple[str, str]:
     port, data = free_port(), free_port()
     with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
         program.wait_for(port)
-        script, wasm = (
-            _fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
-        )
-    return script.decode("utf-8"), _packed(wasm)
-
-
-def _fetch(url: str) -> bytes:
-    with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=30.0) as answer:
-        return bytes(answer.read())
+        open_url = urllib.request.build_opener(urllib.request.ProxyHandler({})).open
+        found = []
+        for name in ("re_viewer.js", "re_viewer_bg.wasm"):
+            with open_url(f"http://{HOST}:{port}/{name}", timeout=30.0) as answer:
+                found.append(bytes(answer.read()))
+    return found[0].decode("utf-8"), _packed(found[1])
 
 
 def _packed(content: bytes) -> str:
@@ -94,12 +91,8 @@ class PageServer(socketserver.ThreadingTCPServer):
 
     def knows_host(self, hosts: list[str]) -> bool:
         """Return True if a request names this machine and port, once."""
-        port = self.server_address[1]
-        return len(hosts) == 1 and hosts[0].lower() in (
-            f"{HOST}:{port}",
-            f"localhost:{port}",
-            f"[::1]:{port}",
-        )
+        own = {f"{host}:{self.server_address[1]}" for host in (HOST, "localhost", "[::1]")}
+        return len(hosts) == 1 and hosts[0].lower() in own
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore a browser that hangs up."""
@@ -144,19 +137,15 @@ def serve(page: bytes) -> None:
     """Serve the page, print its address, open a browser if there is one, and run until Ctrl-C."""
     with PageServer(page) as server:
         print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
-        if _has_display():
-            _open(server.url)
+        _open(server.url)
         with suppress(KeyboardInterrupt):
             server.serve_forever()
 
 
 def _open(url: str) -> None:
-    """Open a browser that neither writes into this terminal nor ends with Ctrl-C."""
+    """Open a browser, if it can have a window, that is silent here and does not end with Ctrl-C."""
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return  # Python would start a browser for terminals
     silent = subprocess.DEVNULL
     words = python("import webbrowser; webbrowser.open(sys.argv[1])", url)
     subprocess.Popen(words, stdin=silent, stdout=silent, stderr=silent, start_new_session=True)
-
-
-def _has_display() -> bool:
-    """True if a browser can open a window; otherwise Python would start one for terminals."""
-    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -30,8 +30,6 @@ SEPARATION_S, CHANGE_S = 3.0, 2.5
 COLOUR, _ABOVE, _LONGEST, _STROKE = (225, 225, 225), 1.12, 0.7, 0.03
 #: Radius of the sphere around a vehicle in its diameters: room for flames and arrows.
 ROOM = 1.0
-
-
 #: How fast the director goes around during entry, deg/s, and from how far above the horizon it looks, deg.
 CIRCLING_DEG_S, ENTRY_DEG = 1.0, 14.0
 #: Azimuth from the direction of flight and elevation of the eye under the parachute and under engines, deg.
@@ -61,7 +59,9 @@ class Spheres(NamedTuple):
 
 
 class Cameras(Recorder):
-    """Writes ``near``, which moves with the centre of mass, ``camera`` and ``camera_away``."""
+    """Writes ``near``, which moves with the centre of mass, ``camera`` with its ``scale_bar``,
+    ``camera_away``, and the director's ``tour``.
+    """
 
     def statics(self) -> None:
         """Write the flight's name below it, if there are several."""
@@ -70,32 +70,22 @@ class Cameras(Recorder):
             self.static(f"{self.root}/camera/name", self.point(place, self.label, self.own, 2.0))
 
     def motions(self) -> None:
-        """Write the frames of the cameras."""
+        """Write the frames of the cameras, and the bar."""
         motion, turn = self.motion, facing(self.motion)
         self.poses(f"{self.root}/near", self.t, motion.centre)
-        for name, kept in (("camera", steady(motion, together(motion))), ("camera_away", away(motion))):
-            self.poses(f"{self.root}/{name}", self.t, kept.centre, turn, cubed(kept.radius))
+        kept = steady(motion, together(motion))
+        for name, seen in (("camera", kept), ("camera_away", away(motion))):
+            self.poses(f"{self.root}/{name}", self.t, seen.centre, turn, cubed(seen.radius))
+        self._scale_bar(kept.radius)
+        seen, eye = shots(motion, self.flight["truth.engine_thrust_n"])
+        ahead = seen.centre - eye
+        scale = cubed(np.linalg.norm(ahead, axis=-1) * np.sin(np.radians(KEPT_DEG)))
+        self.poses(f"{self.root}/tour", self.t, seen.centre, looking(motion, ahead), scale)
 
-
-class Director(Recorder):
-    """Writes ``tour``, the frame of the scripted camera."""
-
-    def motions(self) -> None:
-        """Write its place, direction and distance."""
-        kept, eye = shots(self.motion, self.flight["truth.engine_thrust_n"])
-        distance = np.linalg.norm(kept.centre - eye, axis=-1)
-        turn = looking(self.motion, kept.centre - eye)
-        scale = cubed(distance * np.sin(np.radians(KEPT_DEG)))
-        self.poses(f"{self.root}/tour", self.t, kept.centre, turn, scale)
-
-
-class ScaleBar(Recorder):
-    """Writes ``camera/scale_bar``: a bar of a round length, by which the eye measures what is seen."""
-
-    def motions(self) -> None:
-        """Write the bar again when the scale of the camera has changed."""
+    def _scale_bar(self, radius: np.ndarray) -> None:
+        """Write a bar of a round length, and again when the scale of the camera has changed."""
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
-        radius = steady(self.motion, together(self.motion)).radius[rows]
+        radius = radius[rows]
         anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
         rows, radius = rows[anew], radius[anew]
         length = round_down(_LONGEST * radius)

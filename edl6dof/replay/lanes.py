@@ -99,7 +99,7 @@ class Lanes(Recorder):
         if self.number:
             return
         for name, lane in self._states().items():
-            self._lane(name, *lane)
+            self._lane(name, lane)
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
             self._switched(ENGINE, {"on": on}, {"on": FIRE})
@@ -147,22 +147,14 @@ class Lanes(Recorder):
         for number, holds in enumerate(when.values(), 1):
             code[holds] = number
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
-        shown = [False] + [True] * len(when)
         changes = [(float(self.t[i]), states[code[i]]) for i in first]
-        self._lane(name, changes, states, [OFF, *colours.values()], shown)
+        shown = [False] + [True] * len(when)
+        self._lane(name, Lane(changes, states, [OFF, *colours.values()]), shown)
 
-    def _lane(
-        self,
-        name: str,
-        changes: Sequence[tuple[float, str]],
-        values: Sequence[str],
-        colours: Sequence[Any],
-        shown: Any = None,
-    ) -> None:
-        self.static(
-            name, self.rr.StateConfiguration(values=list(values), colors=list(colours), visible=shown)
-        )
-        t, states = zip(*changes, strict=True)
+    def _lane(self, name: str, lane: Lane, shown: Any = None) -> None:
+        look = {"values": list(lane.values), "colors": list(lane.colours), "visible": shown}
+        self.static(name, self.rr.StateConfiguration(**look))
+        t, states = zip(*lane.changes, strict=True)
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
     def _events(self) -> None:
@@ -190,10 +182,8 @@ def fitted(
     for (begin, value), end in zip(changes, ends, strict=True):
         share = (min(end, last) - max(begin, first)) / max(last - first, 1e-9)
         room[value] = max(room[value], share * LANE_PX)
-    labels = [value.replace("_", " ") for value in values]
     return [
-        label if LETTER_PX * (len(label) + 1) <= room[value] else _BLANK
-        for label, value in zip(labels, values, strict=True)
+        value.replace("_", " ") if LETTER_PX * (len(value) + 1) <= room[value] else _BLANK for value in values
     ]
 
 
@@ -204,11 +194,9 @@ def _said(event: Any) -> str:
 
 def _table(lines: Sequence[Sequence[str]], now: int) -> str:
     """The events from before number ``now`` on, as a table."""
-    begin = max(now - 1, 0)
     rows = [[f"**{cell}**" if k == now and cell else cell for cell in line] for k, line in enumerate(lines)]
-    return "\n".join(
-        ["| time | event | where |", "|--:|:--|:--|", *("| " + " | ".join(r) + " |" for r in rows[begin:])]
-    )
+    body = [f"| {' | '.join(row)} |" for row in rows[max(now - 1, 0) :]]
+    return "\n".join(["| time | event | where |", "|--:|:--|:--|", *body])
 
 
 def _bursts(firing: np.ndarray) -> np.ndarray:
@@ -254,10 +242,8 @@ class Readout(Recorder):
         hanging = np.isfinite(self.motion.canopy[:, 0])
         let_go = self.motion.released(self.motion.backshell)
         own = np.arange(len(self.t)) >= (len(self.t) if let_go is None else let_go)
-        thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
-        stage = np.where(hanging, 1, np.where(own | thrust, 2, 0))
-        landed = self.flight["truth.footpads"] > 0.0
-        return np.where(landed, 3, stage)
+        own |= np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
+        return np.select([self.flight["truth.footpads"] > 0.0, hanging, own], [3, 1, 2], 0)
 
     def _fields(self) -> list[tuple[str, Field, np.ndarray]]:
         """Lines that the vehicle has, and their values at all rows."""
@@ -283,7 +269,7 @@ class Readout(Recorder):
         flight = self.flight
         holds = {
             "failed": {jet: state[rows] > 0 for jet, state in flight.failures.items()},
-            "diagnosed": {jet: self.t[rows] >= found.t_s for jet, found in flight.diagnosed.items()},
+            "diagnosed": {jet: self.t[rows] >= since for jet, (since, _) in flight.diagnosed.items()},
             "excluded": {one.name: one.holds(EXCLUDED)[rows] for one in flight.instruments},
         }
         found: list[list[str]] = [[] for _ in rows]

@@ -75,9 +75,8 @@ class Recorder:
     ) -> None:
         """Log place (m), attitude (quaternions, scalar first) and scale of a frame, one row for each time."""
         quaternion = None if turn is None else turns.xyzw(turn)
-        given = {"translation": place, "quaternion": quaternion, "scale": scale}
-        known = {name: values for name, values in given.items() if values is not None}
-        self.columns(entity, t, self.rr.Transform3D.columns(**known))
+        pose = self.rr.Transform3D.columns(translation=place, quaternion=quaternion, scale=scale)
+        self.columns(entity, t, pose)
 
     def series(
         self,

@@ -19,7 +19,7 @@ import numpy as np
 
 from edl6dof.replay import charts, lanes
 from edl6dof.replay.blueprint import Layout
-from edl6dof.replay.cameras import Cameras, Director, ScaleBar
+from edl6dof.replay.cameras import Cameras
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.pages import TIMELINE
 from edl6dof.replay.recorder import Recorder
@@ -32,8 +32,8 @@ from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
 
 #: Writers of the parts of a recording, in their order.
 PARTS: tuple[type[Recorder], ...] = (
-    Ground, Hazards, Globe, Track, Cameras, Director, ScaleBar, Vehicle, Flames, NearGround, Arrows, Beams,
-    Descent, charts.Charts, charts.PhasePlanes, lanes.Lanes, lanes.Readout, lanes.Legend,
+    Ground, Hazards, Globe, Track, Cameras, Vehicle, Flames, NearGround, Arrows, Beams, Descent,
+    charts.Charts, charts.PhasePlanes, lanes.Lanes, lanes.Readout, lanes.Legend,
 )  # fmt: skip
 
 

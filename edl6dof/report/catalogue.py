@@ -24,8 +24,6 @@ from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATU
 BOUND = 3.0
 #: Names of curves that are drawn dashed: what was asked for, claimed or believed, over what was.
 _DASHED = ("commanded", "reference", "believed", "navigated, no wind", "above the areoid")
-
-
 #: Colours of what is made of an instrument; one without an echo has none.
 STATES = {IN_USE: GREEN, USED: GREEN, SATURATED: ORANGE, NOT_USED: ORANGE, EXCLUDED: BAD}
 #: Words and colours of the classes of cells of a hazard map.
@@ -95,14 +93,10 @@ class Plot(NamedTuple):
 
     def apart(self, since: str = "") -> tuple[Plot, ...]:
         """Return one plot for each curve; ``since``: event at which it begins, if not that of all."""
+        own = self._replace(since=since or self.since)
         return tuple(
-            self._replace(
-                key=f"{self.key}_{name}",
-                title=f"{self.title}, {name}",
-                curves={channel: name},
-                since=since or self.since,
-            )
-            for channel, name in self.curves.items()
+            own._replace(key=f"{own.key}_{name}", title=f"{own.title}, {name}", curves={channel: name})
+            for channel, name in own.curves.items()
         )
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
@@ -327,10 +321,5 @@ def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.nda
         title = columns.meaning(names[0]) if len(names) == 1 else "value"
         traces = [Trace(columns[x][rows], columns[name][rows], name) for name in names]
         panels.append(Panel(across, Axis(f"{title} ({unit or '1'})"), traces))
-    return Figure(
-        "plot",
-        ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels",
-        panels,
-        share_x=True,
-        height=320,
-    )
+    title = ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels"
+    return Figure("plot", title, panels, share_x=True, height=320)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
@@ -61,24 +61,20 @@ TEMPLATE: dict[str, Any] = {
         "yaxis": _AXIS,
     }
 }  # fmt: skip
-_VERTICAL = {"above": "top", "below": "bottom"}
+_LEVELS = {"above": "top", "below": "bottom"}
 
 
 def page(report: Report) -> str:
     """Return the whole page."""
-    return (
-        _environment()
-        .get_template("page.html")
-        .render(
-            report=report,
-            style=_verbatim(_HERE / "page.css"),
-            script=_verbatim(_HERE / "page.js"),
-            colours=COLOURS,
-            plotly=base64.b64encode(PLOTLY.read_bytes()).decode("ascii"),
-            template=TEMPLATE,
-            drawings={one.key: drawing(one) for one in report.figures()},
-            dark=palette.DARK,
-        )
+    return _template().render(
+        report=report,
+        style=_verbatim(_HERE / "page.css"),
+        script=_verbatim(_HERE / "page.js"),
+        colours=COLOURS,
+        plotly=base64.b64encode(PLOTLY.read_bytes()).decode("ascii"),
+        template=TEMPLATE,
+        drawings={one.key: drawing(one) for one in report.figures()},
+        dark=palette.DARK,
     )
 
 
@@ -90,7 +86,7 @@ def drawing(shown: Figure) -> dict[str, Any]:
     return drawn
 
 
-def _environment() -> Environment:
+def _template() -> Template:
     environment = Environment(
         loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, keep_trailing_newline=True
     )
@@ -98,7 +94,7 @@ def _environment() -> Environment:
     for name, kind in (("figure", Figure), ("table", Table), ("listing", Listing)):
         environment.tests[name] = lambda block, kind=kind: isinstance(block, kind)
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
-    return environment
+    return environment.get_template("page.html")
 
 
 def _verbatim(path: Path) -> Markup:
@@ -171,7 +167,7 @@ def plotly_layout(figure: Figure) -> dict[str, Any]:
 
 def _number(index: int) -> str:
     """Suffix of the names of a panel's axes."""
-    return "" if index == 0 else str(index + 1)
+    return str(index + 1) if index else ""
 
 
 def _axis(axis: Axis, span: tuple[float, float], titled: bool = True) -> dict[str, Any]:
@@ -289,15 +285,13 @@ def _trace(trace: Trace, number: str, shown: bool, placed: Sequence[Side]) -> di
         found |= {"fill": "toself", "fillcolor": f"{trace.colour}22", "hoverinfo": "skip"}
         found["line"]["width"] = 0
     if trace.labels:
-        places = [f"{_VERTICAL.get(s.split()[0], 'middle')} {_level(s)}" for s in placed]
+        words = [(side.split()[0], side.split()[-1]) for side in placed]
+        places = [
+            f"{_LEVELS.get(first, 'middle')} {'center' if last in _LEVELS else last}" for first, last in words
+        ]
         found |= {"text": list(trace.labels), "textposition": places, "mode": f"{found['mode']}+text"}
         found["textfont"] = {"size": 11, "color": trace.colour}
     return found
-
-
-def _level(side: Side) -> str:
-    last = side.split()[-1]
-    return "center" if last in _VERTICAL else last
 
 
 def _heat(heat: Heat, number: str) -> dict[str, Any]:

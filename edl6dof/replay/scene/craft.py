@@ -148,9 +148,8 @@ class Vehicle(Recorder):
             self.at(self.t[begin], f"{entity}/mark", self.point(place, "failed", PALE_RED))
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))
-        known = self.flight.diagnosed.get(jet.name)
-        if known is not None:
-            self.at(known.t_s, f"{entity}/mark", self.point(place, known.text, PALE_RED))
+        if (known := self.flight.diagnosed.get(jet.name)) is not None:
+            self.at(known[0], f"{entity}/mark", self.point(place, known[1], PALE_RED))
 
 
 class Descent(Recorder):
@@ -218,9 +217,9 @@ class Flames(Recorder):
 
     def _thrusters(self) -> None:
         jets = self.vehicle.rcs.thrusters
-        if not jets or self.flight.duty.shape[1] != len(jets):
-            return
         duty = self.flight.duty
+        if not jets or duty.shape[1] != len(jets):
+            return
         back = turns.xyzw(turns.from_x_to(-np.array([jet.direction for jet in jets])))
         places = np.array([jet.position_m for jet in jets])
         size = np.array([1.5 * max(jet.thrust_n / 250.0, 0.05) ** 0.4 for jet in jets])
@@ -230,10 +229,8 @@ class Flames(Recorder):
             return
         which, length = np.nonzero(shown)[1], length[shown]
         scales = np.column_stack([length, 0.37 * length, 0.37 * length])
-        poses = self.rr.InstancePoses3D.columns(
-            translations=places[which], quaternions=back[which], scales=scales
-        )
-        self._flames("thruster_plumes", rows, poses.partition(shown.sum(axis=1)))
+        pose = {"translations": places[which], "quaternions": back[which], "scales": scales}
+        self._flames("thruster_plumes", rows, pose, shown.sum(axis=1))
         # points of one size on the screen: a flame is too small to be seen from afar
         sparks = {"positions": places[np.nonzero(firing[rows])[1]]}
         entity, look = f"{self.root}/vehicle/thruster_sparks", {"colors": SPARK, "radii": -_SPARK_SIZE}
@@ -241,11 +238,11 @@ class Flames(Recorder):
 
     def _engines(self) -> None:
         engines = self.vehicle.own_engines
-        thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
         full = sum(engine.full_thrust_n for engine in engines)
         if full <= 0.0:
             return
-        level = thrust / full  # telemetry holds the thrust of all engines together
+        # telemetry holds the thrust of all engines together
+        level = np.nan_to_num(self.flight["truth.engine_thrust_n"]) / full
         flicker = 1.0 + 0.06 * np.sin(2.0 * np.pi * 7.3 * self.t)
         burns = (level > _LEAST_LEVEL)[:, None]
         length, shown, rows = _burning(((0.8 + 3.2 * level) * flicker)[:, None], burns)
@@ -254,15 +251,16 @@ class Flames(Recorder):
         girth = np.minimum(0.55 + 0.35 * level[rows], length[:, 0])
         scales = np.column_stack([length[:, 0], girth, girth])
         back = turns.xyzw(turns.from_x_to(-np.array([engine.direction for engine in engines])))
-        poses = self.rr.InstancePoses3D.columns(
-            translations=np.tile([engine.nozzle_m for engine in engines], (len(scales), 1)),
-            quaternions=np.tile(back, (len(scales), 1)),
-            scales=np.repeat(scales, len(engines), axis=0),
-        )
-        self._flames("engine_plume", rows, poses.partition(len(engines) * shown.sum(axis=1)))
+        pose = {
+            "translations": np.tile([engine.nozzle_m for engine in engines], (len(scales), 1)),
+            "quaternions": np.tile(back, (len(scales), 1)),
+            "scales": np.repeat(scales, len(engines), axis=0),
+        }
+        self._flames("engine_plume", rows, pose, len(engines) * shown.sum(axis=1))
 
-    def _flames(self, name: str, rows: np.ndarray, poses: Any) -> None:
-        """Write a white core in an orange mantle, from the first of ``rows`` on."""
+    def _flames(self, name: str, rows: np.ndarray, pose: dict[str, Any], each: np.ndarray) -> None:
+        """Write a white core in an orange mantle, from the first of ``rows`` on, ``each``: flames by row."""
+        poses = self.rr.InstancePoses3D.columns(**pose).partition(each)
         for layer, opacity in (("core", 255), ("mantle", 120)):
             entity = f"{self.root}/vehicle/{name}/{layer}"
             shape = self.mesh(plume(layer == "core"), albedo_factor=[255, 255, 255, opacity])

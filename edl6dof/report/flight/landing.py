@@ -137,7 +137,8 @@ def _fine(run: Run, found: LandingMap) -> Figure:
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
     way = list(_way(run, found))
-    passed = Trace(*found.rejected_m.T, "passed over", "points", ORANGE, symbol="x", width=3.0)
+    x, y = found.rejected_m.T
+    passed = Trace(x, y, "passed over", "points", ORANGE, symbol="x", width=3.0)
     traces = [*entries, *[passed] * bool(len(found.rejected_m)), *way]
     classes = site_panel(traces, title="what it made of them", heat=kinds)
     seen = site_panel(way, title="what it saw: height above the ground below", heat=heights)
@@ -186,10 +187,11 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 def _coarse(run: Run, found: LandingMap) -> Figure:
     """The targets that the parts of the landing image offered, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
-    offered = Trace(*found.coarse_m.T, "parts of the image", "points", GREY, labels=labels, width=4.0)
+    (x, y), (drift_x, drift_y) = found.coarse_m.T, found.drift_m[:, :2].T
+    offered = Trace(x, y, "parts of the image", "points", GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[int(found.coarse_part)]
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
-    drift = Trace(*found.drift_m[:, :2].T, "backshell, as predicted", colour=PURPLE, dash="dot")
+    drift = Trace(drift_x, drift_y, "backshell, as predicted", colour=PURPLE, dash="dot")
     # all as navigated: off the ground by the error of navigation
     off = run["nav.error_east_m"], run["nav.error_north_m"]
     east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
