@@ -161,7 +161,7 @@ def steady(motion: Motion, kept: Spheres) -> Spheres:
 
 
 def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Smooth values, shape (rows,) or (rows, n), over the time of a change."""
+    """Return values, shape (rows,) or (rows, n), smoothed over the time of a change."""
     from scipy.ndimage import uniform_filter1d
 
     for _ in range(2):

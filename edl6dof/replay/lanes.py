@@ -210,7 +210,15 @@ def _bursts(firing: np.ndarray) -> np.ndarray:
 
 
 class Readout(Recorder):
-    """Writes ``/readout``, of the first flight only."""
+    """Writes ``/readout`` and ``/legend``, the meaning of colours; of the first flight only."""
+
+    def statics(self) -> None:
+        """Write a table of things and colours."""
+        if self.number:
+            return
+        rows = "\n".join(f"| {what} | {colours} |" for what, colours in self._colours())
+        text = f"| what | colours |\n|:--|:--|\n{rows}"
+        self.static("legend", self.rr.TextDocument(text, media_type="text/markdown"))
 
     def motions(self) -> None:
         """Write the lines at each time."""
@@ -279,20 +287,8 @@ class Readout(Recorder):
                 found[k].append(f"**{word}:** {names}")
         return ["  \n".join(lines) for lines in found]
 
-
-class Legend(Recorder):
-    """Writes ``/legend``, the meaning of the colours of the scene; of the first flight only."""
-
-    def statics(self) -> None:
-        """Write a table of things and colours."""
-        if self.number:
-            return
-        rows = "\n".join(f"| {what} | {colours} |" for what, colours in self._rows())
-        text = f"| what | colours |\n|:--|:--|\n{rows}"
-        self.static("legend", self.rr.TextDocument(text, media_type="text/markdown"))
-
-    def _rows(self) -> list[tuple[str, str]]:
-        """Things and the meaning of their colours."""
+    def _colours(self) -> list[tuple[str, str]]:
+        """Things and their colours."""
         flight, kinds = self.flight, {one.kind for one in self.flight.instruments}
         path = "each flight's own" if self.label else "of the phase, as in its lane"
         known = [

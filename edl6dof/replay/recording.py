@@ -33,7 +33,7 @@ from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
 #: Writers of the parts of a recording, in their order.
 PARTS: tuple[type[Recorder], ...] = (
     Ground, Hazards, Globe, Track, Cameras, Vehicle, Flames, NearGround, Arrows, Beams, Descent,
-    charts.Charts, charts.PhasePlanes, lanes.Lanes, lanes.Readout, lanes.Legend,
+    charts.Charts, charts.PhasePlanes, lanes.Lanes, lanes.Readout,
 )  # fmt: skip
 
 

@@ -284,10 +284,10 @@ class Columns(Protocol):
     def __iter__(self) -> Iterator[str]: ...
     def __getitem__(self, name: str, /) -> np.ndarray: ...
     def unit(self, name: str) -> str:
-        """Printed unit of a column."""
+        """Return the printed unit of a column."""
 
     def meaning(self, name: str) -> str:
-        """Meaning of a column."""
+        """Return the meaning of a column."""
 
 
 def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:

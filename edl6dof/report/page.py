@@ -229,7 +229,7 @@ def _words(panel: Panel, number: str, spans: Sequence[tuple[float, float]]) -> l
     """Panel title, and the words of marks and bands."""
 
     def words(text: str, x: Any, y: Any, anchors: tuple[str, str], **more: Any) -> dict[str, Any]:
-        """Words at a place; a coordinate given as text is a share of the panel."""
+        """Put words at a place; a coordinate given as text is a share of the panel."""
         found = {"text": text, "xanchor": anchors[0], "yanchor": anchors[1], **more}
         for axis, at in (("x", x), ("y", y)):
             found[f"{axis}ref"] = f"{axis}{number}" + (" domain" if isinstance(at, str) else "")

@@ -75,9 +75,9 @@ def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None
 
 
 def stated_figures(loaded: LoadedScenario) -> Published:
-    """Published figures that the file of a scenario itself states.
+    """Return the published figures that the file of a scenario states itself.
 
-    Of a scenario that extends another, or that an option changes, the flight is not the one published.
+    The flight of a scenario that extends another, or that an option changes, is not the published one.
     """
     document = loaded.document
     own = document.mark(()).file

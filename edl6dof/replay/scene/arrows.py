@@ -41,9 +41,7 @@ STEP, MOST_STEPS = 0.12, 24
 
 
 class Arrow(NamedTuple):
-    """An arrow at each row: name, colour, values in L, shape (rows, 3), rows in which it is shown, unit, and
-    the value of 1 m.
-    """
+    """An arrow at each row: values in L, shape (rows, 3), rows in which it is shown, and value of 1 m."""
 
     name: str
     colour: RGB
@@ -205,11 +203,11 @@ class Screen(NamedTuple):
         return flat * (distance / depth)[..., None]
 
     def placed(self, points: np.ndarray) -> np.ndarray:
-        """Places on the plane, m from the vehicle, shape (..., 3)."""
+        """Return places on the plane, m from the vehicle, shape (..., 3)."""
         return points[..., :1] * self.right + points[..., 1:] * self.up
 
     def box(self, letters: int) -> np.ndarray:
-        """Half width and half height (m) of a label's box."""
+        """Return half width and half height (m) of a label's box."""
         width = LETTER_PX * letters + 2.0 * MARGIN_PX
         return 0.5 * self.metres_per_px * np.array([width, HEIGHT_PX])
 

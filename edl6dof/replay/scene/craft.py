@@ -77,8 +77,8 @@ class Vehicle(Recorder):
     def _piece(
         self, name: str, part: str | None, mesh: Mesh, place: np.ndarray, cold: np.ndarray | None = None
     ) -> None:
-        """Write one piece until it is released, glowing if its ``cold`` tint is given; the user's own mesh
-        replaces all pieces that are not parts.
+        """Write one piece until its release, glowing if its ``cold`` tint is given; one that is no part only
+        without the user's own mesh.
         """
         entity, own = f"{self.root}/vehicle/{name}", self.own_mesh(part)
         if part is None and own is not None:
@@ -137,9 +137,7 @@ class Vehicle(Recorder):
             self.at(self.t[released], f"{self.root}/backshell/trim_wing", mesh, last)
 
     def _failure(self, jet: Any) -> None:
-        """Write a thruster red while it has failed, with a mark that is visible through the hull and that
-        names the fault once it is isolated.
-        """
+        """Write a failed thruster in red, with a mark outside the hull that names the fault once isolated."""
         entity = f"{self.root}/vehicle/failed/{jet.name}"
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))

@@ -132,7 +132,7 @@ def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
 def site_panel(
     traces: Sequence[Trace], unit: str = "m", title: str = "", equal: bool = True, heat: Heat | None = None
 ) -> Panel:
-    """Return a map about the landing site, with the size of the cells if there are any."""
+    """Return a map about the landing site, as large as its cells if there are any."""
     spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
     east, north = (
         Axis(f"{way} of the landing site ({unit})", span)

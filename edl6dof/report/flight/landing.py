@@ -224,7 +224,7 @@ def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
 
 
 def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:
-    """East and north (m) of the middles of the columns and rows of the map."""
+    """Return east and north (m) of the middles of the columns and rows of the map."""
     step = (np.arange(len(found.cell_class)) + 0.5) * float(found.cell_m)
     return float(found.corner_m[0]) + step, float(found.corner_m[1]) + step
 
