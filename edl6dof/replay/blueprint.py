@@ -7,32 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.replay import pages
 from edl6dof.replay.charts import ranges, shown
 from edl6dof.replay.history import History
 from edl6dof.replay.lanes import Lanes
-from edl6dof.replay.pages import (
-    AROUND_NOW,
-    ENGINE,
-    EYE,
-    GROUPS,
-    HAZARDS,
-    INSTRUMENTS,
-    NAVIGATION,
-    NEAR_S,
-    PAGES,
-    PHASE,
-    POWERED,
-    THRUSTERS,
-    TIMELINE,
-    TOUR,
-    TOUR_EYE,
-    VEHICLE,
-    body_eye,
-    course,
-    lane_of,
-    root_of,
-    spans_of,
-)
 from edl6dof.replay.scene.arrows import scales
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.report.catalogue import Plot
@@ -78,26 +56,28 @@ class Layout:
 
         self.rrb, self.flight, self.motion, self.ensemble = rrb, flights[0], motion, ensemble
         self.labels = labels or ("",)
-        self.roots = [root_of(k) for k in range(len(self.labels))]
+        self.roots = [pages.root_of(k) for k in range(len(self.labels))]
         drawable = len(motion.t) > 0
         places, deploy = motion.centre if drawable else np.zeros((1, 3)), motion.released(motion.canopy)
         self.start, self.end = places[0], places[-1]
         self.deploy = None if deploy is None else places[deploy]
         last = max((float(flight.t[-1]) for flight in flights if len(flight.t)), default=1.0)
         self.span = (float(motion.t[0]), last) if drawable else (0.0, 1.0)
-        self.spans = spans_of(self.span, self.flight.when)
+        self.spans = pages.spans_of(self.span, self.flight.when)
         self.plots = {plot.key for plot in shown(self.flight)}
-        pages = {"Flight": self.span, **self.spans}
-        self.ranges = ranges(flights, pages)
-        self.lanes = Lanes(self.flight, motion, recording).labels(pages) if drawable else {}
+        every = {"Flight": self.span, **self.spans}
+        self.ranges = ranges(flights, every)
+        self.lanes = Lanes(self.flight, motion, recording).labels(every) if drawable else {}
         self.scales = scales(self.flight, motion) if len(motion.t) > 2 else ""
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
         """Return all pages with data, that named ``active`` in front; the tour alone, as in a film."""
         rrb, when = self.rrb, self.flight.when
-        clock = rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing")
+        clock = rrb.TimePanel(
+            timeline=pages.TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"
+        )
         tour = self._tour()
-        if active == TOUR:
+        if active == pages.TOUR:
             top = rrb.TopPanel(state="hidden")
             return rrb.Blueprint(tour, clock, top, auto_views=False, auto_layout=False, collapse_panels=True)
         possible = (
@@ -110,9 +90,9 @@ class Layout:
             (self._navigation, bool(self.flight.instruments)),
             (self._thrusters, bool(self.flight.jets)),
         )
-        pages = [*(self._with_lanes(page()) for page, there in possible if there), tour]
-        names = [str(page.name) for page in pages]
-        tabs = rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0)
+        shown = [*(self._with_lanes(page()) for page, there in possible if there), tour]
+        names = [str(page.name) for page in shown]
+        tabs = rrb.Tabs(*shown, active_tab=names.index(active) if active in names else 0)
         return rrb.Blueprint(tabs, clock, auto_views=False, auto_layout=False, collapse_panels=True)
 
     def _with_lanes(self, page: rrb.Container) -> rrb.Container:
@@ -151,7 +131,7 @@ class Layout:
         rrb = self.rrb
         below = rrb.Tabs(self._landing(), self._site(), self._away(), active_tab=0)
         left = rrb.Vertical(self._chase(), below, row_shares=[3, 2])
-        return rrb.Horizontal(left, self._grid(POWERED), column_shares=[5, 8], name=POWERED)
+        return rrb.Horizontal(left, self._grid(pages.POWERED), column_shares=[5, 8], name=pages.POWERED)
 
     def _hazards(self) -> rrb.Container:
         """The ground below the place from which it was scanned; chase and site."""
@@ -159,11 +139,13 @@ class Layout:
         row = int(np.searchsorted(motion.t, self.flight.when["scan"]).clip(0, max(len(motion.t) - 1, 0)))
         scanned = motion.centre[row] if len(motion.t) else np.zeros(3)
         right = rrb.Vertical(self._chase(), self._site(), row_shares=[1, 1])
-        return rrb.Horizontal(self._above(scanned), right, column_shares=[1, 1], name=HAZARDS)
+        return rrb.Horizontal(self._above(scanned), right, column_shares=[1, 1], name=pages.HAZARDS)
 
     def _tour(self) -> rrb.Container:
         """The director's picture and the readout, and nothing else."""
-        return self.rrb.Horizontal(self._director(), self._text("Readout"), column_shares=[4, 1], name=TOUR)
+        return self.rrb.Horizontal(
+            self._director(), self._text("Readout"), column_shares=[4, 1], name=pages.TOUR
+        )
 
     def _control(self) -> rrb.Container:
         rrb = self.rrb
@@ -183,27 +165,27 @@ class Layout:
     def _navigation(self) -> rrb.Container:
         rrb, lanes = self.rrb, dict[str, list[str]]()
         for one in self.flight.instruments:
-            lanes.setdefault(INSTRUMENTS[one.kind], []).append(lane_of(one.kind, one.name))
-        views = [self._states(title, names, NAVIGATION) for title, names in lanes.items()]
+            lanes.setdefault(pages.INSTRUMENTS[one.kind], []).append(pages.lane_of(one.kind, one.name))
+        views = [self._states(title, names, pages.NAVIGATION) for title, names in lanes.items()]
         below = rrb.Tabs(*reversed(views), active_tab=0)
         left = rrb.Vertical(self._chase(), below, row_shares=[3, 2])
-        return rrb.Horizontal(left, self._grid(NAVIGATION), column_shares=[4, 9], name=NAVIGATION)
+        return rrb.Horizontal(left, self._grid(pages.NAVIGATION), column_shares=[4, 9], name=pages.NAVIGATION)
 
     def _thrusters(self) -> rrb.Container:
         rrb, names = self.rrb, sorted(self.flight.jets)
         half = (len(names) + 1) // 2
         lanes = rrb.Horizontal(*(self._jets(some) for some in (names[:half], names[half:])))
         groups = {jet.group for jet in self.flight.scenario.vehicle.rcs.thrusters if jet.name in names}
-        duties = [(group, title) for group, title in GROUPS.items() if group in groups]
+        duties = [(group, title) for group, title in pages.GROUPS.items() if group in groups]
         shown = [(f"thruster_duty/{group}", f"{title} thrusters, duty (0 to 1)") for group, title in duties]
-        shown += [(plot.key, _title(plot)) for plot in PAGES[THRUSTERS] if plot.key in self.plots]
-        plots = rrb.Grid(*(self._plot(*one, THRUSTERS) for one in shown), grid_columns=2)
+        shown += [(plot.key, _title(plot)) for plot in pages.PAGES[pages.THRUSTERS] if plot.key in self.plots]
+        plots = rrb.Grid(*(self._plot(*one, pages.THRUSTERS) for one in shown), grid_columns=2)
         right = rrb.Vertical(self._body(), plots, row_shares=[4, 5])
-        return rrb.Horizontal(lanes, right, column_shares=[3, 5], name=THRUSTERS)
+        return rrb.Horizontal(lanes, right, column_shares=[3, 5], name=pages.THRUSTERS)
 
     def _jets(self, names: Sequence[str]) -> rrb.StateTimelineView:
         title = f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters"
-        return self._states(title, [lane_of("thruster", name) for name in names], THRUSTERS)
+        return self._states(title, [pages.lane_of("thruster", name) for name in names], pages.THRUSTERS)
 
     def _states(self, title: str, lanes: Sequence[str], page: str) -> rrb.StateTimelineView:
         """Some lanes in the time of a page."""
@@ -216,7 +198,7 @@ class Layout:
         page = page if page in self.spans else "Flight"
         own = self.lanes.get(page, {}).items()
         return self.rrb.StateTimelineView(
-            contents=[f"/{name}" for name in (PHASE, VEHICLE, ENGINE)],
+            contents=[f"/{name}" for name in (pages.PHASE, pages.VEHICLE, pages.ENGINE)],
             name="Phases",
             time_view=self._axis(page),
             overrides={f"/{name}": rr.StateConfiguration.from_fields(labels=labels) for name, labels in own},
@@ -224,8 +206,8 @@ class Layout:
 
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
-        if page in AROUND_NOW:
-            edge, (first, last) = rrb.TimeRangeBoundary.cursor_relative, (-NEAR_S, NEAR_S)
+        if page in pages.AROUND_NOW:
+            edge, (first, last) = rrb.TimeRangeBoundary.cursor_relative, (-pages.NEAR_S, pages.NEAR_S)
         else:
             edge, (first, last) = rrb.TimeRangeBoundary.absolute, self.spans.get(page, self.span)
             last += 0.02 * (last - first)  # or a label at the end would be cut off
@@ -245,9 +227,9 @@ class Layout:
 
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
         views = []
-        for plot in (plot for plot in PAGES[page] if plot.key in self.plots):
+        for plot in (plot for plot in pages.PAGES[page] if plot.key in self.plots):
             # a plot that begins with powered descent shows that, on a page that has no time of its own
-            time = POWERED if plot.since == "backshell" and page not in self.spans else page
+            time = pages.POWERED if plot.since == "backshell" and page not in self.spans else page
             views.append(self._plot(plot.key, _title(plot), time, len(plot.channels) > 1))
         columns = 3 if len(views) > 8 else columns
         return self.rrb.Grid(*views, grid_columns=columns, name=f"{page} plots")
@@ -287,15 +269,17 @@ class Layout:
 
     def _chase(self) -> rrb.Spatial3DView | rrb.Grid:
         """The vehicle with everything that it hangs from; side by side if there are several."""
-        return self._each("camera", "Chase", _NOT_CHASE, EYE)
+        return self._each("camera", "Chase", _NOT_CHASE, pages.EYE)
 
     def _director(self) -> rrb.Spatial3DView | rrb.Grid:
         """The director's picture; side by side if there are several flights."""
-        return self._each("tour", "Tour", (*_NOT_CHASE, "trail", *_OWN), TOUR_EYE)
+        return self._each("tour", "Tour", (*_NOT_CHASE, "trail", *_OWN), pages.TOUR_EYE)
 
     def _away(self) -> rrb.Spatial3DView:
         """The part released last."""
-        return self._view("What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), EYE, np.zeros(3))
+        return self._view(
+            "What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), pages.EYE, np.zeros(3)
+        )
 
     def _each(
         self, camera: str, name: str, hidden: Sequence[str], eye: np.ndarray
@@ -311,7 +295,7 @@ class Layout:
     def _body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
         name = f"Body and forces: {self.scales}" if self.scales else "Body and frames"
-        place = body_eye(self.start, self.end, self.motion.shape.size)
+        place = pages.body_eye(self.start, self.end, self.motion.shape.size)
         return self._scene(name, "/site/near", ["/site/vehicle/**", "/site/near/**"], place, np.zeros(3))
 
     def _whole(self) -> rrb.Spatial3DView:
@@ -327,7 +311,7 @@ class Layout:
         self, name: str, start: np.ndarray, off: float, above: float, below: float
     ) -> rrb.Spatial3DView:
         """The path from ``start``, from its side; eye and target by its middle, in lengths of the path."""
-        along, length, side = course(start, self.end)
+        along, length, side = pages.course(start, self.end)
         middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
         place, target = middle - off * length * side + above * up, middle - below * up
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
@@ -356,7 +340,7 @@ class Layout:
     def _window(self, seconds: float) -> rrb.VisibleTimeRanges:
         """The last seconds before the cursor."""
         edge = self.rrb.TimeRangeBoundary.cursor_relative
-        span = self.rrb.VisibleTimeRange(TIMELINE, start=edge(seconds=-seconds), end=edge())
+        span = self.rrb.VisibleTimeRange(pages.TIMELINE, start=edge(seconds=-seconds), end=edge())
         return self.rrb.VisibleTimeRanges(span)
 
 

@@ -170,11 +170,11 @@ def on_picture(error_deg: np.ndarray, rate_deg_s: np.ndarray) -> np.ndarray:
 
 
 class PhasePlanes(Recorder):
-    """Writes ``/phase_plane``; of the first flight only."""
+    """Writes ``/phase_plane``."""
 
     def statics(self) -> None:
         """Write grid and scales."""
-        if self.number or not self.flight.jets:
+        if not self.flight.jets:
             return
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
         rates = [k for k in TICKS if abs(k) < REACH_DEG_S]
@@ -192,7 +192,7 @@ class PhasePlanes(Recorder):
 
     def motions(self) -> None:
         """Write zones by phase, the path of the last seconds, and the present state."""
-        if self.number or len(self.t) < 5 or not self.flight.jets:
+        if len(self.t) < 5 or not self.flight.jets:
             return
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
         error = vector(self.flight.columns, "control.error", "roll pitch yaw", "_deg")

@@ -11,6 +11,7 @@ import numpy as np
 from edl6dof.replay.history import POSE_HZ, thin
 from edl6dof.replay.pages import ENGINE, PHASE, VEHICLE, Labels, lane_of
 from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.scene.mesh import RGB
 from edl6dof.report.catalogue import STATES
 from edl6dof.report.palette import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 from edl6dof.telemetry.instrument_states import EXCLUDED
@@ -82,7 +83,7 @@ class Lane(NamedTuple):
 
 
 class Lanes(Recorder):
-    """Writes the lanes and ``/events``; of the first flight only.
+    """Writes the lanes and ``/events``.
 
     The viewer names a lane by the path of its entity, so that each lies at the top under a plain name.
     """
@@ -96,13 +97,11 @@ class Lanes(Recorder):
 
     def motions(self) -> None:
         """Write lanes and timeline."""
-        if self.number:
-            return
         for name, lane in self._states().items():
             self._lane(name, lane)
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
-            self._switched(ENGINE, {"on": on}, {"on": FIRE})
+            self._switched(ENGINE, {"on": (on, FIRE)})
         self._thrusters()
         self._instruments()
         self._events()
@@ -128,28 +127,25 @@ class Lanes(Recorder):
         for k, jet in enumerate(self.flight.jets):
             failed = self.flight.failures.get(jet, np.zeros(len(self.t))) > 0
             firing = _bursts(self.flight.duty[:, k] > FIRING) & ~failed
-            states = {"firing": firing, "failed": failed}
-            self._switched(lane_of("thruster", jet), states, {"firing": FIRE, "failed": RED})
+            self._switched(lane_of("thruster", jet), {"firing": (firing, FIRE), "failed": (failed, RED)})
 
     def _instruments(self) -> None:
         """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
         for one in self.flight.instruments:
-            colours = {state: rgb(STATES[state]) for state in one.states if state in STATES}
-            states = {state: one.holds(state) for state in colours}
-            self._switched(lane_of(one.kind, one.name), states, colours)
+            shown = (state for state in one.states if state in STATES)
+            states = {state: (one.holds(state), rgb(STATES[state])) for state in shown}
+            self._switched(lane_of(one.kind, one.name), states)
 
-    def _switched(
-        self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]
-    ) -> None:
-        """Write a lane that is off except where one of the states holds."""
-        states = ["off", *when]
-        code = np.zeros(len(self.t), int)
-        for number, holds in enumerate(when.values(), 1):
+    def _switched(self, name: str, when: dict[str, tuple[np.ndarray, RGB]]) -> None:
+        """Write a lane that is off except where one of the states, each with its rows and colour, holds."""
+        states, colours, code = ["off", *when], [OFF], np.zeros(len(self.t), int)
+        for number, (holds, colour) in enumerate(when.values(), 1):
             code[holds] = number
+            colours.append(colour)
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
         changes = [(float(self.t[i]), states[code[i]]) for i in first]
         shown = [False] + [True] * len(when)
-        self._lane(name, Lane(changes, states, [OFF, *colours.values()]), shown)
+        self._lane(name, Lane(changes, states, colours), shown)
 
     def _lane(self, name: str, lane: Lane, shown: Any = None) -> None:
         look = {"values": list(lane.values), "colors": list(lane.colours), "visible": shown}
@@ -210,20 +206,16 @@ def _bursts(firing: np.ndarray) -> np.ndarray:
 
 
 class Readout(Recorder):
-    """Writes ``/readout`` and ``/legend``, the meaning of colours; of the first flight only."""
+    """Writes ``/readout``, and ``/legend``: the meaning of the colours of the scene."""
 
     def statics(self) -> None:
         """Write a table of things and colours."""
-        if self.number:
-            return
         rows = "\n".join(f"| {what} | {colours} |" for what, colours in self._colours())
         text = f"| what | colours |\n|:--|:--|\n{rows}"
         self.static("legend", self.rr.TextDocument(text, media_type="text/markdown"))
 
     def motions(self) -> None:
         """Write the lines at each time."""
-        if self.number:
-            return
         rows, stages = thin(self.t, READOUT_HZ), self._stages()
         for some in np.array_split(rows, -(-len(rows) // AT_ONCE)):
             self._written(some, stages[some])

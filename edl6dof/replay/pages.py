@@ -65,13 +65,12 @@ def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[st
     """Return first and last time (s) of the pages that show a part of the flight that it has."""
     first, last = flown_s
     mortar, shell = when.get("mortar", last), when.get("backshell", last)
-    spans = {
-        "Entry": (first, min(mortar + 3.0, last)),
-        "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last)),
-        POWERED: (min(shell - 5.0, last - 1.0), last),
-    }
-    begun = {"Entry": True, "Parachute": "mortar" in when, POWERED: "backshell" in when}
-    return {page: span for page, span in spans.items() if begun[page]}
+    spans = {"Entry": (first, min(mortar + 3.0, last))}
+    if "mortar" in when:
+        spans["Parachute"] = (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last))
+    if "backshell" in when:
+        spans[POWERED] = (min(shell - 5.0, last - 1.0), last)
+    return spans
 
 
 def root_of(number: int) -> str:

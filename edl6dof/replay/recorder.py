@@ -30,7 +30,7 @@ class Recorder:
     """Writes one part of one flight.
 
     Attributes:
-        number: of this flight in the recording; 0 owns the ground and the lanes.
+        number: of this flight in the recording, from 0.
         label: name of this flight among others in the recording; empty when it is alone.
         own: colour that does.
         root: entity under which lies what belongs to this flight alone.

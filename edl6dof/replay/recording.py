@@ -30,10 +30,10 @@ from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.scene.sensing import NAVIGATED, Beams, Hazards
 from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
 
-#: Writers of the parts of a recording, in their order.
-PARTS: tuple[type[Recorder], ...] = (
-    Ground, Hazards, Globe, Track, Cameras, Vehicle, Flames, NearGround, Arrows, Beams, Descent,
-    charts.Charts, charts.PhasePlanes, lanes.Lanes, lanes.Readout,
+#: Writers of the parts of a recording: of the first flight alone, and of every flight.
+OF_FIRST: tuple[type[Recorder], ...] = (Ground, Hazards, charts.PhasePlanes, lanes.Lanes, lanes.Readout)
+OF_EACH: tuple[type[Recorder], ...] = (
+    Globe, Track, Cameras, Vehicle, Flames, NearGround, Arrows, Beams, Descent, charts.Charts,
 )  # fmt: skip
 
 
@@ -75,7 +75,7 @@ def write_replay(
             part(flight, motion, recording, k, labels[k] if labels else "")
             for k, (flight, motion) in enumerate(zip(flights, motions, strict=True))
             if len(flight.t)
-            for part in PARTS
+            for part in (OF_EACH if k else (*OF_FIRST, *OF_EACH))
         ]
         for part in parts:
             part.statics()

@@ -47,8 +47,6 @@ class Ground(Recorder):
 
     def statics(self) -> None:
         """Write landscape, rocks, rings around touchdown and target, and the planned ellipse."""
-        if self.number:
-            return
         motion, scenario = self.motion, self.flight.scenario
         self.static("site", self.rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
@@ -77,8 +75,6 @@ class Ground(Recorder):
 
     def motions(self) -> None:
         """Write the sky, which moves with the vehicle and darkens with height."""
-        if self.number:
-            return
         look = self.motion.site.appearance
         rows = np.flatnonzero(self.motion.height < look.sky_top_m)[::12]
         if len(rows) == 0:

@@ -40,7 +40,7 @@ class Hazards(Recorder):
     def motions(self) -> None:
         """Write rays, map and spots."""
         found = self.flight.landing_map
-        if self.number or found is None:
+        if found is None:
             return
         since, chosen = self.when["scan"], self.when["spot"]
         rows = np.flatnonzero((self.t >= since) & (self.t <= chosen))
