@@ -199,11 +199,9 @@ def round_down(values: np.ndarray) -> np.ndarray:
 
 def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
     """Return the spheres in the picture, and the eye's places (m in L), shape (rows, 3)."""
-    kept = steady(motion, _kept(motion))
+    kept, level, landing = steady(motion, _kept(motion)), facing(motion), _landing(motion)
     azimuth, elevation = _angles(motion, thrust_n > 0.0)
     distance = kept.radius / np.sin(np.radians(KEPT_DEG))
-    level = facing(motion)
-    landing = _landing(motion)
     if landing.any():
         offset = _stand(motion, level, distance[-1]) - kept.centre
         seen = turns.rotate(level * [1.0, -1.0, -1.0, -1.0], offset)
@@ -242,11 +240,8 @@ def _angles(motion: Motion, burning: np.ndarray) -> tuple[np.ndarray, np.ndarray
     elevation = np.full(len(motion.t), ENTRY_DEG)
     canopy, free = motion.released(motion.canopy), motion.released(motion.backshell)
     lit = np.flatnonzero(burning[free or 0 :])
-    for row, shot in (
-        (canopy, PARACHUTE_DEG),
-        (free, POWERED_DEG),
-        ((free or 0) + int(lit[0]) if len(lit) else None, POWERED_DEG),
-    ):
+    ignited = (free or 0) + int(lit[0]) if len(lit) else None
+    for row, shot in ((canopy, PARACHUTE_DEG), (free, POWERED_DEG), (ignited, POWERED_DEG)):
         if row is not None:
             after = np.arange(len(motion.t)) >= row
             azimuth = _nearest(azimuth, np.full(len(motion.t), shot[0]), after)
@@ -266,9 +261,8 @@ def _stand(motion: Motion, level: np.ndarray, least_m: float) -> np.ndarray:
     """A place on the ground beside the site, m in L."""
     azimuth = np.radians(POWERED_DEG[0])
     distance = max(LANDING_DISTANCE * motion.shape.size, least_m)
-    place = motion.last + turns.rotate(
-        level[-1], distance * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-    )
+    way = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    place = motion.last + turns.rotate(level[-1], distance * way)
     place[2] = float(motion.site.ground(place[0], place[1])[1]) + CLEAR_M
     return place
 

@@ -122,7 +122,7 @@ class Program:
                 if words in line:
                     return NoViewer(f"the viewer does not run on this machine: {remedy} ({_short(line)})")
         errors = [line for line in lines if line.lower().startswith("error") or "panicked at" in line]
-        telling = (errors[:1] or lines[-1:] or [""])[0]
+        telling = errors[0] if errors else lines[-1] if lines else ""
         return ViewerFailed(f"the viewer ended with status {self._process.returncode}: {_short(telling)}")
 
 

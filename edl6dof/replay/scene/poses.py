@@ -186,12 +186,9 @@ class Motion:
         self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))
         in_B = vector(flight.columns, "truth.centre", "x y z", "_m")
         self.nose = self.centre - turns.rotate(self.rotation, in_B)  #: origin of B
-        events = flight.scenario.mission.events
-        self._deployed = [
-            (float(one["t_s"]), events[one["key"]].component)
-            for one in flight.events
-            if one["key"] in events and events[one["key"]].action == "deploy"
-        ]
+        known = flight.scenario.mission.events
+        events = [(float(one["t_s"]), known[one["key"]]) for one in flight.events if one["key"] in known]
+        self._deployed = [(t, event.component) for t, event in events if event.action == "deploy"]
 
     @property
     def last(self) -> np.ndarray:
@@ -217,11 +214,8 @@ class Motion:
         if out is None or not self.vehicle.parachutes:
             return []
         chutes = {chute.name: number for number, chute in enumerate(self.vehicle.parachutes)}
-        found = [
-            (max(int(np.searchsorted(self.t, t)), out), chutes[name])
-            for t, name in sorted(self._deployed)
-            if name in chutes
-        ]
+        opened = [(t, chutes[name]) for t, name in sorted(self._deployed) if name in chutes]
+        found = [(max(int(np.searchsorted(self.t, t)), out), number) for t, number in opened]
         found = found or [(out, len(chutes) - 1)]
         ends = [first for first, _ in found[1:]] + [len(self.t)]
         return [

@@ -45,21 +45,17 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     duty = np.stack([np.bincount(place, run[f"rcs.{name}"], BINS) / count for name in thrusters])
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
-    failed = {
-        name: float(run.t[np.argmax(faulty)])
-        for name in thrusters
-        if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()
-    }
-    bands = [
-        Band(BAD, (failed[name], float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
-        for lane, name in enumerate(thrusters)
-        if name in failed
-    ]
+    bands, failures = [], ""
+    for lane, name in enumerate(thrusters):
+        faulty = run.get(f"fault.{name}", np.zeros(1)) != 0
+        if faulty.any():
+            span = float(run.t[np.argmax(faulty)]), float(run.t[-1])
+            bands.append(Band(BAD, span, (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True))
+            failures += f" {name} failed at {span[0]:.1f} s."
     y = Axis("thruster", (len(thrusters) - 0.5, -0.5), names=thrusters)
     panel = replace(time_panel(run, run.t, y, ()), bands=bands, heat=heat)
     caption = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s; the colour scale ends at the 98th "
-    caption += "percentile of firing."
-    caption += "".join(f" {name} failed at {since:.1f} s." for name, since in failed.items())
+    caption += f"percentile of firing.{failures}"
     return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
 
 
@@ -169,11 +165,8 @@ def leaks(run: Run, rows: np.ndarray) -> Panel:
 
 def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
     """Draw the flow through each branch with a failed thruster, at some rows (bool)."""
-    failed = [
-        name
-        for name, jets in thrusters_of(run).items()
-        if any(np.any(run.get(f"fault.{jet}", np.zeros(1)) != 0) for jet in jets)
-    ]
+    branches = thrusters_of(run).items()
+    failed = [name for name, jets in branches if has_signal(run, *(f"fault.{jet}" for jet in jets))]
     shown = [name for name in failed[:MOST] if f"metered.{name}_kg" in run]
     if not shown:
         return
