@@ -80,19 +80,16 @@ def _packed(content: bytes) -> str:
 
 
 class PageServer(socketserver.ThreadingTCPServer):
-    """Serves one page on a free port of this machine."""
+    """Serves one page on a free port of this machine, under its ``hosts``."""
 
     daemon_threads = True
 
     def __init__(self, page: bytes) -> None:
         super().__init__((HOST, 0), _Request)
         self.page = page
-        self.url = f"http://{HOST}:{self.server_address[1]}/"
-
-    def knows_host(self, hosts: list[str]) -> bool:
-        """Return True if a request names this machine and port, once."""
-        own = {f"{host}:{self.server_address[1]}" for host in (HOST, "localhost", "[::1]")}
-        return len(hosts) == 1 and hosts[0].lower() in own
+        port = self.server_address[1]
+        self.url = f"http://{HOST}:{port}/"
+        self.hosts = {f"{host}:{port}" for host in (HOST, "localhost", "[::1]")}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore a browser that hangs up."""
@@ -107,27 +104,21 @@ class _Request(BaseHTTPRequestHandler):
     timeout = 30.0
 
     def do_GET(self) -> None:
-        """Send the page."""
-        if self._answer():
-            self.wfile.write(self.server.page)
-
-    def do_HEAD(self) -> None:
-        """Send the headers."""
-        self._answer()
-
-    def _answer(self) -> bool:
-        """Send the headers; returns whether the page may follow."""
-        if not self.server.knows_host(self.headers.get_all("Host", [])):
+        """Send the headers, and for GET the page."""
+        hosts = self.headers.get_all("Host", [])
+        if len(hosts) != 1 or hosts[0].lower() not in self.server.hosts:
             self.send_error(HTTPStatus.FORBIDDEN)
-            return False
-        if self.path != "/":
+        elif self.path != "/":
             self.send_error(HTTPStatus.NOT_FOUND)
-            return False
-        self.send_response(HTTPStatus.OK)
-        for name, value in {**_HEADERS, "Content-Length": str(len(self.server.page))}.items():
-            self.send_header(name, value)
-        self.end_headers()
-        return True
+        else:
+            self.send_response(HTTPStatus.OK)
+            for name, value in {**_HEADERS, "Content-Length": str(len(self.server.page))}.items():
+                self.send_header(name, value)
+            self.end_headers()
+            if self.command == "GET":
+                self.wfile.write(self.server.page)
+
+    do_HEAD = do_GET
 
     def log_message(self, *_: Any) -> None:
         """Say nothing for each request."""

@@ -192,7 +192,7 @@ def _held(places: np.ndarray) -> np.ndarray:
 
 
 def round_down(values: np.ndarray) -> np.ndarray:
-    """Return the largest of 1, 2 and 5 times powers of ten that is not above each value, all positive."""
+    """Return each value, positive, rounded down to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(values))
     return power * np.select([values >= 5.0 * power, values >= 2.0 * power], [5.0, 2.0], 1.0)
 
@@ -258,7 +258,7 @@ def _landing(motion: Motion) -> np.ndarray:
 
 
 def _stand(motion: Motion, level: np.ndarray, least_m: float) -> np.ndarray:
-    """A place on the ground beside the site, m in L."""
+    """A place on the ground next to the site, m in L."""
     azimuth = np.radians(POWERED_DEG[0])
     distance = max(LANDING_DISTANCE * motion.shape.size, least_m)
     way = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])

@@ -87,7 +87,7 @@ class History:
     """
 
     def __init__(self, flight: Flown, names: Iterable[str], plotted: Iterable[str] = ()) -> None:
-        """Take the columns ``names`` besides the poses, thinned, and the columns ``plotted`` whole."""
+        """Take the columns ``names`` and those of the poses, thinned, and the columns ``plotted`` whole."""
         table = flight.telemetry
         self.name, self.outcome, self.success = flight.name, flight.outcome, flight.success
         self.scenario, self.landing_map = flight.scenario, flight.landing_map

@@ -20,7 +20,7 @@ CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lande
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)
 #: Keys of events that are warnings.
 TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
-#: A thruster counts as firing from this duty on.
+#: Least duty of a thruster that counts as firing.
 FIRING = 0.02
 #: Least width of a page's lanes, and room that a letter takes, px.
 LANE_PX, LETTER_PX = 800.0, 6.6
@@ -69,7 +69,7 @@ READOUT = {
     "throttle": Field("throttle", ".0f", "%", (POWERED,)),
     "truth.propellant_kg": Field("propellant", ".1f", "kg"),
 }
-#: Of these a vehicle that never has any says nothing.
+#: Lines left out for a vehicle that never has any of it.
 _WHERE_ANY = ("truth.heat_flux_w_cm2", "truth.engine_thrust_n", "throttle", "truth.propellant_kg")
 COLUMNS = tuple(name for name in READOUT if "." in name)
 
@@ -189,7 +189,7 @@ def _said(event: Any) -> str:
 
 
 def _table(lines: Sequence[Sequence[str]], now: int) -> str:
-    """The events from before number ``now`` on, as a table."""
+    """A table of the events that begins one before number ``now``."""
     rows = [[f"**{cell}**" if k == now and cell else cell for cell in line] for k, line in enumerate(lines)]
     body = [f"| {' | '.join(row)} |" for row in rows[max(now - 1, 0) :]]
     return "\n".join(["| time | event | where |", "|--:|:--|:--|", *body])
@@ -221,7 +221,7 @@ class Readout(Recorder):
             self._written(some, stages[some])
 
     def _written(self, rows: np.ndarray, stages: np.ndarray) -> None:
-        """The texts of some rows, in so many stages."""
+        """Write the texts of some rows, whose stages are given."""
         lines = {name: self._line(field, values[rows]) for name, field, values in self._fields()}
         tables = []
         for k, stage in enumerate(stages.tolist()):

@@ -62,7 +62,7 @@ def lane_of(kind: str, name: str) -> str:
 
 
 def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    """Return first and last time (s) of the pages that show a part of the flight that it has."""
+    """Return first and last time (s) of the pages that show a part of the flight, if it has this part."""
     first, last = flown_s
     mortar, shell = when.get("mortar", last), when.get("backshell", last)
     spans = {"Entry": (first, min(mortar + 3.0, last))}

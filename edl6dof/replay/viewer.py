@@ -158,7 +158,7 @@ def free_port() -> int:
 
 
 def _path() -> Path:
-    """The program of the installed rerun; its ``python -m rerun`` is a wrapper that could outlive us."""
+    """The program of the installed rerun, without its wrapper ``python -m rerun``, which could outlive us."""
     found = find_spec("rerun_cli")
     folder = Path(found.origin).parent if found is not None and found.origin is not None else Path()
     names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")
@@ -239,7 +239,7 @@ def drawing(recording: Path, t: float, size: tuple[int, int]) -> Iterator[Callab
 
 
 def _settled(look: Callable[[], bytes]) -> bytes:
-    """A picture that is the same twice in a row: until then views load, and show it."""
+    """A picture that is the same twice in a row: before that, views are still loading."""
     before, start = b"", time.monotonic()
     while time.monotonic() - start < MOST_S:
         now = look()

@@ -256,7 +256,7 @@ class Figure:
 def thinned(trace: Trace, most: int = 4000) -> Trace:
     """Return the trace without points that cannot be seen, with about ``most`` points if its ``x`` rises.
 
-    A peak keeps its height and its place, whatever the length of the flight; a curve in a plane, in which
+    A peak keeps its height and its place for any length of the flight; a curve in a plane, in which
     every point is seen, is thinned where it is straight alone.
     """
     n = len(trace.x)

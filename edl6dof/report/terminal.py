@@ -37,8 +37,8 @@ NAVIGATION = {
 
 
 class Compared(NamedTuple):
-    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``: the
-    difference in standard deviations, if these are known.
+    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``:
+    difference in standard deviations, if known.
     """
 
     figure: str

@@ -40,7 +40,7 @@ COMMANDS: dict[Kind, str] = {
 
 @contextmanager
 def atomic_file(target: Path, force: bool, made_from: Path | None = None) -> Iterator[Path]:
-    """Yield a hidden path beside ``target`` whose file takes its place when the block ends without an
+    """Yield a hidden path next to ``target`` whose file takes its place when the block ends without an
     exception.
 
     Args:
@@ -85,7 +85,7 @@ def refuse_existing_file(target: Path, force: bool, made_from: Path | None = Non
 def remember(result: Path, file: Path) -> None:
     """Remember that ``file`` was made from the result in a folder.
 
-    Where that is no folder, or cannot be written to, the file is not made again without asking.
+    Nothing is remembered if that is no folder or cannot be written: the file then counts as the user's.
     """
     if not result.is_dir():
         return
@@ -144,7 +144,7 @@ def default_folder(name: str, force: bool) -> Path:
 
 @contextmanager
 def atomic_folder(target: Path, kind: Kind, force: bool) -> Iterator[Path]:
-    """Yield a hidden folder beside ``target`` that gets its manifest and takes its place when the block ends
+    """Yield a hidden folder next to ``target`` that gets its manifest and takes its place when the block ends
     without an exception.
 
     A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception
@@ -219,7 +219,7 @@ def _refuse_existing(target: Path, kind: Kind, force: bool) -> None:
 def _sweep(target: Path) -> None:
     """Remove what killed runs into the same target left behind; a folder whose process still lives is kept.
 
-    A run killed between the two renames of a replacement has put the former result aside: it comes back.
+    The former result, which a run killed between the two renames of a replacement put aside, comes back.
     """
     for left in target.parent.glob(f".{glob.escape(target.name)}.*.*"):
         owner, kind = left.name.rsplit(".", 2)[1:]

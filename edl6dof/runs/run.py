@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
 TELEMETRY, LANDING_MAP = "telemetry.parquet", "landing_map.npz"
-#: Rows written at a time: keeps the memory of writing small beside the telemetry itself.
+#: Rows written at a time, so that writing needs little memory.
 ROW_GROUP = 2_500
 #: Largest array of a landing map, in bytes; a map of 256 x 256 single-precision numbers has a fourth of it.
 _LARGEST = 1_048_576
-#: Room for what a ``.npy`` member says of itself before its data.
+#: Room for the header of a ``.npy`` member.
 _HEADER = 1024
 
 Content = TypeVar("Content")

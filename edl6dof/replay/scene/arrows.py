@@ -128,7 +128,7 @@ class Arrows(Recorder):
 
 
 def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
-    """Return lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever present."""
+    """Return those of lift, thrust (N) and disturbance torque (N m) that ever act, at some rows."""
     columns, turn = flight.columns, motion.rotation[rows]
     way = _way(motion, rows)[0]
     force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
@@ -175,7 +175,7 @@ def _round_up(value: float) -> float:
 
 
 def _amount(value: float, unit: str) -> str:
-    """A value with its unit, in thousands from 1000 on, but for a speed."""
+    """A value with its unit, in thousands from 1000 unless it is a speed."""
     if value < 1000.0:
         return f"{value:,.3g} {unit}"
     return f"{value:,.0f} {unit}" if unit == "m/s" else f"{value / 1000.0:,.3g} k{unit}"

@@ -29,7 +29,7 @@ SHIELD_COLD, COLD, HOT = (np.array(c, float) for c in ((104, 84, 70), (255, 255,
 _GLOWS, _BRIGHT, _RADIATED = 798.0, 1900.0, 5.670374419e-12
 #: Colour and size (points of the screen) of the spark that shows a firing thruster from any distance.
 SPARK, _SPARK_SIZE = (255, 196, 96), 2.5
-#: Share of the thrust, and duty of a thruster, from which on a flame is seen.
+#: Least share of the thrust, and least duty of a thruster, with a flame.
 _LEAST_LEVEL, _LEAST_DUTY = 0.01, 0.02
 #: Length (m) of a flame that is out.
 _GONE = 1e-4
@@ -257,7 +257,7 @@ class Flames(Recorder):
         self._flames("engine_plume", rows, pose, len(engines) * shown.sum(axis=1))
 
     def _flames(self, name: str, rows: np.ndarray, pose: dict[str, Any], each: np.ndarray) -> None:
-        """Write a white core in an orange mantle, from the first of ``rows`` on, ``each``: flames by row."""
+        """Write white cores in orange mantles from the first of ``rows``; ``each``: flames in each row."""
         poses = self.rr.InstancePoses3D.columns(**pose).partition(each)
         for layer, opacity in (("core", 255), ("mantle", 120)):
             entity = f"{self.root}/vehicle/{name}/{layer}"

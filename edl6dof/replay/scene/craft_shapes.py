@@ -39,7 +39,7 @@ def striped(base: RGB, every: int, factor: float) -> Paint:
 
 
 def _gores(each: int) -> Paint:
-    """Paint with stripes of so many segments in two colours."""
+    """Paint with stripes of two colours, each of this many segments."""
     return lambda i, j: ORANGE if i // each % 2 == 0 else WHITE
 
 

@@ -2,8 +2,8 @@
 finer than the map.
 
 The mesh widens geometrically from the touchdown to the other side of the planet, so that it is fine where the
-camera ends up and a globe from afar; the ground of a landing area is drawn on a square grid there besides,
-with the rocks that lie on it.  Decoration is the same for every flight to a site, fades out where a vehicle
+camera ends up and a globe from afar; the ground of a landing area is also drawn on a square grid there, with
+the rocks that lie on it.  Decoration is the same for every flight to a site, fades out where a vehicle
 stands, and is unknown to the simulation.
 """
 
@@ -40,7 +40,7 @@ _COVER = 0.055
 NEAR, SPACING = 36.0, 0.25
 #: How far (m) the wide mesh lies below that square, and within which of its middle's half side.
 _SUNK, _WITHIN = 1.5, 0.97
-#: Diameter (m) from which on rocks of a landing area are drawn as such; smaller ones are bumps of the mesh.
+#: Least diameter (m) of rocks of a landing area that are drawn as such; smaller ones are bumps of the mesh.
 _SMALLEST_ROCK = 0.4
 
 

@@ -24,8 +24,7 @@ from edl6dof.spatial import rotations as turns
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
 
-#: Where light comes from when nobody knows: low in the west-south-west, so that relief throws light and dark;
-#: east north up.
+#: Direction of the light without a date: low in the west-south-west, so that relief shows; east, north, up.
 ANYWHERE = np.array([-0.72, -0.42, 0.55]) / np.linalg.norm([-0.72, -0.42, 0.55])
 #: Sine of the elevation below which the sun lights no picture.
 _LOWEST = sin(radians(8.0))
@@ -45,7 +44,7 @@ class Site:
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
         self.altitude = scenario.site_areoid_m + terrain.site_elevation_m  #: of its origin, m
         self.appearance = planet.appearance
-        self.sun = sun_direction(scenario)  #: towards it, unit vector; None where nobody knows
+        self.sun = sun_direction(scenario)  #: unit vector towards it; None if unknown
         self.light = light(self.sun)  #: where the light of the pictures comes from
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
@@ -209,7 +208,7 @@ class Motion:
         return np.clip(below / upright, 0.0, _LONGEST_STROKE)
 
     def parachutes(self) -> list[OpenParachute]:
-        """Return the parachutes in order: each from its deployment on, the last to the end."""
+        """Return the parachutes in order: each from its deployment, the last until the end."""
         out = self.released(self.canopy)
         if out is None or not self.vehicle.parachutes:
             return []

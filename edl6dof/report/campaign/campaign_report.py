@@ -14,7 +14,7 @@ from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section, in_percent, printed
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 
-#: Figures mapped over the grid, besides success.
+#: Figures mapped over the grid in addition to success.
 _FIGURES = (
     *("landing_distance_m", "parachute_mach", "parachute_height_m"),
     *("touchdown_vertical_m_s", "propellant_used_kg", "peak_load_g0"),
@@ -22,7 +22,7 @@ _FIGURES = (
 
 
 def campaign_report(folder: Path) -> Report:
-    """Return the report of a campaign, finished or not; a section about what it does not have is left out."""
+    """Return the report of a campaign, finished or not, without sections that would be empty."""
     results = Results(folder)
     about = [str(results.document.get("description") or ""), *margins.injected(results)]
     matrix: list[Block] = []

@@ -79,7 +79,7 @@ class Results:
 
     @cached_property
     def ok(self) -> np.ndarray:
-        """Which cases succeeded, shape (n,)."""
+        """True for the cases that succeeded, shape (n,)."""
         return self.table["success"].to_numpy(zero_copy_only=False).astype(bool)
 
     @property
@@ -105,7 +105,7 @@ class Results:
 
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
-        """Dispersed quantities, shape (n, quantities), those together that the plan draws together."""
+        """Dispersed quantities, shape (n, quantities), in the groups that the plan draws together."""
         found: dict[str, list[np.ndarray]] = {}
         campaign = self.document.get("campaign") or {}
         for name in self.table.column_names:
@@ -115,7 +115,7 @@ class Results:
 
     @cached_property
     def limits(self) -> list[tuple[str, str, float, str]]:
-        """(figure, label, limit, unit) of every limit that was applied to a case."""
+        """Figure, label, limit and unit of every limit that was applied to a case."""
         given = self.document["limits"]
         return [
             (figure.name, figure.meaning, float(given[figure.limit]), figure.unit.label)

@@ -106,8 +106,10 @@ def isolation(results: Results) -> Iterator[Block]:
             share = Proportion(int(np.sum(known == 0)), len(known))
             shares.append([meaning, f"{share.successes} of {share.trials}", str(share)])
     times = _quantiles(results, "", _TIMES)
-    yield from [Table(["", "flights>", "share, 95 % interval>"], shares)] * bool(shares)
-    yield from [times] * bool(times.rows)
+    if shares:
+        yield Table(["", "flights>", "share, 95 % interval>"], shares)
+    if times.rows:
+        yield times
 
 
 def _of_every_flight(results: Results) -> Sequence[Mapping[str, Any]]:

@@ -50,7 +50,7 @@ _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 
 def flight_report(run: Run) -> Report:
-    """Return the review of a run; a section about what the flight did not have is left out."""
+    """Return the review of a run, without sections that would be empty."""
     sections: tuple[tuple[str, str, Iterable[Block]], ...] = (
         ("limits", "Limits and published flight", limits_and_published(run)),
         ("events", "Timeline", timeline(run)),

@@ -18,7 +18,7 @@ from edl6dof.runs.run import Run
 from edl6dof.scenario.terrain_preview import planned_ellipse
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
-#: Cells that a page needs side by side; more would weigh it down and nobody sees them.
+#: Most cells along a side of a map on a page: more make the page larger and cannot be seen.
 MOST_CELLS = 128
 #: Parts that are discarded, and their colours.
 _PARTS = {"canopy": GREY, "heat_shield": ORANGE, "backshell": PURPLE}

@@ -100,8 +100,7 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 def together(figures: Sequence[Figure], names: Sequence[str]) -> Figure:
     """Draw the curves of several flights in the panels of one figure.
 
-    Flights differ by their dashes; a curve has a colour of its own, or where a panel has one curve only, each
-    flight has.
+    Each flight has its own dashes, and each curve its own colour; in a panel of one curve each flight has.
     """
     panels = []
     for index, panel in enumerate(figures[0].panels):
@@ -149,7 +148,7 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
 
 
 def _widened(axis: Axis, other: Axis) -> Axis:
-    """The first axis, its range if it has one such that it holds both, in its own direction."""
+    """The first axis; a range that it has is widened to hold that of the other, in its own direction."""
     if axis.range is None or axis.names:
         return axis
     every = (*axis.range, *(other.range or ()))
@@ -170,7 +169,7 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values with five digits, or whole, and with more if their difference needs them for three."""
+    """Both values, whole or with five digits, or with more if three digits of the difference need them."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
@@ -181,7 +180,7 @@ def _numbers(one: float | None, two: float | None) -> list[str]:
 
 
 def _places(size: float, digits: int) -> int:
-    """Decimals that give a number so many digits."""
+    """Decimals with which a number has this many digits."""
     return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 
