@@ -100,8 +100,9 @@ class Plot(NamedTuple):
         )
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
-        """Return the plot with the channels of a flight, without unused commands and estimates; ``None`` if all
-        of them are zero or absent.
+        """Return the plot with the channels that a flight has, without unused commands and estimates.
+
+        ``None`` if all of them are zero or absent.
         """
         there = {channel: name for channel, name in self.curves.items() if channel in columns}
         heard = {channel for channel in there if has_signal(columns[channel])}
