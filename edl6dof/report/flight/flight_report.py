@@ -52,6 +52,7 @@ _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 def flight_report(run: Run) -> Report:
     """Return the review of a run, without sections that would be empty."""
+    authority = " and thruster authority" if run.scenario["vehicle"]["rcs"]["thrusters"] else ""
     sections: tuple[tuple[str, str, Iterable[Block]], ...] = (
         ("limits", "Limits and published flight", limits_and_published(run)),
         ("events", "Timeline", timeline(run)),
@@ -60,7 +61,7 @@ def flight_report(run: Run) -> Report:
         ("navigation", "Navigation", navigation_errors.figures(run)),
         ("attitude", "Attitude", over_flight(run, STACKS["attitude"])),
         ("phase_planes", "Phase planes", phase_planes.figures(run)),
-        ("vehicle", "Vehicle and thruster authority", vehicle_section(run)),
+        ("vehicle", f"Vehicle{authority}", vehicle_section(run)),
         ("actuators", "Thrusters and propellant", thrusters.thruster_use(run)),
         ("disturbances", "Disturbances", thrusters.disturbances(run)),
         ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),
