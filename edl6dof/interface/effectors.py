@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal, get_args
 
-import numpy as np
-
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_EVENTS, MAX_THRUSTERS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 
 #: Off; within the throttle band; at the full level of the start, with its fast build-up.  Records carry the
 #: number.
@@ -31,13 +30,10 @@ THRUSTER_FAILURES: tuple[ThrusterFailure, ...] = get_args(ThrusterFailure)
 STUCK_OFF, STUCK_ON, DEGRADED = range(1, len(THRUSTER_FAILURES) + 1)
 
 #: Propellant branches, each behind one latch valve.
-BRANCHES = np.dtype(
-    [
-        ("of", "i8", (MAX_THRUSTERS,)),  # branch of each thruster
-        ("count", "i8"),  # branches that the vehicle has
-        ("full_flow", "f8", (MAX_BRANCHES,)),  # kg/s, with all thrusters of the branch open
-    ],
-    align=True,
+BRANCHES = record(
+    ("of", "i8", (MAX_THRUSTERS,)),  # branch of each thruster
+    ("count", "i8"),  # branches that the vehicle has
+    ("full_flow", "f8", (MAX_BRANCHES,)),  # kg/s, with all thrusters of the branch open
 )
 
 #: What an event does; records carry the index.  Jettison a part; deploy or release a parachute; extend a
@@ -49,22 +45,16 @@ JETTISON, DEPLOY, RELEASE, EXTEND, IGNITE, CUT_OFF = range(len(ACTIONS))
 #: The component of an event that extends the landing gear; all others have their index in their list.
 LANDING_GEAR = -1
 
-EVENT = np.dtype(
-    [
-        ("action", "i8"),  # index in ACTIONS
-        # index of the part, parachute, surface or engine in its list; LANDING_GEAR; of a group of engines
-        # less than zero: its size is a bit for each
-        ("component", "i8"),
-        ("delay", "f8"),  # s, from the command to what is done
-    ],
-    align=True,
+EVENT = record(
+    ("action", "i8"),  # index in ACTIONS
+    # index of the part, parachute, surface or engine in its list; LANDING_GEAR; of a group of engines
+    # less than zero: its size is a bit for each
+    ("component", "i8"),
+    ("delay", "f8"),  # s, from the command to what is done
 )
-EVENT_TABLE = np.dtype(
-    [
-        ("events", EVENT, (MAX_EVENTS,)),  # in the order of their numbers
-        ("n_events", "i8"),  # how many the mission has
-    ],
-    align=True,
+EVENT_TABLE = record(
+    ("events", EVENT, (MAX_EVENTS,)),  # in the order of their numbers
+    ("n_events", "i8"),  # how many the mission has
 )
 
 

@@ -29,7 +29,7 @@ from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_to
 from edl6dof.environment.wind import require_winds
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
-from edl6dof.fsw.hazard.footprint import MAX_RADIUS
+from edl6dof.fsw.hazard.elevation_map import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.metrics.published import published_problems

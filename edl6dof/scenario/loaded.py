@@ -19,6 +19,7 @@ from edl6dof.config.document.yamltree import dotted
 from edl6dof.config.model_paths import leaves, numbers, usual_range
 from edl6dof.config.units import split_unit
 from edl6dof.config.validate import steps
+from edl6dof.scenario.entry_range import out_of_range
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -62,7 +63,9 @@ def unusual_in(scenario: Scenario) -> dict[str, str]:
         for _, keys, info, value in leaves(scenario)
         if (words := _why_unusual(str(keys[-1]), info, numbers(value)))
     }
-    return alone | {f"vehicle.{path}": words for path, words in proportions.items()}
+    far = out_of_range(scenario, radius_m(scenario.vehicle))
+    found = alone | {f"vehicle.{path}": words for path, words in proportions.items()}
+    return found | ({"terrain.site_latitude_deg": far} if far else {})
 
 
 def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:

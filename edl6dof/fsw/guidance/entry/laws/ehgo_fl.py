@@ -17,8 +17,6 @@ peaking.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import PrintedParams, group, param
 from edl6dof.fsw.guidance.entry.disturbance_observers import OBSERVER, observe
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
@@ -27,6 +25,7 @@ from edl6dof.fsw.guidance.entry.laws.fl import PAPER
 from edl6dof.fsw.guidance.entry.range_update import tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.vector import clamp
@@ -63,7 +62,7 @@ class EhgoFlParams(PrintedParams):
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
-MEMORY = np.dtype([("observer", OBSERVER), ("profile", PROFILE)], align=True)
+MEMORY = record(("observer", OBSERVER), ("profile", PROFILE))
 
 
 @kernel

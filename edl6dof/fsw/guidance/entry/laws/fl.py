@@ -10,14 +10,13 @@ defaults are slower, for a rigid body.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import PrintedParams, group, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.range_update import tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 
 PAPER = "Wu, Cui & Cui 2013, section 5"
@@ -33,7 +32,7 @@ class FlParams(PrintedParams):
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
-MEMORY = np.dtype([("profile", PROFILE)], align=True)
+MEMORY = record(("profile", PROFILE))
 
 
 @kernel
