@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
-from edl6dof.environment.landing_area.params import landing_area_problems
+from edl6dof.environment.landing_area.relief import landing_area_problems
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
 from edl6dof.fsw.hazard.footprint import MAX_RADIUS
