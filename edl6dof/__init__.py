@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 from edl6dof.api.functions import (
     calibrate,
     campaign,
+    draw_vehicle,
     faults,
     fly,
     load,
@@ -56,6 +57,7 @@ __all__ = [
     "State",
     "calibrate",
     "campaign",
+    "draw_vehicle",
     "faults",
     "fly",
     "fly_rows",
