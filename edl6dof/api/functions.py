@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
-    from edl6dof.verify.check import Report
+    from edl6dof.verify.case import Report
 
 
 def activate(*operands: str | Path | LoadedScenario | None) -> None:

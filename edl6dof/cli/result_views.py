@@ -16,8 +16,8 @@ from rich.table import Table as RichTable
 from edl6dof.api.flight_results import channels_figure
 from edl6dof.api.functions import activate
 from edl6dof.api.reports import write_page
-from edl6dof.campaign.compare import Comparison, Difference, compare
 from edl6dof.campaign.ensemble import SampleMean, clear_differences, fly_neighbours, sample_means
+from edl6dof.campaign.statistics import Comparison, Difference, compare
 from edl6dof.campaign.store import Store
 from edl6dof.cli.progress import count_runs
 from edl6dof.config.errors import ConfigError, refusal

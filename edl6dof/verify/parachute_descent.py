@@ -9,32 +9,17 @@ from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.base import stated
-from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.verify.case import (
-    BARE,
-    ENDLESS,
-    FLAT,
-    ONE_BODY,
-    SCENARIO,
-    UNIFORM,
-    History,
-    Outcome,
-    Result,
-    fit,
-    scenes,
-    state_of,
-    to_the_end,
-    vectors,
-)
+from edl6dof.verify import case
+from edl6dof.verify.case import History, Report, Result, fit, scenes, state_of, to_the_end, vectors
 
-GRAVITY = 3.72
-CENTRE = -1.0
-SCENE = (
-    *(*BARE, *FLAT, *UNIFORM, *ONE_BODY, *ENDLESS),
-    f"vehicle.mass.entry_centre_m=[{CENTRE}, 0, 0]",
+_GRAVITY = 3.72
+_CENTRE = -1.0
+_SCENE = (
+    *(*case.BARE, *case.FLAT, *case.UNIFORM, *case.ONE_BODY, *case.ENDLESS),
+    f"vehicle.mass.entry_centre_m=[{_CENTRE}, 0, 0]",
     "vehicle.mass.entry_kg=1100",
     "vehicle.parts.parachute_pack.mass_kg=38",
     "vehicle.parts.parachute_pack.centre_m=[-1, 0, 0]",
@@ -46,16 +31,16 @@ SCENE = (
     "initial.longitude_deg=0",
     "initial.altitude_m=20000",
 )
-SIZE = 2e-3
-ABOUT = {
-    "verifies": "vehicle, riser and canopy",
-    "source": "eigenvalues of a planar model",
-    "why": "swings of 2 mrad are linear to 1e-5",
-}
+#: Tilt (rad) at which a swing begins.
+_SWING = 2e-3
 
 
-class Planar:
-    """Two bodies in a vertical plane."""
+class _Planar:
+    """Two bodies on an elastic riser in a vertical plane, in uniform gravity and density.
+
+    The model shares nothing with the simulator but the parameters.  State: x (east), z (down), tilt, their
+    rates; x, z and rates of the canopy.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
         vehicle, chute = scenario.vehicle, scenario.vehicle.main_parachute
@@ -66,15 +51,15 @@ class Planar:
         self.inertia = stated(vehicle.mass.entry_inertia_kg_m2)[1]
         sphere = 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3
         self.canopy_mass = self.packed + chute.apparent_mass_factor * self.rho * sphere
-        self.attachment = chute.confluence_m[0] - CENTRE
-        self.pressure_point = self.bluff.centre_of_pressure_x_m - CENTRE
+        self.attachment = chute.confluence_m[0] - _CENTRE
+        self.pressure_point = self.bluff.centre_of_pressure_x_m - _CENTRE
         self.drag_area = np.pi / 4.0 * chute.diameter_m**2 * chute.drag_coefficient * chute.drag_factor
         self.normal_area = np.pi / 4.0 * chute.diameter_m**2 * chute.normal_slope
 
     def terminal_speed(self) -> float:
         """Speed at which drag carries the weight of both."""
         area = self.drag_area + self.bluff.reference_area_m2 * self.bluff.drag_coefficient
-        return float(np.sqrt(2.0 * (self.mass + self.packed) * GRAVITY / (self.rho * area)))
+        return float(np.sqrt(2.0 * (self.mass + self.packed) * _GRAVITY / (self.rho * area)))
 
     def rates(self, s: np.ndarray) -> np.ndarray:
         """Time derivative of the state."""
@@ -92,7 +77,7 @@ class Planar:
         damper = 2.0 * self.chute.damping_ratio * np.sqrt(self.chute.stiffness_n_m * self.packed)
         tension = self.chute.stiffness_n_m * (length - self.chute.line_length_m) + damper * stretching
         moment -= self.attachment * tension * (line @ belly)
-        weight = np.array([0.0, GRAVITY])
+        weight = np.array([0.0, _GRAVITY])
         pull = (along * nose + across * belly + tension * line) / self.mass + weight
         speed_c = np.linalg.norm(v_c)
         axial = (v_c @ line) * line
@@ -121,11 +106,11 @@ class Planar:
         return values[keep], shapes[:, keep] / shapes[2, keep]
 
 
-def descend(
+def _descend(
     state: np.ndarray, seconds: float, planted: Sequence[str] = ()
 ) -> tuple[np.ndarray, np.ndarray, Flight]:
     """Fly from a planar state; returns time (s), tilt (rad) and the flight."""
-    _, loaded = scenes([*SCENE, f"simulation.time_limit_s={seconds}"], planted)
+    _, loaded = scenes([*_SCENE, f"simulation.time_limit_s={seconds}"], planted)
 
     def place(plant: np.void, fsw: np.void) -> None:
         east, down = np.array([0.0, 1.0, 0.0]), np.array([-1.0, 0.0, 0.0])
@@ -148,7 +133,7 @@ def descend(
     return flight.telemetry["t_s"], np.arctan2(nose[:, 1], -nose[:, 0]), flight
 
 
-def pendulum(planted: Sequence[str] = ()) -> Outcome:
+def pendulum(planted: Sequence[str] = ()) -> Report:
     """Verifies: the swing of vehicle and canopy about each other (pendulum) and of the vehicle about its
     bridle (wrist mode).
 
@@ -157,30 +142,28 @@ def pendulum(planted: Sequence[str] = ()) -> Outcome:
     the eigenvalue, period and damping together: swings of 2 mrad are linear to 1e-5 and gravity varies by
     1e-5 on the way; the differences are good to 1e-8.
 
-    The model shares nothing with the simulator but the parameters: flat ground, uniform gravity and density,
-    body and canopy as two bodies on an elastic riser, linearised by central differences.  State: x (east), z
-    (down), tilt, their rates; x, z and rates of the canopy.
-
     Start each mode alone and measure its frequency and damping.
     """
-    model = Planar(load_scenario(SCENARIO, SCENE).scenario)
+    model = _Planar(scenes(_SCENE)[0])
     values, shapes = model.modes()
     rest = model.equilibrium()
+    about = (
+        *("-", "vehicle, riser and canopy", "eigenvalues of a planar model"),
+        "swings of 2 mrad are linear to 1e-5",
+    )
     results = []
     for name, index in (("pendulum", 0), ("wrist", -1)):
         value = complex(values[index])
         seconds = round(3.0 * 2.0 * np.pi / value.imag)
-        t, tilt, _ = descend(rest + SIZE * shapes[:, index].real, seconds, planted)
+        t, tilt, _ = _descend(rest + _SWING * shapes[:, index].real, seconds, planted)
         found, _ = fit(t, tilt, value)
         quantity = f"{name} mode (period {2.0 * np.pi / value.imag:.2f} s)"
-        results.append(Result(quantity, abs(found - value) / abs(value), 1e-4, **ABOUT))
-    expected = SIZE * np.real(np.exp(value * t))
-    return Outcome(
-        results, History("Wrist mode under the parachute", "time (s)", "tilt (rad)", t, tilt, expected)
-    )
+        results.append(Result(quantity, abs(found - value) / abs(value), 1e-4, *about))
+    labels = ("Wrist mode under the parachute", "time (s)", "tilt (rad)")
+    return Report(results, History(*labels, t, tilt, _SWING * np.real(np.exp(value * t))))
 
 
-def terminal_velocity(planted: Sequence[str] = ()) -> Outcome:
+def terminal_velocity(planted: Sequence[str] = ()) -> Report:
     """Verifies: steady descent under the open canopy.
 
     gravity uniform | atmosphere uniform | winds none | vehicle Tianwen-1 without heat shield under the open
@@ -190,12 +173,12 @@ def terminal_velocity(planted: Sequence[str] = ()) -> Outcome:
 
     Start 20 % too fast and compare the speed after two minutes.
     """
-    model = Planar(load_scenario(SCENARIO, SCENE).scenario)
+    model = _Planar(scenes(_SCENE)[0])
     start = model.equilibrium()
     start[[4, 9]] *= 1.2
-    t, _, flight = descend(start, 120.0, planted)
+    t, _, flight = _descend(start, 120.0, planted)
     speed, expected = flight.telemetry["truth.speed_m_s"], model.terminal_speed()
     error, curve = abs(float(speed[-1]) / expected - 1.0), np.full_like(t, expected)
     about = ("drag of vehicle and canopy", "weight = drag", "gravity varies by 2e-5 on the way")
     results = (Result("speed after 120 s", error, 2e-5, "-", *about),)
-    return Outcome(results, History("Terminal velocity", "time (s)", "speed (m/s)", t, speed, curve))
+    return Report(results, History("Terminal velocity", "time (s)", "speed (m/s)", t, speed, curve))

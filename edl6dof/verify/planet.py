@@ -13,23 +13,16 @@ import edl6dof
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import gravity_F, read_coefficients
 from edl6dof.scenario import records
-from edl6dof.verify.case import History, Outcome, Result, largest, scenes
+from edl6dof.verify.case import History, Report, Result, largest, scenes
 
 _CSV = Path(edl6dof.__file__).parent / "data" / "atmosphere" / "USStandardAtmosphere1976.csv"
 _EARTH = 6356766.0
-#: Pressure (Pa) at the base of the layers, geopotential altitude in m.
-BASES = (
-    (0, 101325.0),
-    (11e3, 22632.06),
-    (20e3, 5474.889),
-    (32e3, 868.0187),
-    (47e3, 110.9063),
-    (51e3, 66.93887),
-    (71e3, 3.956420),
-)
+#: Geopotential altitude (m) of the base of the layers, and the pressure (Pa) there.
+_BASES = (0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3)
+_PRESSURES = (101325.0, 22632.06, 5474.889, 868.0187, 110.9063, 66.93887, 3.956420)
 
 
-def us76_table(planted: Sequence[str] = ()) -> Outcome:
+def us76_table(planted: Sequence[str] = ()) -> Report:
     """Verifies: the U.S. Standard Atmosphere 1976.
 
     gravity none | atmosphere us76 | winds none | vehicle none | source: published table (NOAA-S/T 76-1562):
@@ -50,7 +43,7 @@ def us76_table(planted: Sequence[str] = ()) -> Outcome:
     rows = np.genfromtxt(_CSV, delimiter=",", skip_header=2)
     rows = rows[(rows[:, 0] >= 0.0) & (rows[:, 0] <= 84500.0)]
     got = np.array([at(float(height)) for height in rows[:, 0]])
-    pressed = largest([at(float(height))[1] / pressure - 1.0 for height, pressure in BASES])
+    pressed = largest(np.array([at(height)[1] for height in _BASES]) / _PRESSURES - 1.0)
     result = partial(Result, verifies="US76", source="published table")
     results = (
         result("temperature", largest(got[:, 2] - rows[:, 1]), 0.005, "K", why="two decimals printed"),
@@ -58,16 +51,7 @@ def us76_table(planted: Sequence[str] = ()) -> Outcome:
         result("pressure at layer bases", pressed, 5e-6, why="seven digits printed"),
     )
     labels = ("US76", "geopotential altitude (km)", "density (kg/m3)")
-    return Outcome(results, History(*labels, rows[:, 0] / 1e3, got[:, 0], rows[:, 2]))
-
-
-POINTS = 12
-_FIELD_RESULT = partial(
-    Result,
-    verifies="gravity field",
-    source="finite difference of the potential, scipy",
-    why="truncation and rounding of the difference",
-)
+    return Report(results, History(*labels, rows[:, 0] / 1e3, got[:, 0], rows[:, 2]))
 
 
 def potential(p: np.ndarray, degree: int, only_j2: float | None = None) -> float:
@@ -87,7 +71,7 @@ def potential(p: np.ndarray, degree: int, only_j2: float | None = None) -> float
     return mu / r * total
 
 
-def gradient(p: np.ndarray, degree: int, only_j2: float | None) -> np.ndarray:
+def _gradient(p: np.ndarray, degree: int, only_j2: float | None) -> np.ndarray:
     """Central differences with one Richardson step."""
     out = np.zeros(3)
     for axis, e in enumerate(np.eye(3)):
@@ -99,7 +83,7 @@ def gradient(p: np.ndarray, degree: int, only_j2: float | None) -> np.ndarray:
     return out
 
 
-def gravity_field(planted: Sequence[str] = ()) -> Outcome:
+def gravity_field(planted: Sequence[str] = ()) -> Report:
     """Verifies: gravity by spherical harmonics (degree 4 and 12) and by J2.
 
     gravity harmonics, J2 | atmosphere none | winds none | vehicle none | source: the potential in spherical
@@ -109,21 +93,21 @@ def gravity_field(planted: Sequence[str] = ()) -> Outcome:
 
     Compare at random points up to 200 km above the surface.
     """
-    rng = np.random.default_rng(5)
-    direction = rng.normal(size=(POINTS, 3))
-    points = direction / np.linalg.norm(direction, axis=1)[:, None] * rng.uniform(3.38e6, 3.6e6, (POINTS, 1))
+    rng, count = np.random.default_rng(5), 12
+    direction = rng.normal(size=(count, 3))
+    points = direction / np.linalg.norm(direction, axis=1)[:, None] * rng.uniform(3.38e6, 3.6e6, (count, 1))
+    source, why = "finite difference of the potential, scipy", "truncation and rounding of the difference"
     results = []
     for model, degree in (("harmonics", 4), ("harmonics", 12), ("j2", 2)):
-        nominal, loaded = scenes(
-            [f"planet.gravity.model={model}", f"planet.gravity.degree={degree}"], planted
-        )
+        field_is = [f"planet.gravity.model={model}", f"planet.gravity.degree={degree}"]
+        nominal, loaded = scenes(field_is, planted)
         field = records.build_case(loaded.truth, records.build_tables(loaded.truth))[0]["planet"]["gravity"]
         mu, only = nominal.planet.gravity.mu_m3_s2, nominal.planet.gravity.j2 if model == "j2" else None
         gaps = [
-            gravity_F(field, tuple(p)) + mu * p / np.linalg.norm(p) ** 3 - gradient(p, degree, only)
+            gravity_F(field, tuple(p)) + mu * p / np.linalg.norm(p) ** 3 - _gradient(p, degree, only)
             for p in points
         ]
         error = float(max(np.linalg.norm(gap) for gap in gaps))
         name = "J2" if model == "j2" else f"degree {degree}"
-        results.append(_FIELD_RESULT(name, error, 1e-12, "m/s2"))
-    return Outcome(results)
+        results.append(Result(name, error, 1e-12, "m/s2", "gravity field", source, why))
+    return Report(results)

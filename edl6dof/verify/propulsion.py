@@ -14,27 +14,29 @@ from edl6dof.sim.checkpoint import State
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import OUTPUTS, PROPELLANT, WORKSPACE
-from edl6dof.verify.case import FREE, NO_RATE, History, Outcome, Result, largest, scenes, state_of, to_the_end
+from edl6dof.verify import case
+from edl6dof.verify.case import History, Report, Result, largest, scenes, state_of, to_the_end
 
-ENGINE_ISP = 300.0
-#: Thrust commands (N), each for ten seconds; 0 cuts off.
-THROTTLE = (7500.0, 3000.0, 1500.0, 5000.0, 2200.0, 0.0)
-_BURN_SCENE = (
-    *(*FREE, NO_RATE),
+#: One rigid body with propellant.
+_FUELLED = (
+    *(*case.FREE, case.NO_RATE),
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
     "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
+)
+ENGINE_ISP = 300.0
+#: Thrust commands (N), each for ten seconds; 0 cuts off.
+_THROTTLE = (7500.0, 3000.0, 1500.0, 5000.0, 2200.0, 0.0)
+BURN = (
+    *(*_FUELLED, *case.ALIGNED),
     f"vehicle.engines.main.full_specific_impulse_s={ENGINE_ISP}",
     f"vehicle.engines.main.throttled.low_specific_impulse_s={ENGINE_ISP}",
     "vehicle.engines.main.nozzle_m=[-0.3, 0, 0]",
     "initial.flight_path_angle_deg=-90",
-    "initial.alpha_deg=0",
-    "initial.beta_deg=0",
-    "initial.bank_deg=0",
     "initial.speed_m_s=1000",
 )
 
 
-def rocket_equation(planted: Sequence[str] = ()) -> Outcome:
+def rocket_equation(planted: Sequence[str] = ()) -> Report:
     """Verifies: thrust, propellant flow and mass loss of a throttled burn.
 
     gravity none | atmosphere none | winds none | vehicle one rigid body with propellant and a centred engine
@@ -45,8 +47,8 @@ def rocket_equation(planted: Sequence[str] = ()) -> Outcome:
     Throttle through six levels and compare speed lost with mass lost at every row.
     """
     state, found = None, []
-    for index, level in enumerate(THROTTLE):
-        _, loaded = scenes([*_BURN_SCENE, f"simulation.time_limit_s={10 * (index + 1)}"], planted)
+    for index, level in enumerate(_THROTTLE):
+        _, loaded = scenes([*BURN, f"simulation.time_limit_s={10 * (index + 1)}"], planted)
         state = state_of(loaded) if state is None else state
         state.plant["running"][0, 0], state.fsw["command"]["thrust"][0, 0] = 1, level
         state.fsw["command"]["engine_mode"] = 2 if index == 0 else 1
@@ -58,24 +60,22 @@ def rocket_equation(planted: Sequence[str] = ()) -> Outcome:
     t, v, m, thrust = np.concatenate(found, axis=1)
     expected = v[0] - ENGINE_ISP * G0 * np.log(m[0] / m)
     error, burnt = largest(v - expected) / (v[0] - v[-1]), float(np.trapezoid(thrust, t) / (ENGINE_ISP * G0))
-    why, sampled = "RK4 at 10 ms; corners of the thrust rate", "trapezoid over rows 20 ms apart"
-    about = {"verifies": "propellant flow", "source": "integral of the thrust", "why": sampled}
+    corners = ("throttled burn", "rocket equation", "RK4 at 10 ms; corners of the thrust rate")
+    sampled = ("propellant flow", "integral of the thrust", "trapezoid over rows 20 ms apart")
     results = (
-        Result("speed against mass", error, 1e-9, "-", "throttled burn", "rocket equation", why),
-        Result("mass against impulse", abs((m[0] - m[-1]) / burnt - 1.0), 1e-5, **about),
+        Result("speed against mass", error, 1e-9, "-", *corners),
+        Result("mass against impulse", abs((m[0] - m[-1]) / burnt - 1.0), 1e-5, "-", *sampled),
     )
-    return Outcome(results, History("Throttled burn", "time (s)", "speed (m/s)", t, v, expected))
+    return Report(results, History("Throttled burn", "time (s)", "speed (m/s)", t, v, expected))
 
 
-THRUST, THRUSTER_ISP, RISE, DECAY = 250.0, 270.0, 0.012, 0.019
+_THRUST, _ISP, _RISE, _DECAY = 250.0, 270.0, 0.012, 0.019
 _JET = (
     "{name: J, group: axial, position_m: [-2, 0, 0], direction: [1, 0, 0], minimum_pulse_s: 0.001, "
-    f"thrust_n: {THRUST}, specific_impulse_s: {THRUSTER_ISP}, rise_s: {RISE}, decay_s: {DECAY}}}"
+    f"thrust_n: {_THRUST}, specific_impulse_s: {_ISP}, rise_s: {_RISE}, decay_s: {_DECAY}}}"
 )
-_PULSE_SCENE = (
-    *(*FREE, NO_RATE),
-    "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-    "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
+_PULSES = (
+    *_FUELLED,
     f"vehicle.rcs.thrusters=[{_JET}]",
     "vehicle.rcs.branches=[]",
     "flight_software.check_out.thrusters=[]",
@@ -84,13 +84,14 @@ _PULSE_SCENE = (
 CYCLE, CYCLES = 0.1, 200
 
 
-def closed_form(length: np.ndarray) -> np.ndarray:
+def _closed_form(length: np.ndarray) -> np.ndarray:
     """Integral of the thrust fraction of one pulse from rest, s."""
-    peak = length / RISE
-    return np.where(length >= RISE, length + 0.5 * (DECAY - RISE), 0.5 * peak * (length + peak * DECAY))
+    peak = length / _RISE
+    short = 0.5 * peak * (length + peak * _DECAY)
+    return np.where(length >= _RISE, length + 0.5 * (_DECAY - _RISE), short)
 
 
-def impulses(planted: Sequence[str] = ()) -> Outcome:
+def impulses(planted: Sequence[str] = ()) -> Report:
     """Verifies: impulse and propellant of random thruster pulse trains over random steps, through the
     integrator.
 
@@ -101,7 +102,7 @@ def impulses(planted: Sequence[str] = ()) -> Outcome:
 
     Fire 200 pulses of 1 to 60 ms in steps of random length and compare propellant and speed.
     """
-    nominal, loaded = scenes(_PULSE_SCENE, planted)
+    nominal, loaded = scenes(_PULSES, planted)
     tables = records.build_tables(loaded.truth)
     case, start = records.build_case(loaded.truth, tables), state_of(loaded)
     plant, rng = start.plant, np.random.default_rng(11)
@@ -116,9 +117,9 @@ def impulses(planted: Sequence[str] = ()) -> Outcome:
             advance(*flown, cut)
         delivered.append(190.0 - plant["y"][0, PROPELLANT])
         speed.append(float(np.linalg.norm(plant["y"][0, 3:6] - v0)))
-    used = THRUST * np.cumsum(closed_form(lengths)) / (THRUSTER_ISP * G0)
+    used = _THRUST * np.cumsum(_closed_form(lengths)) / (_ISP * G0)
     mass = nominal.vehicle.mass.entry_kg
-    expected = THRUSTER_ISP * G0 * np.log(mass / (mass - used))
+    expected = _ISP * G0 * np.log(mass / (mass - used))
     result = partial(Result, verifies="pulse impulse", why="rounding of 2,000 steps")
     off_mass, off_speed = largest(np.array(delivered) / used - 1.0), largest(speed - expected) / expected[-1]
     results = (
@@ -126,4 +127,4 @@ def impulses(planted: Sequence[str] = ()) -> Outcome:
         result("speed", off_speed, 1e-11, source="trapezium and rocket equation"),
     )
     curves = History("Pulse train", "pulse", "speed (m/s)", np.arange(CYCLES), np.array(speed), expected)
-    return Outcome(results, curves)
+    return Report(results, curves)
