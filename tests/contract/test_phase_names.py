@@ -20,7 +20,7 @@ OTHER_MEANINGS = {
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.airframe": {"lift"},
-    "edl6dof.fsw.guidance.entry.influence": {"lift"},
+    "edl6dof.fsw.guidance.entry.laws.etpc": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.onboard_vehicle": {"lift"},
     "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
