@@ -28,7 +28,7 @@ OTHER_MEANINGS = {
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
     "edl6dof.report.catalogue": {"parachute"},  # key of a figure
     "edl6dof.report.flight.common": {"parachute"},  # word at the mortar's mark, as in the next one
-    "edl6dof.report.flight.trajectory": {"parachute"},
+    "edl6dof.report.flight.landing": {"parachute"},
     "edl6dof.sim.termination": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022": {"landed"},  # column of a table

@@ -15,8 +15,8 @@ from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.report.flight.vehicle import vehicle_section
 from edl6dof.report.label_layout import sides
-from edl6dof.report.matplotlib_figure import styled
-from edl6dof.report.plotly_figure import plotly_figure
+from edl6dof.report.matplotlib_figure import matplotlib_figure
+from edl6dof.report.page import plotly_figure
 from edl6dof.report.vehicle_drawing import SIDE, TOP, authority_tables, exhausts, half_axes, vehicle_figure
 from edl6dof.sim.flight import resolved_text
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -42,7 +42,7 @@ def words_of(panel: Panel) -> list[str]:
 @pytest.mark.parametrize("name", DRAWN)
 def test_picture_has_one_scale_and_legible_words(name):
     """Metres are as long along both axes of both views; no words cover others or leave their panel."""
-    canvas = styled(drawn(vehicle_of(name)))
+    canvas = matplotlib_figure(drawn(vehicle_of(name)))
     canvas.set_dpi(200)
     canvas.draw_without_rendering()
     unit = np.array([[0.0, 0.0], [1.0, 1.0]])
