@@ -277,7 +277,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         for j in range(CAMERA_CELLS):
             direction = cell_direction(tangent, CAMERA_CELLS, i, j)
             depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
-            row, column = _smear(motion, direction, depth, tangent, params.exposure)
+            row, column = smear_of_motion(motion, direction, depth, tangent, params.exposure)
             blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
             shows = shows_ground(memory.cells, i, j) and not is_hidden(memory.discs, direction)
             seen = shows and blur < params.pixels
@@ -307,7 +307,7 @@ def _motion(case, plant, outputs, position):
 
 
 @kernel
-def _smear(motion, look_B, depth, tangent, exposure):
+def smear_of_motion(motion, look_B, depth, tangent, exposure):
     """Rows and columns that a point of the ground moves by during the exposure, at a depth (m)."""
     velocity, rate = motion
     to_ground = scale(depth / look_B[0], look_B)
