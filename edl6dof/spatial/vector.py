@@ -85,9 +85,7 @@ def clamp(x, low, high):
 
 @kernel
 def inertia_times(inertia, w):
-    """Symmetric inertia (Ixx, Iyy, Izz, Ixy, Ixz, Iyz; tensor elements, not products with reversed sign)
-    times a vector.
-    """
+    """Symmetric inertia tensor (Ixx, Iyy, Izz, Ixy, Ixz, Iyz) times a vector."""
     return (
         inertia[0] * w[0] + inertia[3] * w[1] + inertia[4] * w[2],
         inertia[3] * w[0] + inertia[1] * w[1] + inertia[5] * w[2],
