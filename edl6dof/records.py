@@ -1,8 +1,8 @@
-"""Numbers of a record that say what they may hold, and the walk over all numbers of a record.
+"""Declared ranges of the numbers of a record, and the walk over all its numbers.
 
-Compiled code trusts what it finds in a record: an index out of range would reach beyond its array.  So every
-whole number of a record that a file can bring back declares its range where the record is declared, as
-metadata of its dtype; so does a float that need not be finite.
+Compiled code trusts a record: an index out of range would reach beyond its array.  Therefore every whole
+number of a record that a file can bring back declares its range as metadata of its dtype, and so does a float
+that need not be finite.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ def whole(low: int, high: int, of: str = "", kind: str = "i8") -> np.dtype:
     return np.dtype(kind, metadata={"low": low, "high": high, "of": of})
 
 
-#: Yes or no; how many of something that goes on all through a flight; the time of something that need not
-#: have happened: NaN until then.
+#: Yes or no; number of something that may happen all through a flight; time of an event, NaN until then.
 FLAG, COUNT, TIME_IF_EVER = whole(0, 1), whole(0, 2**31), np.dtype("f8", metadata={"if_ever": True})
 
 
@@ -70,11 +69,10 @@ def offset(layout: np.dtype, field: str) -> int:
 
 
 def finite_words(layout: np.dtype, start: int = 0) -> list[tuple[int, int]]:
-    """Eight-byte words of a record that hold floats which should be finite: first word and end of each run of
-    them, in the order of declaration.  Floats of four bytes, which images are made of, are left out.
+    """First word and end of each run of eight-byte words of a record that hold floats which should be finite.
 
     Args:
-        layout: of the record, every float of eight bytes in a word of its own.
+        layout: of the record, every float of eight bytes in a word of its own; shorter ones are left out.
         start: bytes before the record.
     """
     runs: list[tuple[int, int]] = []
@@ -96,16 +94,12 @@ def _doubles(layout: np.dtype, start: int) -> Iterator[tuple[int, int]]:
 
 
 def first_not_finite(record: np.ndarray) -> str | None:
-    """Path of the first float of a record (length one) that should be finite and is not; ``None`` when there
-    is none.
-    """
+    """Path of the first float of a record (length one) that is not finite and should be, or ``None``."""
     for field in numbers(record):
-        if (
-            not field.is_whole
-            and "if_ever" not in field.declared
-            and not np.all(finite := np.isfinite(field.values))
-        ):
-            return field.place(~finite)
+        if field.is_whole or "if_ever" in field.declared:
+            continue
+        if np.any(wrong := ~np.isfinite(field.values)):
+            return field.place(wrong)
     return None
 
 

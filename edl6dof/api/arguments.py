@@ -27,18 +27,18 @@ def library(name: str, caller: str, extra: str = "") -> Any:
         raise ImportError(f"{caller} needs {name}: pip install 'edl6dof[{extra or name}]'") from None
 
 
-#: Whether a command line asks, whose user has typed options.
+#: True if the caller is the command line, whose user has typed options.
 _OPTIONS = ContextVar("options", default=False)
 
 
 @contextmanager
 def naming_options() -> Iterator[None]:
     """Let errors inside the block name options, because the caller is the command line."""
-    before = _OPTIONS.set(True)
+    token = _OPTIONS.set(True)
     try:
         yield
     finally:
-        _OPTIONS.reset(before)
+        _OPTIONS.reset(token)
 
 
 @contextmanager

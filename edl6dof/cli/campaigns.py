@@ -15,12 +15,9 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.exit_status import INTERRUPTED
-from edl6dof.cli.group import Sets, argument, flag, option
+from edl6dof.cli.group import INTERRUPTED, Sets, argument, check_target, flag, option
 from edl6dof.config.errors import refusal
 
-#: Forms of the files of ``covariance``.
-COVARIANCE_FORMS = (".csv", ".png", ".pdf", ".svg")
 #: Events before whose end no flight need go on beyond the deployment of the parachute.
 ENDS_AT_DEPLOYMENT = ("parachute", "trim_wing")
 
@@ -65,23 +62,22 @@ def campaign(
         raise refusal("edl6dof campaign", words)
     activate(scenario)
     with _keeping("campaign", scenario, out, resume):
-        from edl6dof.api.campaign import EngineChoice, check_until
-        from edl6dof.campaign.design.plan import load_plan
-        from edl6dof.campaign.store import Store
-        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
+        from edl6dof.api.campaign import EngineChoice, campaign_job
+        from edl6dof.cli.campaign_flight import fly_campaign
 
-        flying, folder = EngineChoice(engine, workers, cluster), Path(scenario)
-        check_until(until)
-        if resume and (lexists(folder / "campaign.json") or folder.is_dir()):
-            require_no_values(folder, sets, cases, seed, sampling)
-            return fly_campaign(Store(folder), flying, quiet=quiet, as_json=as_json)
-        plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
-        check_until(until, plan)
-        store = Store(out or Path("runs") / plan.name)
-        if resume:
-            require_plan(store, plan)
-            return fly_campaign(store, flying, quiet=quiet, as_json=as_json)
-        return fly_campaign(store, flying, plan, until=until, force=force, quiet=quiet, as_json=as_json)
+        job = campaign_job(
+            scenario,
+            tuple(sets or ()),
+            EngineChoice(engine, workers, cluster),
+            cases=cases,
+            seed=seed,
+            sampling=sampling,
+            until=until,
+            out=out,
+            force=force,
+            resume=resume,
+        )
+        return fly_campaign(job, quiet=quiet, as_json=as_json)
 
 
 @contextmanager
@@ -224,28 +220,24 @@ def faults(
     """
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
-        from edl6dof.api.campaign import EngineChoice
-        from edl6dof.api.fault_choice import FaultRequest, matrix_of
-        from edl6dof.campaign.faults import matrix_plan
+        from edl6dof.api import campaign as api
+        from edl6dof.api.fault_choice import FaultRequest, faults_plan
         from edl6dof.campaign.store import Store
-        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
-        from edl6dof.scenario.loading import load_scenario
+        from edl6dof.cli.campaign_flight import fly_campaign
 
-        flying, folder = EngineChoice(workers=workers), Path(scenario)
-        if resume and lexists(folder / "campaign.json"):
-            require_no_values(
-                folder, sensors, kinds, components, pairs, phases, after, at, sets, vehicles, seed
-            )
-            return fly_campaign(Store(folder), flying, command="faults", as_json=as_json)
-        loaded = load_scenario(scenario, sets or ())
+        engine = api.EngineChoice(workers=workers)
         request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
-        matrix = matrix_of(loaded, request)
-        plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)
-        store = Store(out or Path("runs") / f"{'sensor-faults' if sensors else 'faults'}-{plan.name}")
-        if resume:
-            require_plan(store, plan, "faults")
-            return fly_campaign(store, flying, command="faults", as_json=as_json)
-        return fly_campaign(store, flying, plan, command="faults", force=force, as_json=as_json)
+        if resume and api.is_campaign(scenario):
+            api.require_no_values(scenario, *request, sets, vehicles, seed)
+            job = api.Job(Store(Path(scenario)), engine)
+        else:
+            plan = faults_plan(scenario, tuple(sets or ()), request, vehicles, seed)
+            name = f"{'sensor-faults' if sensors else 'faults'}-{plan.name}"
+            store = Store(out or Path("runs") / name)
+            job = api.Job(store, engine, plan, force=force)
+            if resume:
+                job = api.resumed_job(store, engine, plan, "faults")
+        return fly_campaign(job, command="faults", as_json=as_json)
 
 
 def covariance(
@@ -284,20 +276,17 @@ def covariance(
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
     """
     activate(campaign)
+    from edl6dof.api.progress import count_runs
     from edl6dof.campaign.covariance_estimate import flown, fly_alone, fly_covariance
     from edl6dof.campaign.covariance_flights import ending_at_deployment, figures_at
     from edl6dof.campaign.design.plan import load_plan
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.store import Store
     from edl6dof.cli.covariance_tables import show, show_alone, write_budget
-    from edl6dof.cli.progress import count_runs
-    from edl6dof.runs.files import atomic_file, refuse_existing_file
+    from edl6dof.runs.files import atomic_file
 
     event = figures_at(at)
-    if out is not None:
-        if out.suffix not in COVARIANCE_FORMS:
-            raise refusal(out, f"must end in {', '.join(COVARIANCE_FORMS)}")
-        refuse_existing_file(out, force)
+    check_target(out, (".csv", ".png", ".pdf", ".svg"), force)
     folder, sampled = Path(campaign), None
     if not lexists(folder / "campaign.json"):
         plan = load_plan(campaign, tuple(sets or ()), seed=seed)

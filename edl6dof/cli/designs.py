@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -11,8 +10,17 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS, UNAVAILABLE
-from edl6dof.cli.group import Command, Sets, argument, examples, flag, option
+from edl6dof.cli.group import (
+    NOT_WITHIN_LIMITS,
+    UNAVAILABLE,
+    Command,
+    Sets,
+    argument,
+    check_target,
+    examples,
+    flag,
+    option,
+)
 from edl6dof.config.errors import refusal
 
 design = typer.Typer(
@@ -53,7 +61,7 @@ def design_entry(
     from edl6dof.scenario.loading import load_scenario
 
     goal = goal_of(maximise, minimise)
-    _refuse_file(out, (".yaml", ".yml"), force)
+    check_target(out, (".yaml", ".yml"), force)
     loaded = load_scenario(scenario, sets or ())
     if all(phase.guidance != "entry" for phase in loaded.scenario.mission.phases):
         raise refusal(scenario, "has no phase with guidance: entry, so there is no entry to design")
@@ -71,17 +79,6 @@ def design_entry(
             partial.write_text(designed_text(scenario, bool(sets), loaded, found), encoding="utf-8")
         print(out)
     return NOT_WITHIN_LIMITS if found.broken else 0
-
-
-def _refuse_file(path: Path | None, suffixes: Sequence[str], force: bool) -> None:
-    """See that a file can be written, before anything is computed."""
-    from edl6dof.runs.files import refuse_existing_file
-
-    if path is None:
-        return
-    if path.suffix not in suffixes:
-        raise refusal(path, f"must end in {', '.join(suffixes)}")
-    refuse_existing_file(path, force)
 
 
 @design.command("landing", cls=Command, epilog=examples("design landing"))
@@ -108,8 +105,8 @@ def design_landing(
     69 cvxpy is missing, 130 interrupted.
     """
     activate(scenario)
-    _refuse_file(out, (".csv",), force)
-    _refuse_file(figure, (".png", ".pdf", ".svg"), force)
+    check_target(out, (".csv",), force)
+    check_target(figure, (".png", ".pdf", ".svg"), force)
     if find_spec("cvxpy") is None:
         message = "design landing needs cvxpy, which is not installed; try: pip install 'edl6dof[design]'"
         print(message, file=sys.stderr)

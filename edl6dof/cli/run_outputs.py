@@ -11,8 +11,7 @@ from typing import Annotated
 import typer
 
 from edl6dof.api import functions
-from edl6dof.cli.exit_status import UNAVAILABLE, refusing_damage
-from edl6dof.cli.group import argument, flag, option
+from edl6dof.cli.group import UNAVAILABLE, argument, flag, option, refusing_damage
 from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")

@@ -165,21 +165,26 @@ def headline(flight: Flight) -> Text:
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 
-def open_table(title: str, *columns: str) -> Table:
-    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers."""
+def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
+    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers.
+
+    A ``narrow`` one has smaller gaps, and breaks no cell.
+    """
     table = Table(
         title=Text(title, style="bold") if title else None,
         title_justify="left",
         header_style="",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
+        padding=(0, 1, 0, 0) if narrow else (0, 1),
     )
     for column in columns:
         table.add_column(
             column.rstrip(">"),
             justify="right" if column.endswith(">") else "left",
-            no_wrap=column.endswith(">"),
+            no_wrap=narrow or column.endswith(">"),
             overflow="fold",
+            vertical="bottom" if narrow else "top",
         )
     return table
 

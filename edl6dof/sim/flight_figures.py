@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.metrics.balance_figures import balance_figures
 from edl6dof.metrics.evaluation import (
     deployment_figures,
     event_figures,
@@ -12,10 +11,15 @@ from edl6dof.metrics.evaluation import (
     peak_figures,
     relaxation_figures,
 )
-from edl6dof.metrics.figure_forms import Flown
-from edl6dof.metrics.hazard import drift_figures, hazard_figures
+from edl6dof.metrics.figures import Flown
 from edl6dof.metrics.out_of_use import diagnosis_figures, exclusion_figures
-from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
+from edl6dof.metrics.record_figures import (
+    balance_figures,
+    drift_figures,
+    hazard_figures,
+    touchdown_state,
+    touchdown_terrain_figures,
+)
 from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.telemetry.timeline import first_times, moments
 

@@ -38,7 +38,7 @@ from edl6dof.campaign.executor import CaseRunner, table_of
 from edl6dof.campaign.identity import source_hash
 from edl6dof.campaign.store import Store
 from edl6dof.cli import campaigns
-from edl6dof.cli.exit_status import INTERRUPTED
+from edl6dof.cli.group import INTERRUPTED
 from edl6dof.config.errors import ConfigError
 from edl6dof.report.campaign import campaign_report  # noqa: F401  loaded once, not in every child
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
-from edl6dof.telemetry.instrument_states import EXCLUDED
+from edl6dof.telemetry.columns import EXCLUDED
 
 #: Least rate of the rows, Hz.
 READOUT_HZ = 10.0

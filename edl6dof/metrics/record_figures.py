@@ -1,35 +1,47 @@
-"""State at first ground contact and the ground under the landing gear, from the located event and not from a
-row of telemetry.
+"""Figures from the last records of a flight: first ground contact, ground under the vehicle, choice of hazard
+detection, and balance of energy, momentum and mass.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isfinite, pi, sqrt
 
 import numpy as np
 
 from edl6dof.config.units import DEG
+from edl6dof.environment.gravity import potential_F
 from edl6dof.environment.landing_area.features import HEIGHT
 from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.population import within
 from edl6dof.environment.terrain import place_of
 from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
+from edl6dof.fsw.hazard.safety import SAFE
+from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.kernels import kernel
 from edl6dof.metrics.figures import from_si
+from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import acos, atan, atan2, cos, hypot, sin
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z, to_local
 from edl6dof.spatial.quaternion import axes, from_frame
 from edl6dof.spatial.table_index import endless_cell
-from edl6dof.spatial.vector import clamp, dot, norm, sub, take3
+from edl6dof.spatial.vector import add, clamp, dot, norm, sub, take3
+from edl6dof.telemetry.columns import Telemetry
 from edl6dof.vehicle.landing_gear import contact_point
+from edl6dof.vehicle.motion.balance import vehicle_mass
 from edl6dof.vehicle.motion.ground_contact import ground_at_offset, north_east_of
 from edl6dof.vehicle.motion.runge_kutta import take_attitude
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 from edl6dof.vehicle.surroundings import planet_rotation
 
+#: Radius of the footprint of the lander, and smallest diameter of rocks that are counted (half as high), m.
+FOOTPRINT, COUNTED = sqrt(12.6 / pi), 0.5
+#: Seconds after ignition from which backshell and lander count as parted.
+PARTED_S = 5.0
+
 
 def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
-    """Velocity, attitude errors, rates and place at first contact; empty when there was none.
+    """Velocity, attitude errors, rates and place at the located first contact; empty without one.
 
     Attitude errors are those of S1: roll to the local geographic frame (y of B south), pitch and yaw of the
     thrust axis from the vertical, as a rotation vector in B.
@@ -71,12 +83,6 @@ def _contact(cases, plants):
         atan2(sl, cl), atan2(so, co),
         site[0], site[1], hypot(site[0], site[1]),
     )  # fmt: skip
-
-
-#: Radius (m) of the footprint.
-FOOTPRINT = sqrt(12.6 / pi)
-#: Smallest diameter (m) of rocks that are counted: they are half as high.
-COUNTED = 0.5
 
 
 def touchdown_terrain_figures(
@@ -182,3 +188,132 @@ def _in_N(outputs, q, rotation, v_B):
     """A vector of B in north, east, down."""
     out, v_F = outputs, rotate_z(rotation[0], rotation[1], from_frame(q, v_B))
     return fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, v_F)
+
+
+def hazard_figures(
+    case: np.ndarray, fsw: np.void, telemetry: Telemetry, landing: dict[str, float]
+) -> dict[str, float]:
+    """Figures of the coarse and of the fine choice, as far as they were made.
+
+    Args:
+        case: truth of the flight, shape (1,).
+        fsw: final memory of the flight software.
+        telemetry: its rows.
+        landing: figures of the touchdown.
+    """
+    figures: dict[str, float] = {}
+    hazard, chosen = fsw["hazard"], fsw["landing_point"]["fine_L"]
+    if np.isfinite(hazard["image_t"]):
+        coarse = hazard["coarse"]
+        figures["coarse_parts"] = float(coarse["parts"])
+        figures["coarse_obstacles"] = float(coarse["obstacles"][coarse["part"]])
+        figures["coarse_clear_m"] = float(coarse["clear"][coarse["part"]])
+    # a flight continued from a saved state has no telemetry of what was before
+    if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
+        return figures
+    error = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")
+    east, north = float(chosen[0]) - error[0], float(chosen[1]) - error[1]  # true place, m from the site
+    choice, cell_class = hazard["choice"], hazard["safety_map"]["cell_class"]
+    figures["spot_found"] = float(choice["found"])
+    figures["spot_clearance_m"] = float(choice["clearance"])
+    figures["spots_rejected"] = float(choice["n_rejected"])
+    figures["map_safe_share"] = float(np.mean(cell_class == SAFE))
+    if case["terrain"]["landing_area"]["model"][0] == GENERATED:
+        up = float(telemetry["truth.site_up_m"][-1])
+        largest = _largest_rock(case, east, north, up)
+        figures["spot_largest_rock_m"] = largest
+        figures["spot_false_safe"] = float(bool(choice["found"]) and largest >= COUNTED)
+    if "landing_east_m" in landing:
+        figures["spot_miss_m"] = hypot(landing["landing_east_m"] - east, landing["landing_north_m"] - north)
+    return figures
+
+
+@kernel
+def _largest_rock(cases, east, north, up):
+    """Diameter (m) of the largest rock centred under the footprint about a place (m); 0 for none."""
+    site, planet, terrain = cases[0].site, cases[0].planet, cases[0].terrain
+    off = ned_to_fixed(site.sin_lat, site.cos_lat, site.sin_lon, site.cos_lon, (north, east, -up))
+    r_F = add(take3(site.origin_F, 0), off)
+    sl, cl, so, co, _ = geodetic(planet.equatorial_radius, planet.flattening, r_F)
+    y, x = place_of(terrain, atan2(sl, cl), atan2(so, co))
+    _, largest = within(terrain.landing_area.rocks, y, x, FOOTPRINT, 0.0)
+    return largest
+
+
+def drift_figures(
+    telemetry: Mapping[str, np.ndarray], when: Mapping[str, float], line_m: float
+) -> dict[str, float]:
+    """Least distance of the lander from backshell and canopy after they have parted; and from hover on, how
+    far aside of the lander what is above it passes.
+
+    The canopy is the point ``line_m`` above the backshell that hangs from it.  Between two rows both move on
+    straight lines.
+
+    Args:
+        telemetry: channels of a flight.
+        when: time (s) of its events by key.
+        line_m: from the backshell to the canopy, m.
+    """
+    if "ignition" not in when or "backshell" not in when:
+        return {}
+    t = telemetry["t_s"]
+    last = t <= when.get("touchdown", np.inf)
+    off = np.column_stack(
+        [
+            telemetry[f"truth.backshell_{axis}_m"] - telemetry[f"truth.site_{axis}_m"]
+            for axis in ("east", "north", "up")
+        ]
+    )
+    parted = last & (t >= when["ignition"] + PARTED_S)
+    figures = {}
+    if np.count_nonzero(parted) > 1:
+        figures["min_drift_distance_m"] = min(
+            least_length(off[parted] + (0.0, 0.0, h)) for h in (0.0, line_m)
+        )
+    hovering = last & (t >= when.get(begun(HOVER_IMAGING), np.inf)) & (off[:, 2] + line_m > 0.0)
+    if np.count_nonzero(hovering) > 1:
+        figures["min_overhead_m"] = least_length(off[hovering, :2])
+    return figures
+
+
+def least_length(way: np.ndarray) -> float:
+    """Least length of a vector, rows of ``way``, that moves on straight lines from row to row."""
+    start, step = way[:-1], np.diff(way, axis=0)
+    share = -np.sum(start * step, axis=1) / np.maximum(np.sum(step * step, axis=1), 1e-30)
+    return float(np.min(lengths(start + np.clip(share, 0.0, 1.0)[:, None] * step)))
+
+
+def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
+    """Errors of the balance of energy, momentum, also that of separations alone, and mass.
+
+    Args:
+        cases: the truth of the flight, shape (1,).
+        plants: its plant, shape (1,).
+    """
+    return from_si("balance", _balance_errors(cases, plants))
+
+
+@kernel
+def _potential(planet, t, r_I):
+    """Potential of gravitation (J/kg) at ``r_I`` (m) and time ``t`` (s)."""
+    c, s = planet_rotation(planet, t)
+    return potential_F(planet.gravity, rotate_z(c, s, r_I))
+
+
+@kernel
+def _balance_errors(cases, plants):
+    """Energy counts from rest in I at the equator of the ellipsoid; its error is the share of that at the
+    start, or of the work since if that is more, the error of mass the share of the mass at the start.
+    """
+    case, plant, kept, planet = cases[0], plants[0], plants[0].balance, cases[0].planet
+    v, v_start = take3(plant.y, VELOCITY), take3(kept.v_I, 0)
+    momentum = norm(sub(sub(v, v_start), take3(kept.velocity, 0)))
+    start = _potential(planet, 0.0, take3(kept.r_I, 0))
+    end = _potential(planet, plant.t, take3(plant.y, POSITION))
+    ground = _potential(planet, 0.0, (planet.equatorial_radius, 0.0, 0.0))
+    kinetic, kinetic_start = 0.5 * dot(v, v), 0.5 * dot(v_start, v_start)
+    energy = (kinetic - end) - (kinetic_start - start) - kept.work
+    whole = max(kinetic_start + abs(ground - start), abs(kept.work))
+    share = abs(energy) / whole if whole > 0.0 else 0.0
+    mass = vehicle_mass(case, plant) + kept.lost - kept.mass
+    return share, momentum, kept.separations, abs(mass) / kept.mass
