@@ -68,7 +68,7 @@ __all__ = [
     "verify",
 ]
 
-#: Modules of what is loaded when it is asked for.
+#: Modules of the names that are loaded at their first use.
 _MODULES = {
     "CampaignResult": "edl6dof.api.campaign",
     "Case": "edl6dof.campaign.design.case",

@@ -93,7 +93,7 @@ ACTIVE: dict[Path, tuple[str, Member]] = {}
 
 
 class _Plugin(NamedTuple):
-    """A plugin file as it was read, once: what is checked is what runs."""
+    """Content of a plugin file, read once: the same bytes are checked and run."""
 
     path: Path
     content: bytes
@@ -160,7 +160,7 @@ def plugin_content(path: Path, error_of: Callable[[str], ConfigError]) -> bytes:
 
 
 def source_text(content: bytes) -> str:
-    """Source of a plugin as it is shown and as it runs: UTF-8, whatever coding it declares.  In another one,
+    """Source of a plugin as it is shown and as it runs: always UTF-8.  In a coding that the file declares,
     such as UTF-7, comments that the user reads could be code.
 
     Raises:
@@ -193,8 +193,8 @@ def require(document: Document) -> None:
 
 
 def named_plugins(document: Document) -> list[Path]:
-    """Absolute paths of the plugins that a document names, found beside the file or one it extends; wrong
-    types go to validation.
+    """Absolute paths of the plugins that a document names, in the folder of the file or of one it extends;
+    validation reports wrong types.
     """
     names = document.data.get("plugins") or []
     folders = [file.resolve().parent for file in document.files] or [Path.cwd()]
@@ -248,7 +248,7 @@ def said_family(content: bytes) -> str:
 
 
 def _run(plugin: _Plugin) -> dict[str, Any]:
-    """Run the bytes that were checked as a module: no file beside them, such as a ``.pyc``, takes part."""
+    """Run the checked bytes as a module, without any other file such as a ``.pyc``."""
     path = plugin.path
     # machine code names the module: that of a plugin which has moved, or a copy of it, is the same
     name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(plugin.content).hexdigest()[:8]}"

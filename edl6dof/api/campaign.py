@@ -281,22 +281,20 @@ class Job:
 def campaign_job(
     scenario: str,
     sets: Sequence[str],
+    drawn: tuple[int | None, int | None, str | None],
     engine: EngineChoice,
+    until: str | None,
     *,
-    cases: int | None = None,
-    seed: int | None = None,
-    sampling: str | None = None,
-    until: str | None = None,
-    out: str | Path | None = None,
-    force: bool = False,
-    resume: bool = False,
+    out: str | Path | None,
+    force: bool,
+    resume: bool,
 ) -> Job:
-    """Prepare a campaign; see :func:`edl6dof.campaign` for the arguments."""
+    """Prepare a campaign; ``drawn``: cases, seed and sampling, see :func:`edl6dof.campaign`."""
     check_until(until)
     if resume and is_campaign(scenario):
-        require_no_values(scenario, sets, cases, seed, sampling)
+        require_no_values(scenario, sets, *drawn)
         return Job(Store(Path(scenario)), engine)
-    plan = load_plan(scenario, tuple(sets), cases, seed, sampling)
+    plan = load_plan(scenario, tuple(sets), *drawn)
     check_until(until, plan)
     store = Store(Path(out or Path("runs") / plan.name))
     return resumed_job(store, engine, plan) if resume else Job(store, engine, plan, until, force)

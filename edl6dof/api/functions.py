@@ -269,18 +269,8 @@ def campaign(
     activate(name)
     from edl6dof.api.campaign import EngineChoice, campaign_job
 
-    job = campaign_job(
-        name,
-        texts(overrides),
-        EngineChoice(engine, workers, cluster),
-        cases=cases,
-        seed=seed,
-        sampling=sampling,
-        until=until,
-        out=out,
-        force=force,
-        resume=resume,
-    )
+    sets, drawn, flying = texts(overrides), (cases, seed, sampling), EngineChoice(engine, workers, cluster)
+    job = campaign_job(name, sets, drawn, flying, until, out=out, force=force, resume=resume)
     return job.result(progress, in_memory=out is None and not resume)
 
 
@@ -331,15 +321,9 @@ def faults(
     from edl6dof.api.fault_choice import FaultRequest, faults_plan, listed
     from edl6dof.campaign.store import Store
 
-    request = FaultRequest(
-        sensors=sensors,
-        kinds=listed(kinds),
-        components=listed(components),
-        pairs=pairs,
-        phases=listed(phases),
-        after_s=after_s,
-        at=None if at is None else listed(at),
-    )
+    what, where, when = listed(kinds), listed(components), listed(phases)
+    moments = None if at is None else listed(at)
+    request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
     plan = faults_plan(name, sets, request, vehicles, seed)
     job = Job(Store(Path(out or "")), EngineChoice(workers=workers), plan, force=force)
     return job.result(progress, in_memory=out is None)

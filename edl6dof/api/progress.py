@@ -23,7 +23,7 @@ from edl6dof.sim.flight import Progress as FlightProgress
 
 @contextmanager
 def flight_progress(talk: bool) -> Iterator[FlightProgress | None]:
-    """Show time, phase, altitude and Mach number of a flight; yields what is to be called with them."""
+    """Show time, phase, altitude and Mach number of a flight; yield the function to call with them."""
     console = Console(stderr=True)
     if not (talk and console.is_terminal):
         yield None
@@ -58,7 +58,7 @@ def count_runs(
 ) -> Iterator[Callable[..., None]]:
     """Count runs, with rate and time left.
 
-    Yields what is to be called with the runs done, the runs in all, and the words of a ``rate`` column.
+    Yields a function to call with the numbers of runs done and in total, and the words of a ``rate`` column.
     """
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), MofNCompleteColumn())

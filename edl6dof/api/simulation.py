@@ -168,24 +168,12 @@ class Fleet(sim.Fleet):
         return landed
 
 
-class DispersedFlights:
-    """Flights of a campaign by their seeds, flown by the flight software up to a phase.
-
-    The arguments are those of :class:`Starts`.
-
-    Attributes:
-        loaded: the scenario.
-    """
-
-    def __init__(
-        self, scenario: str, overrides: Mapping[str, Any] | None = None, faults: Sequence[Mapping] = ()
-    ):
-        self._name, self._starts = scenario, Starts(scenario, overrides or {}, faults)
-        self.loaded = self._starts.loaded
+class DispersedFlights(Starts):
+    """Flights of a campaign by their seeds, flown by the flight software up to a phase."""
 
     def fleet(self, count: int, workers: int = 1) -> Fleet:
         """Make a fleet with places for a number of flights, which :meth:`Fleet.put` starts."""
-        return Fleet(count, self._starts.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
+        return Fleet(count, self.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
 
     def at_phase(self, seed: int, role: str, later_s: float = 0.0) -> Start | None:
         """Return the flight of a seed at the start of its phase with a role, or ``later_s`` (s) after it;
@@ -194,9 +182,9 @@ class DispersedFlights:
         Raises:
             ConfigError: the campaign disperses tables of air or ground, which the flights of a fleet share.
         """
-        variant = self._starts.of(seed)
-        if variant.parts.tables is not self._starts.base.parts.tables:
-            raise refusal(self._name, "disperses the tables of the world, which a fleet shares")
+        variant = self.of(seed)
+        if variant.parts.tables is not self.base.parts.tables:
+            raise refusal(self.loaded.scenario.name, "disperses tables of the world, which a fleet shares")
         flight = SteppedFlight(variant.loaded, variant.parts, telemetry=False)
         roles, phase = variant.loaded.scenario.phase_roles, flight.running.fsw["mission"]["phase"]
         while roles[int(phase[0])] != role:

@@ -60,7 +60,7 @@ def fly_campaign(job: Job, *, command: str = "campaign", quiet: bool = False, as
 
 
 def _standing(job: Job, command: str) -> str:
-    """Say what is left of a campaign that was stopped."""
+    """Text on the files of a campaign that was stopped."""
     store, plan = job.store, job.plan
     kept = f"what has flown is kept; go on with: edl6dof {command} {store.folder} --resume"
     if plan is None:

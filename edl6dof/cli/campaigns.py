@@ -15,10 +15,10 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import INTERRUPTED, Sets, argument, check_target, flag, option
+from edl6dof.cli.group import INTERRUPTED, Sets, Workers, argument, check_target, flag, option
 from edl6dof.config.errors import refusal
 
-#: Events before whose end no flight need go on beyond the deployment of the parachute.
+#: Events for which flights may end at the deployment of the parachute.
 ENDS_AT_DEPLOYMENT = ("parachute", "trim_wing")
 
 
@@ -33,11 +33,7 @@ def campaign(
     seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
     sampling: Annotated[
         str | None,
-        option(
-            "NAME",
-            "monte_carlo, latin_hypercube, sobol, or sobol_indices: N rows of the design that "
-            "shows the effect of each dispersion, alone and with others.",
-        ),
+        option("NAME", "monte_carlo, latin_hypercube, sobol, or sobol_indices (effect of each dispersion)."),
     ] = None,
     engine: Annotated[str, option("NAME", "threads (this machine) or dask.")] = "threads",
     cluster: Annotated[str | None, option("ADDRESS", "Dask scheduler, such as tcp://127.0.0.1:8786.")] = None,
@@ -65,18 +61,9 @@ def campaign(
         from edl6dof.api.campaign import EngineChoice, campaign_job
         from edl6dof.cli.campaign_flight import fly_campaign
 
-        job = campaign_job(
-            scenario,
-            tuple(sets or ()),
-            EngineChoice(engine, workers, cluster),
-            cases=cases,
-            seed=seed,
-            sampling=sampling,
-            until=until,
-            out=out,
-            force=force,
-            resume=resume,
-        )
+        flying, drawn = EngineChoice(engine, workers, cluster), (cases, seed, sampling)
+        changes = tuple(sets or ())
+        job = campaign_job(scenario, changes, drawn, flying, until, out=out, force=force, resume=resume)
         return fly_campaign(job, quiet=quiet, as_json=as_json)
 
 
@@ -150,10 +137,7 @@ def refly(
 def faults(
     scenario: Annotated[
         str,
-        argument(
-            "SCENARIO",
-            "Scenario file or name, tianwen1 if not given; with --resume also the folder of a matrix.",
-        ),
+        argument("SCENARIO", "Scenario, tianwen1 if not given; with --resume also the folder of a matrix."),
     ] = "tianwen1",
     sensors: Annotated[
         bool, flag("Faults of every instrument axis, beam, star tracker and flow meter instead.", "--sensors")
@@ -161,9 +145,7 @@ def faults(
     kinds: Annotated[
         str,
         option(
-            "LIST",
-            "Kinds of fault, with commas, or all: those of thrusters; stuck_off if not given, "
-            "with --sensors all of instruments.",
+            "LIST", "Kinds of fault, with commas, or all; stuck_off, or with --sensors all, if not given."
         ),
     ] = "",
     components: Annotated[
@@ -193,17 +175,11 @@ def faults(
     vehicles: Annotated[
         int | None,
         option(
-            "N",
-            "Dispersed vehicles for each fault, as a campaign draws them; the nominal one if not given.",
-            "-n",
-            "--vehicles",
-            min=1,
+            "N", "Dispersed vehicles for each fault; the nominal one if not given.", "-n", "--vehicles", min=1
         ),
     ] = None,
     seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
-    workers: Annotated[
-        int | None, option("N", "Threads; as many as there are cores if not given.", min=1, max=1024)
-    ] = None,
+    workers: Workers = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/faults-<scenario> if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing matrix.", "--force")] = False,
     resume: Annotated[bool, flag("Resume an interrupted matrix.", "--resume")] = False,
@@ -243,11 +219,7 @@ def faults(
 def covariance(
     campaign: Annotated[
         str,
-        argument(
-            "CAMPAIGN",
-            "Campaign file or name, tianwen1_mc if not given; or the folder of a finished "
-            "campaign, to compare with it.",
-        ),
+        argument("CAMPAIGN", "Campaign, tianwen1_mc if not given; or the folder of one, to compare with it."),
     ] = "tianwen1_mc",
     at: Annotated[
         str, option("EVENT", "entry (its peaks), parachute, trim_wing, backshell or touchdown.")
@@ -260,14 +232,12 @@ def covariance(
         bool, flag("Also step each dispersion alone, to show where the response is linear.", "--each")
     ] = False,
     seed: Annotated[int | None, option("N", "Seed of the steps; the campaign's if not given.", min=0)] = None,
-    workers: Annotated[
-        int | None, option("N", "Threads; as many as there are cores if not given.", min=1, max=1024)
-    ] = None,
+    workers: Workers = None,
     out: Annotated[
         Path | None, option("FILE", "Write the error budget (.csv) or the ellipse (.png, .pdf, .svg).")
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
-) -> int:
+) -> None:
     """Compute the covariance of an event and its contributions.
 
     Every dispersion is one standard deviation high in half of the flights and low in their mirror images,
@@ -300,7 +270,7 @@ def covariance(
         sampled = flown(store.table(list(event.all)), event, folder)
     if at in ENDS_AT_DEPLOYMENT:
         plan = ending_at_deployment(plan)
-    with count_runs("covariance", quiet=False) as progress:
+    with count_runs("covariance") as progress:
         began = time.perf_counter()
         found = fly_covariance(plan, event, pairs, workers, progress)
         took_s = time.perf_counter() - began
@@ -317,4 +287,3 @@ def covariance(
 
                 write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)
         print(out)
-    return 0

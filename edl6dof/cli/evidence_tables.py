@@ -101,7 +101,7 @@ def _narrow(row: Sequence[str]) -> tuple[str, ...]:
 
 
 def show_calibration(found: Findings, target: Path) -> None:
-    """Print what was found, and the files of its folder."""
+    """Print the findings of a calibration, and the files of its folder."""
     console = Console(highlight=False, soft_wrap=True)
     letters = [chr(ord("a") + k) for k in range(len(found.fit.x))]
     console.print("[bold]Parameters[/]")

@@ -17,9 +17,9 @@ from typer.core import TyperCommand, TyperGroup
 from edl6dof.api.arguments import naming_options
 from edl6dof.config.errors import ConfigError, refusal
 
-#: The flight, or what was to be shown by flights, is not within its limits.
+#: The flight, or the result of flights, is not within its limits.
 NOT_WITHIN_LIMITS = 1
-#: What was given cannot be used.
+#: The input cannot be used.
 BAD_INPUT = 2
 #: Something that the command needs is not on this machine (EX_UNAVAILABLE of sysexits.h).
 UNAVAILABLE = 69
@@ -27,7 +27,7 @@ UNAVAILABLE = 69
 DEFECT = 70
 #: Ctrl-C.
 INTERRUPTED = 130
-#: Whoever read the output has stopped reading it.
+#: The reader of the output has closed it.
 BROKEN_PIPE = 141
 
 
@@ -50,7 +50,7 @@ Sets = Annotated[
     list[str] | None,
     option("PATH=VALUE", "Change one parameter (edl6dof params lists them); repeatable.", "--set"),
 ]
-
+Workers = Annotated[int | None, option("N", "Threads; all cores if not given.", "--workers", min=1, max=1024)]
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "fly": (
@@ -143,7 +143,7 @@ class Command(TyperCommand):
         return [self.options_metavar or "", *pieces]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write arguments and options, each with what it means."""
+        """Write arguments and options, each with its meaning."""
         arguments = [(_called(one), getattr(one, "help", "") or "") for one in self._arguments()]
         records = [
             one.get_help_record(ctx) for one in self.get_params(ctx) if one.param_type_name == "option"
@@ -231,9 +231,9 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
 
 @contextmanager
 def refusing_damage(*folders: Path) -> Iterator[None]:
-    """Turn whatever goes wrong while results are read and shown into one line.
+    """Turn any error while results are read and shown into one line.
 
-    Files are checked where they are read; a folder that was made up to pass those checks ends here.
+    Files are checked when they are read; this is for a folder made up to pass those checks.
 
     Raises:
         ConfigError: names the line of this program that failed.

@@ -69,7 +69,7 @@ def list_scenarios() -> None:
     console.print("A file of your own: edl6dof scenarios tianwen1 > mine.yaml", style="dim")
 
 
-def show_params(path: str, as_json: bool) -> int:
+def show_params(path: str, as_json: bool) -> None:
     """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
     table = [Value(row, row.default, row.path, "") for row in rows(Scenario)]
     found = _found(table, path, "edl6dof params")
@@ -77,20 +77,18 @@ def show_params(path: str, as_json: bool) -> int:
         print(json.dumps([one.row._asdict() for one in found], indent=1))
     else:
         _print_sections(found)
-    return 0
 
 
-def show_values(name: str, path: str, sets: Sequence[str], as_json: bool) -> int:
+def show_values(name: str, path: str, sets: Sequence[str], as_json: bool) -> None:
     """Print the values of a scenario from ``path`` downwards, or whose path contains it."""
     found = _found(_values(name, sets), path, f"edl6dof show {name}")
     if as_json:
         print(json.dumps([{**one.row._asdict(), **_given(one)} for one in found], indent=1))
     else:
         _print_sections(found)
-    return 0
 
 
-def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_json: bool) -> int:
+def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_json: bool) -> None:
     """Print the values in which two scenarios differ, and where each is given; ``sets`` are of the first."""
     one, two = _values(names[0], sets), _values(names[1], ())
     mine, other = ({value.row.path: value for value in table} for table in (one, two))
@@ -105,7 +103,7 @@ def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_
             for key, pair in pairs.items()
         ]
         print(json.dumps(data, indent=1))
-        return 0
+        return
     console = Console(highlight=False, soft_wrap=True)
     console.print(" | ".join(names) if pairs else "The scenarios are the same.", style="bold", markup=False)
     for key, pair in pairs.items():
@@ -113,7 +111,6 @@ def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_
         console.print(f"{key}: {' | '.join(shown)}", markup=False)
         places = (value.origin if value else "-" for value in pair)
         console.print(f"    {' | '.join(places)}", style="dim", markup=False)
-    return 0
 
 
 def _values(name: str, sets: Sequence[str]) -> list[Value]:
@@ -205,7 +202,7 @@ def _paragraph(text: str, width: int) -> Iterator[tuple[str, str]]:
 
 
 def trust_plugins(files: Sequence[str], yes: bool) -> int:
-    """Show each plugin, ask for consent to run it, and record that; returns the exit status."""
+    """Show each plugin, ask for consent to run it, and record it; return the exit status."""
     for path in [path for file in files for path in _plugins(file)]:
         content = plugin_content(path, partial(refusal, shown(path)))
         if is_accepted(content):

@@ -89,8 +89,8 @@ def _write(runs: Sequence[Run], figure: Figure, path: Path) -> None:
     path.write_text(page(report), encoding="utf-8")
 
 
-def list_channels(folder: Path) -> int:
-    """Print name, unit and meaning of every channel of a run; return the exit status."""
+def list_channels(folder: Path) -> None:
+    """Print name, unit and meaning of every channel of a run."""
     run = Run(folder)
     widest = max(map(len, run))
     units = max(len(run.unit(name)) for name in run)
@@ -99,7 +99,6 @@ def list_channels(folder: Path) -> int:
             print(f"{name:<{widest}}  {run.unit(name):<{units}}  {run.meaning(name)}")
     except BrokenPipeError:
         sys.stderr.close()
-    return 0
 
 
 #: Most figures and differences of scenarios of two flights on a terminal, without ``--all``.

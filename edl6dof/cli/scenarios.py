@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import UNAVAILABLE, Sets, argument, flag, option, refuse
+from edl6dof.cli.group import UNAVAILABLE, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 
@@ -164,7 +164,7 @@ def scenarios(
     scenario: Annotated[
         str | None, argument("SCENARIO", "Scenario whose file is printed; by default all are listed.")
     ] = None,
-) -> int:
+) -> None:
     """List the shipped scenarios, or print the file of one."""
     from edl6dof.cli.inspection import list_scenarios
     from edl6dof.config.document.locate import resolve_scenario
@@ -173,7 +173,6 @@ def scenarios(
         list_scenarios()
     else:
         sys.stdout.write(resolve_scenario(scenario).read_text(encoding="utf-8"))
-    return 0
 
 
 def show(
@@ -186,7 +185,7 @@ def show(
         str | None, option("OTHER", "Print only what another scenario has otherwise, and where.", "--diff")
     ] = None,
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
-) -> int:
+) -> None:
     """Values of a scenario: unit, bounds, meaning, file and line.
 
     Parameters of its plugins are among them.
@@ -195,8 +194,9 @@ def show(
     from edl6dof.cli.inspection import show_differences, show_values
 
     if diff is not None:
-        return show_differences((scenario, diff), path, sets or (), as_json)
-    return show_values(scenario, path, sets or (), as_json)
+        show_differences((scenario, diff), path, sets or (), as_json)
+    else:
+        show_values(scenario, path, sets or (), as_json)
 
 
 def params(
@@ -204,18 +204,18 @@ def params(
         str, argument("PATH", "Dotted path to begin at, such as vehicle.parachutes, or part of a name.")
     ] = "",
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
-) -> int:
+) -> None:
     """List parameters: default, unit, bounds, meaning, status."""
     activate()
     from edl6dof.cli.inspection import show_params
 
-    return show_params(path, as_json)
+    show_params(path, as_json)
 
 
 def schema(
     scenario: Annotated[str | None, argument("SCENARIO", "Scenario whose plugins the files may use.")] = None,
     of: Annotated[str, option("KIND", "scenario (campaigns, too), vehicle or planet.", "--of")] = "scenario",
-) -> int:
+) -> None:
     """Print the JSON schema of scenario, vehicle or planet files."""
     activate(scenario)
     from edl6dof.api.schema_files import SCHEMAS
@@ -223,7 +223,6 @@ def schema(
     if of not in SCHEMAS:
         raise refusal("--of", f"must be one of {', '.join(SCHEMAS)} (got {of!r})")
     print(json.dumps(SCHEMAS[of](), indent=1))
-    return 0
 
 
 def cache(
@@ -231,7 +230,7 @@ def cache(
     everything: Annotated[
         bool, flag("With --clear: that of other installations and versions, too.", "--all")
     ] = False,
-) -> int:
+) -> None:
     """Show the machine code on this machine, or clear it.
 
     It is compiled by the first flight of an installation, and named by a hash of its sources: it is never
@@ -241,10 +240,10 @@ def cache(
     from edl6dof.kernels.cache import folder
 
     if everything and not clear:
-        return refuse("--all: is of --clear")
+        raise refusal("--all", "is of --clear")
     if (own := folder()) is None:
         print("none is kept")
-        return 0
+        return
     others = [one for one in own.parent.iterdir() if one.is_dir() and one != own]
     print(f"{own.parent}\n  this installation: {_size([own])}\n  others: {_size(others)}")
     if clear:
@@ -252,7 +251,6 @@ def cache(
         for place in removed:
             rmtree(place, ignore_errors=True)
         print(f"removed: {counted(len(removed), 'folder')}")
-    return 0
 
 
 def _size(places: Sequence[Path]) -> str:
@@ -260,9 +258,8 @@ def _size(places: Sequence[Path]) -> str:
     return f"{sum(sizes) / 1e6:.1f} MB in {len(sizes):,} files"
 
 
-def version() -> int:
+def version() -> None:
     """Print the version."""
     from edl6dof import __version__
 
     print(__version__)
-    return 0

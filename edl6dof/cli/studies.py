@@ -91,7 +91,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
 
 
 def _table(experiment: str, findings: Iterable[Finding]) -> Table:
-    """The findings of one experiment, under its name; a column that none of them fills is left out."""
+    """Tabulate the findings of one experiment without empty columns."""
     rows = [(finding, (finding.unit, *_numbers(finding), *_compared(finding))) for finding in findings]
     heads = ("unit", "computed>", "published>", "difference>", ">")
     filled = [k for k in range(len(heads)) if any(cells[k] for _, cells in rows)]
@@ -115,7 +115,7 @@ def _causes(report: Report) -> list[str]:
 
 
 def _outcome(report: Report) -> str:
-    """Say under the table which figures are not as the study says, else how many hold."""
+    """Text of the violated figures of a study, or of the number of reproduced ones."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
         return f"violated: {', '.join(missed)}"
     explained = sum(bool(finding.why) for finding in report.findings)

@@ -81,7 +81,7 @@ class Task(ABC):
         return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """Observe what the flight computers know, shape (flights, size); nothing of it is the truth."""
+        """Observation of the knowledge of the flight computers, without truth, shape (flights, size)."""
         columns = [feature.read(self.fleet.memories) for feature in self.features]
         return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
 

@@ -223,7 +223,7 @@ _ATTITUDE = (
 
 
 class _ThrusterFault(Task):
-    """One of the thrusters is dead, and nobody has said which."""
+    """One unknown thruster is dead."""
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)

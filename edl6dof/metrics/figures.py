@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -98,26 +98,12 @@ class Part(NamedTuple):
         return telemetry.rows(first, last)
 
 
-def largest(part: Part, *columns: str) -> Form:
-    """Largest magnitude of columns."""
-    return _over(part, lambda rows: rows.largest(*columns))
-
-
-def longest(part: Part, *columns: str) -> Form:
-    """Largest length of the vector of columns."""
-    return _over(part, lambda rows: rows.longest(*columns))
-
-
-def nearest(part: Part, place: Sequence[str], other: Sequence[str]) -> Form:
-    """Return the smallest distance between two positions."""
-    return _over(part, lambda rows: rows.nearest(place, other))
-
-
-def _over(part: Part, extreme: Callable[[Telemetry], float]) -> Form:
+def over(part: Part, extreme: Literal["largest", "longest", "nearest"], *channels: Any) -> Form:
+    """Extreme of channels over rows, by a method of :class:`edl6dof.telemetry.columns.Telemetry`."""
 
     def form(flown: Flown) -> float | None:
         rows = part.rows(flown)
-        return extreme(rows) if len(rows["t_s"]) else None
+        return getattr(rows, extreme)(*channels) if len(rows["t_s"]) else None
 
     return form
 
@@ -258,7 +244,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("trim_aoa_propellant_kg", "propellant used in trim", "telemetry", form=trim_propellant),
     _F("lift_start_s", "lift control begins", "events", form=at(begun(LIFT))),
     _F("bank_reversals", "bank reversals", "telemetry", form=bank_reversals),
-    _F("max_bank_rate_deg_s", "peak bank rate", "telemetry", form=largest(Part(LIFT), _RATES[0])),
+    _F("max_bank_rate_deg_s", "peak bank rate", "telemetry", form=over(Part(LIFT), "largest", _RATES[0])),
     _F("max_pitch_rate_lift_deg_s", "peak pitch rate in lift, less banking", "telemetry",
        form=swing(_CALM, _RATES[1], _RATES[0], "truth.beta_deg")),
     _F("max_yaw_rate_lift_deg_s", "peak yaw rate in lift, less banking", "telemetry",
@@ -286,7 +272,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("max_load_parachute_g0", "peak load under parachute", "peaks"),
     _F("max_riser_tension_n", "peak riser tension", "peaks"),
     _F("max_rate_parachute_deg_s", "peak body rate under parachute", "telemetry",
-       form=largest(Part(PARACHUTE, needs="mortar"), *_RATES)),
+       form=over(Part(PARACHUTE, needs="mortar"), "largest", *_RATES)),
     _F("heat_shield_s", "heat shield jettisoned", "events", form=at("heat_shield")),
     _F("parachute_duration_s", "time under parachute", "events", form=between("mortar", "backshell")),
     _F("backshell_s", "backshell released", "events", form=at("backshell")),
@@ -295,7 +281,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("backshell_height_m", "height above the ground at backshell release", "events",
        limit="backshell_height_m", form=value("backshell", "truth.height_m")),
     _F("min_backshell_distance_m", "least distance from the backshell", "telemetry",
-       form=nearest(_SEPARATED, _place("site"), _place("backshell")), clearance=True),
+       form=over(_SEPARATED, "nearest", _place("site"), _place("backshell")), clearance=True),
     _F("min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry",
        clearance=True),
     _F("min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry",
@@ -318,16 +304,17 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("powered_duration_s", "time in powered descent", "events", form=between("backshell", "touchdown")),
     _F("engine_burn_s", "engine lit", "events", form=between("ignition", "cut_off", "touchdown")),
     _F("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry",
-       form=longest(_POWERED, *_ERRORS[1:])),
-    _F("max_rate_powered_deg_s", "peak body rate under power", "telemetry", form=largest(_POWERED, *_RATES)),
+       form=over(_POWERED, "longest", *_ERRORS[1:])),
+    _F("max_rate_powered_deg_s", "peak body rate under power", "telemetry",
+       form=over(_POWERED, "largest", *_RATES)),
     _F("max_roll_error_powered_deg", "peak roll error under power", "telemetry",
-       form=largest(_SETTLED, _ERRORS[0])),
+       form=over(_SETTLED, "largest", _ERRORS[0])),
     _F("roll_error_at_ignition_deg", "roll error at ignition", "events",
        form=value("ignition", "control.error_roll_deg")),
     _F("max_disturbance_torque_nm", "peak disturbance torque, true", "telemetry",
-       form=largest(_POWERED, *_axes("truth.disturbance_{}_nm"))),
+       form=over(_POWERED, "largest", *_axes("truth.disturbance_{}_nm"))),
     _F("max_estimated_torque_nm", "peak disturbance torque, estimated", "telemetry",
-       form=largest(_POWERED, *_axes("estimate.torque_{}_nm"))),
+       form=over(_POWERED, "largest", *_axes("estimate.torque_{}_nm"))),
     _F("propellant_used_kg", "propellant used", "telemetry", form=propellant),
     _F("touchdown_s", "touchdown", "contact"),
     _F("touchdown_vertical_m_s", "vertical speed at touchdown", "contact", limit="touchdown_vertical_m_s"),

@@ -90,7 +90,7 @@ def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, 
 
 
 def test_new_campaign_is_interrupted_when_it_has_begun(file, monkeypatch):
-    monkeypatch.setattr(campaign_flight, "count_runs", interrupt)
+    monkeypatch.setattr(run, "fly", interrupt)
     assert command("campaign", file) == (130, GO_ON)
     assert Store(Path("runs/drops")).plan_text == load_plan(file).text
 

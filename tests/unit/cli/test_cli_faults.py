@@ -7,10 +7,10 @@ import pyarrow.parquet as pq
 import pytest
 from chance import fewest
 from cli_run import run
-from edl6dof.cli.fault_tables import _LEGEND, _shares, _times
 from in_process import called
 from rich.console import Console
 
+from edl6dof.cli.campaign_flight import _LEGEND, _shares, _times
 from edl6dof.cli.group import NOT_WITHIN_LIMITS
 from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
