@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 from edl6dof.api.functions import (
     calibrate,
     campaign,
+    draw_vehicle,
     faults,
     fly,
     load,
@@ -57,6 +58,7 @@ __all__ = [
     "State",
     "calibrate",
     "campaign",
+    "draw_vehicle",
     "faults",
     "fly",
     "fly_rows",

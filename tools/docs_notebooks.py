@@ -20,6 +20,14 @@ FOLDER = Path(__file__).resolve().parents[1] / "docs" / "notebooks"
 #: In the order in which they are read.
 NAMES = ("first_flight", "break_a_thruster", "write_a_law", "disperse", "train", "validate")
 
+#: First cell of an .ipynb, for a hosted notebook (Colab, Binder) without the package.
+INSTALL = """\
+# On a hosted notebook, upload a wheel of edl6dof first; python -m build --wheel builds one.
+try:
+    import edl6dof
+except ModuleNotFoundError:
+    %pip install -q edl6dof-*.whl"""
+
 _CELL = re.compile(r"(?m)^# %%(?P<markdown> \[markdown\])?\n")
 
 
@@ -50,9 +58,10 @@ def page(name: str) -> str:
 
 
 def notebook(name: str) -> str:
-    """A notebook as Jupyter reads it, without outputs."""
+    """A notebook as Jupyter reads it, without outputs; after the title comes the cell that installs."""
     made = []
-    for number, (kind, body) in enumerate(cells(source(name))):
+    title, *others = cells(source(name))
+    for number, (kind, body) in enumerate((title, ("code", INSTALL), *others)):
         cell = {
             "cell_type": kind,
             "id": f"{name}-{number}",

@@ -26,6 +26,12 @@ FLIGHTS = {
     "runs/tianwen1": "fly tianwen1",
     "runs/heavy": "fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350",
     "runs/rocks": "fly tianwen1_hazards --out runs/rocks --set terrain.landing_area.rock_abundance=0.1",
+    "runs/fnpeg": (
+        "fly tianwen1 --out runs/fnpeg --set flight_software.guidance.entry.law=fnpeg "
+        "--set flight_software.guidance.entry.reversal.logic=own_sign"
+    ),
+    "runs/convex": "fly tianwen1 --out runs/convex --set flight_software.guidance.powered.law=convex",
+    "runs/mc": "campaign tianwen1_mc -n 100 --out runs/mc",
     "runs/titan_probe": "fly titan_probe",
     "runs/earth_drop": "fly earth_drop",
     "runs/faults": (
@@ -64,6 +70,11 @@ def page(name: str, shows: str, title: str, t: float, *runs: str) -> Picture:
     )
 
 
+def figure(name: str, shows: str, run: str, key: str) -> Picture:
+    """A figure of the report of a run or a campaign."""
+    return Picture(name, shows, (run,), f"report {run} --png", f"{run}/report/{key}.png")
+
+
 PICTURES = (
     tour("entry", "Entry at Mach 24, banked.", "runs/tianwen1", 100.0),
     tour("parachute", "The disk-gap-band parachute, 22 s after the mortar.", "runs/tianwen1", 302.0),
@@ -77,11 +88,38 @@ PICTURES = (
     page("hazards", "The hazard map that the lander made at the hover.", "Hazards", 508.0, "runs/rocks"),
     page("two_flights", "Two flights in one replay.", "Flight", 480.0, "runs/tianwen1", "runs/heavy"),
     Picture(
+        "vehicle",
+        "A vehicle with its nozzles, tank and centres of mass.",
+        (),
+        "show tianwen1 --vehicle -o vehicle.png",
+    ),
+    figure("overview", "One flight from entry to touchdown.", "runs/tianwen1", "overview"),
+    Picture(
+        "rates",
+        "Body rates during the entry.",
+        ("runs/tianwen1",),
+        "plot runs/tianwen1 'truth.rate_*' --from 60 --to 280 --out rates.png",
+    ),
+    figure(
+        "phase_plane",
+        "Phase planes of lift control: bank reversals at the largest bank rate.",
+        "runs/tianwen1",
+        "phase_plane_bank_to_steer",
+    ),
+    figure("thrusters", "Mean duty of each thruster.", "runs/tianwen1", "thrusters"),
+    Picture(
+        "laws",
+        "Bank angles of two guidance laws on the same entry.",
+        ("runs/tianwen1", "runs/fnpeg"),
+        "plot runs/tianwen1 runs/fnpeg truth.bank_deg --to 280 --out laws.png",
+    ),
+    figure("convex", "Powered descent with the least propellant.", "runs/convex", "powered"),
+    figure("footprint", "Landing points of a hundred dispersed flights.", "runs/mc", "footprint"),
+    figure(
         "faults",
         "Every pair of twelve thrusters stuck on at 200 s: thrusters isolated, and times of isolation.",
-        ("runs/faults",),
-        "report runs/faults --png",
-        "runs/faults/report/faults_stuck_on_0.png",
+        "runs/faults",
+        "faults_stuck_on_0",
     ),
     tour("titan", "A probe sinks through the haze of Titan.", "runs/titan_probe", 6000.0),
     tour("earth", "A capsule falls on Earth.", "runs/earth_drop", 60.0),
@@ -118,9 +156,9 @@ def text() -> str:
     """The page."""
     parts = [
         "# Gallery\n",
-        "Each picture shows a real run, with the commands that made it. `python tools/gallery.py` makes",
+        "Each picture shows a simulated flight, with the commands that made it. `python tools/gallery.py`",
     ]
-    parts[-1] += " all of them again.\n"
+    parts[-1] += " makes all of them again.\n"
     for picture in PICTURES:
         commands = [*(FLIGHTS[run] for run in picture.flights), picture.command]
         lines = "\n".join(f"edl6dof {command}" for command in commands)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.calibration.findings import Findings
+    from edl6dof.design.thruster_authority import Configuration
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
@@ -105,6 +106,46 @@ def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> Load
     if overrides:
         raise TypeError("the scenario is loaded already: give the overrides to edl6dof.load")
     return scenario
+
+
+@naming_arguments()
+def draw_vehicle(
+    scenario: LoadedScenario | str | Path,
+    path: str | Path,
+    overrides: Overrides = (),
+    *,
+    force: bool = False,
+) -> list[Configuration]:
+    """Draw top and side view of a vehicle, as ``edl6dof show --vehicle`` does.
+
+    Args:
+        scenario: file, name of a shipped one, or the result of :func:`load`.
+        path: picture to write: .svg, .png or .pdf.
+        overrides: changes as for :func:`load`, if the scenario is not loaded yet.
+        force: True to replace an existing file.
+
+    Returns:
+        Control authority of each thruster group: at entry, and without the aeroshell.
+
+    Raises:
+        ConfigError: the scenario is wrong or that of a point mass, or the file cannot be written.
+    """
+    from edl6dof.config.errors import refusal
+    from edl6dof.runs.files import atomic_file
+
+    loaded, target = _loaded(scenario, overrides), Path(path)
+    if loaded.scenario.dynamics == "point_mass":
+        raise refusal(loaded.scenario.name, "has no shape to draw: its dynamics are those of a point mass")
+    if target.suffix not in (".svg", ".png", ".pdf"):
+        raise refusal(target, "must end in .svg, .png, .pdf")
+    from edl6dof.design.thruster_authority import configurations
+    from edl6dof.report.matplotlib_figure import write_figure
+    from edl6dof.report.vehicle_drawing import vehicle_figure
+
+    states = configurations(loaded.scenario.vehicle)
+    with atomic_file(target, force) as partial:
+        write_figure(vehicle_figure(loaded.scenario.vehicle, states), partial)
+    return states
 
 
 @naming_arguments()

@@ -66,6 +66,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "show": (
         "edl6dof show tianwen1 vehicle.parachutes.main",
         "edl6dof show tianwen1 --diff tianwen1_hazards",
+        "edl6dof show tianwen1 --vehicle -o tianwen1.svg",
         "edl6dof show tianwen1 --set vehicle.mass.entry_kg=1350 --diff tianwen1",
     ),
     "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),

@@ -185,12 +185,26 @@ def show(
         str | None, option("OTHER", "Print only what another scenario has otherwise, and where.", "--diff")
     ] = None,
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
+    vehicle: Annotated[
+        bool, flag("Draw the vehicle, and print the authority of its thrusters, instead.", "--vehicle")
+    ] = False,
+    out: Annotated[Path, option("FILE", "Picture of the vehicle: .svg, .png or .pdf.", "--out", "-o")] = Path(
+        "vehicle.svg"
+    ),
+    force: Annotated[bool, flag("Replace an existing picture.", "--force")] = False,
 ) -> None:
     """Values of a scenario: unit, bounds, meaning, file and line.
 
     Parameters of its plugins are among them.
     """
     activate(scenario, diff)
+    if vehicle:
+        if path or diff is not None:
+            raise refusal("--vehicle", "draws the whole vehicle; give neither PATH nor --diff")
+        from edl6dof.cli.vehicle_tables import show_vehicle
+
+        show_vehicle(scenario, sets or (), out, force, as_json)
+        return
     from edl6dof.cli.inspection import show_differences, show_values
 
     if diff is not None:

@@ -21,6 +21,8 @@ Box = tuple[float, float, float, float]
 SIDES: tuple[Side, ...] = get_args(Side)
 #: Px of a letter and of a line of words, and from a point to its words; what a narrow panel is wide.
 LETTER, LINE, AWAY, NARROW = 6.2, 14.0, 5.0, 370.0
+#: How much worse a covered marker is than 3 px of a curve.
+MARKER = 8
 #: How much worse words over words are than a curve over words, and words that leave the panel.
 OVER_WORDS, OUTSIDE = 1e4, 1e3
 
@@ -54,7 +56,7 @@ def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -
         return (np.stack([trace.x, trace.y], axis=1) - low) / (high - low) * size
 
     drawn = [
-        _filled(in_px(trace)) if trace.kind in ("line", "steps") else in_px(trace)
+        np.repeat(in_px(trace), MARKER, axis=0) if trace.kind == "points" else _filled(in_px(trace))
         for trace in panel.traces
         if trace.kind in ("line", "steps", "points")
     ]
@@ -73,8 +75,12 @@ def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -
 
 
 def _filled(way: np.ndarray) -> np.ndarray:
-    """Points along a curve, shape (n, 2), px, dense enough for some to hit a label."""
-    way = way[np.isfinite(way).all(axis=1)]
+    """Points along a curve with gaps, shape (n, 2), px, dense enough for some to hit a label."""
+    gaps = np.flatnonzero(~np.isfinite(way).all(axis=1))
+    return np.concatenate([_between(piece[k > 0 :]) for k, piece in enumerate(np.split(way, gaps))])
+
+
+def _between(way: np.ndarray) -> np.ndarray:
     if len(way) < 2:
         return way
     far = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])

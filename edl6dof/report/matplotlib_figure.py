@@ -76,7 +76,7 @@ def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
     weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
     titled = 1 if figure.share_x else figure.rows
     names = figure.entries
-    entries = 13.0 * -(-len(names) // _entries_in_line(names, letters)) if names else 0.0
+    entries = 22.0 * -(-len(names) // _entries_in_line(names, letters)) if names else 0.0
     words = 46.0 * titled + 14.0 * figure.rows + 20.0 + entries
     return shrink * (figure.height * weights + words) / PIXELS_PER_INCH
 
@@ -114,7 +114,9 @@ def _panel(
     placed: Mapping[int, Sequence[Side]],
 ) -> None:
     axes.set(title=panel.title, ylabel=panel.y.title)
-    if panel.equal:
+    if panel.equal and panel.x.range is not None and panel.y.range is not None:
+        axes.set(xlim=x, ylim=y, aspect="equal")
+    elif panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
         axes.update_datalim(list(zip(x, y, strict=True)))  # room for the words at points
     else:

@@ -210,7 +210,8 @@ def _trace(trace: Trace, number: str, shown: bool, placed: Sequence[Side]) -> di
     else:
         line: dict[str, Any] = {"color": trace.colour, "width": trace.width, "dash": trace.dash}
         line |= {"simplify": False} | ({"shape": "hv"} if trace.kind == "steps" else {})
-        found |= {"mode": "lines", "line": line}
+        unseen = {"size": 9, "opacity": 0}  # keeps the words off the line
+        found |= {"mode": "lines+markers" if trace.labels else "lines", "line": line, "marker": unseen}
     if trace.kind == "region":
         found |= {"fill": "toself", "fillcolor": f"{trace.colour}22", "hoverinfo": "skip"}
         found["line"]["width"] = 0

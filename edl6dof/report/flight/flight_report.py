@@ -14,6 +14,7 @@ from edl6dof.report.catalogue import STACKS
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Report, Row, Section, Table, Text
 from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.common import has_signal, over_flight
+from edl6dof.report.flight.vehicle import vehicle_section
 from edl6dof.report.numbers import in_percent, printed
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
@@ -45,6 +46,7 @@ def flight_report(run: Run) -> Report:
         ("navigation", "Navigation", navigation_errors.figures(run)),
         ("attitude", "Attitude", over_flight(run, STACKS["attitude"])),
         ("phase_planes", "Phase planes", phase_planes.figures(run)),
+        ("vehicle", "Vehicle and thruster authority", vehicle_section(run)),
         ("actuators", "Thrusters and propellant", thrusters.thruster_use(run)),
         ("disturbances", "Disturbances", thrusters.disturbances(run)),
         ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),

@@ -98,3 +98,41 @@ def test_differences_have_both_values_and_both_places(capsys, monkeypatch):
 def test_unknown_path_names_the_nearest(capsys, monkeypatch):
     code, out, err = run(capsys, monkeypatch, "show", "tianwen1", "vehicle.parashutes")
     assert (code, out) == (2, "") and "did you mean 'vehicle.parachutes'?" in err
+
+
+def test_vehicle_is_drawn_and_its_authority_printed(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, monkeypatch, "show", "tianwen1", "--vehicle")
+    assert (code, err) == (0, "") and out.splitlines()[-1] == "vehicle.svg"
+    assert max(map(len, out.splitlines())) <= 82
+    svg = (tmp_path / "vehicle.svg").read_text()
+    assert all(f">{name}</text>" in svg for name in ("D1", "A4", "P1", "F6", "main", "diameter 3.40 m"))
+    code, _, err = run(capsys, monkeypatch, "show", "tianwen1", "--vehicle")
+    assert code == 2 and "vehicle.svg: exists" in err and "--force" in err
+    code, out, _ = run(capsys, monkeypatch, "show", "tianwen1", "--vehicle", "-o", "x.png", "--json")
+    assert code == 0 and (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+    entry, inside = json.loads(out)
+    assert entry["centre_m"] == pytest.approx([-0.85, 0.0, -0.034], abs=1e-3)
+    low, high = entry["groups"]["horizontal"]["pure_torque_nm"][0]
+    assert high == pytest.approx(4 * 250.0 * 1.06) and low == -high  # two couples, arms of 1.06 m
+    assert list(inside["groups"]) == ["horizontal", "axial", "attitude", "fine", "all"]
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (["wu2013", "--vehicle"], "wu2013: has no shape to draw: its dynamics are those of a point mass"),
+        (["msl", "vehicle", "--vehicle"], "--vehicle: draws the whole vehicle"),
+        (["msl", "--vehicle", "-o", "x.bmp"], "x.bmp: must end in .svg, .png, .pdf"),
+    ],
+)
+def test_vehicle_that_cannot_be_drawn(words, message, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, monkeypatch, "show", *words)
+    assert (code, out, [*tmp_path.iterdir()]) == (2, "", []) and message in err
+
+
+def test_vehicle_without_thrusters_says_so(capsys, monkeypatch, tmp_path):
+    picture = tmp_path / "probe.svg"
+    code, out, _ = run(capsys, monkeypatch, "show", "titan_probe", "--vehicle", "-o", str(picture))
+    assert code == 0 and "has no thrusters" in out and picture.is_file()

@@ -11,8 +11,16 @@ import pytest
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES, WRITES, DiagnosisParams, DiagnosisSignals, diagnose
-from edl6dof.fsw.diagnosis.flow_evidence import NONE
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, stuck_on_evidence, weights
+from edl6dof.fsw.diagnosis.flow_evidence import FLOW, NONE
+from edl6dof.fsw.diagnosis.hypotheses import (
+    HYPOTHESES,
+    SUMS,
+    collect,
+    evidence,
+    evidence_by_flow_and_thrust,
+    stuck_on_evidence,
+    weights,
+)
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.sensed import SENSED
@@ -492,6 +500,22 @@ def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
     assert evidence(sums, size) == pytest.approx(
         most_likely(residual - size * signature) - most_likely(residual), rel=1e-6
     )
+
+
+def test_evidence_of_flow_and_of_force_and_torque_add(shared_onboard):
+    """A loss of 0.9 by the flow and of 1.0 by force and torque: the flow alone proves less than force and
+    torque do, both together more.
+    """
+    onboard, memory, flow = shared_onboard[0], np.zeros(1, HYPOTHESES)[0], np.zeros(1, FLOW)[0]
+    for _ in range(30):
+        collect(memory["off"][3], 1.0, -1.0, -20.0, 20.0, 22.0)
+    flow["off"][3] = (0.9 * 12.0, 12.0, 30)
+    found = evidence_by_flow_and_thrust(
+        onboard["diagnosis"], onboard["vehicle"], waiting=False, i=3, flow=flow, memory=memory, least=0.0
+    )
+    by_flow, felt = 0.5 * 0.9**2 * 12.0, evidence(memory["off"][3], 0.9)
+    assert by_flow < evidence(memory["off"][3], 1.0) - 0.5 * onboard["diagnosis"]["prior"] < by_flow + felt
+    assert found[1:] == pytest.approx((0.9, by_flow + felt, by_flow))
 
 
 def test_weight_is_the_inverse_of_all_variances_and_a_load_hardly_turns_about_its_axis(shared_onboard):

@@ -35,11 +35,16 @@ def of_first_engine(event):
 TWO_ENGINES = (doubled("engines", "left", "right"), mission(of_first_engine))
 
 
-def test_only_the_engine_that_is_named_loses_thrust(tables):
-    fault = "{kind: engine_shortfall, engine: right, engine_shortfall: {thrust_factor: 0.7}, at: {time_s: 0}}"
+@pytest.mark.parametrize(
+    "kind, lost",
+    [("engine_shortfall, engine_shortfall: {thrust_factor: 0.7}", 0.3), ("engine_dead", 1.0)],
+    ids=["shortfall", "dead"],
+)
+def test_only_the_engine_that_is_named_loses_thrust(tables, kind, lost):
+    fault = f"{{engine: right, at: {{time_s: 0}}, kind: {kind}}}"
     case, plant, command = broken(tables, fault, others=TWO_ENGINES)
     actuate(case, command, plant)
-    assert plant["thrust_lost"] == pytest.approx([0.0, 0.3] + [0.0] * (MAX_ENGINES - 2))
+    assert plant["thrust_lost"] == pytest.approx([0.0, lost] + [0.0] * (MAX_ENGINES - 2))
 
 
 def test_only_the_throttle_that_is_named_is_stuck(tables):

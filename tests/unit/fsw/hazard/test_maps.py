@@ -57,6 +57,16 @@ def test_points_make_mean_highest_and_weight_of_their_cell():
     assert np.count_nonzero(chart["weight"]) == 1
 
 
+@pytest.mark.parametrize("north, east", [(25.61, 0.0), (-25.61, 0.0), (0.0, 25.61), (0.0, -25.61)])
+def test_a_point_just_beyond_an_edge_is_not_on_the_map(north, east):
+    """The map is 51.2 m wide; 0.01 m are a twentieth of a cell."""
+    chart = empty_chart()
+    add_point((east, north, 1.0), 1.0, chart)
+    assert not chart["weight"].any()
+    add_point((0.999 * east, 0.999 * north, 1.0), 1.0, chart)
+    assert np.count_nonzero(chart["weight"]) == 1
+
+
 def test_points_of_less_than_a_whole_weight_make_the_mean_alone():
     """Until they are one together, the highest is the mean; from then on it is that of whole points."""
     chart = empty_chart(centre_L=(0.0, 0.0, 0.0))
