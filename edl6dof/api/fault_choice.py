@@ -191,7 +191,8 @@ def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
             times = [round(k * step, 9) for k in range(math.ceil(end / step))]  # no rounding of a sum
             found |= {f"{t:g} s": t for t in times}
         else:
-            times = [one["t_s"] for one in events if part in (one["key"], one.get("milestone"))]
+            here = [event for event in events if event["key"] == part or event.get("milestone") == part]
+            times = [event["t_s"] for event in here]
             numbers = [""] if len(times) == 1 else [f" {k}" for k in range(1, len(times) + 1)]
             found |= {part + number: t for number, t in zip(numbers, times, strict=True)}
             if not times:
