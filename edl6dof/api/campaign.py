@@ -291,7 +291,7 @@ def campaign_job(
 ) -> Job:
     """Prepare a campaign; ``drawn``: cases, seed and sampling, see :func:`edl6dof.campaign`."""
     check_until(until)
-    if resume and is_campaign(scenario):
+    if resume and (is_campaign(scenario) or Path(scenario).is_dir()):
         require_no_values(scenario, sets, *drawn)
         return Job(Store(Path(scenario)), engine)
     plan = load_plan(scenario, tuple(sets), *drawn)
