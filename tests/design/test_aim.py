@@ -1,0 +1,84 @@
+"""The entry point that reaches another site: geometry against rotations, and planned entries of missions."""
+
+from math import degrees, radians
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.config.errors import ConfigError
+from edl6dof.design.aim import CLOSE_M, Place, aim_entry, course, moved, planned_end, start_before
+
+
+def direction(place):
+    """Unit vector of a place, by numpy."""
+    return np.array(
+        [
+            np.cos(place.latitude) * np.cos(place.longitude),
+            np.cos(place.latitude) * np.sin(place.longitude),
+            np.sin(place.latitude),
+        ]
+    )
+
+
+def random_place(rng):
+    return Place(np.arcsin(rng.uniform(-0.95, 0.95)), rng.uniform(-np.pi, np.pi))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_great_circle_is_a_rotation_about_its_pole(seed):
+    """Rodrigues' formula: the start turns about the normal of the plane of position and direction."""
+    rng = np.random.default_rng(seed)
+    start, bearing, distance = random_place(rng), rng.uniform(-np.pi, np.pi), rng.uniform(0.01, 1.5)
+    r = direction(start)
+    north = np.array([0.0, 0.0, 1.0]) - r[2] * r
+    north /= np.linalg.norm(north)
+    along = np.cos(bearing) * north + np.sin(bearing) * np.cross(north, r)
+    end = moved(start, bearing, distance)
+    assert direction(end) == pytest.approx(np.cos(distance) * r + np.sin(distance) * along, abs=1e-14)
+    assert course(start, end) == pytest.approx((distance, bearing), abs=1e-12)
+    behind = moved(start, bearing, -distance)
+    assert direction(behind) == pytest.approx(np.cos(distance) * r - np.sin(distance) * along, abs=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_start_is_where_a_course_of_that_bearing_and_length_comes_from(seed):
+    rng = np.random.default_rng(seed)
+    bearing, distance = rng.uniform(-np.pi, np.pi), rng.uniform(0.01, 0.5)
+    end = moved(random_place(rng), bearing, distance)
+    assert direction(moved(start_before(end, distance, bearing), bearing, distance)) == pytest.approx(
+        direction(end), abs=1e-14
+    )
+
+
+def test_a_latitude_beyond_every_course_is_refused():
+    with pytest.raises(ConfigError, match="highest latitude that an entry of this azimuth and range reaches"):
+        start_before(Place(radians(80.0), 0.0), distance=0.2, bearing=radians(90.0))
+
+
+@pytest.mark.parametrize(
+    "name, latitude, longitude",
+    [
+        ("tianwen1", 18.44, 77.45),
+        pytest.param("tianwen1", -30.0, 10.0, marks=pytest.mark.long),
+        pytest.param("msl", 18.44, 77.45, marks=pytest.mark.long),
+        pytest.param("phoenix", 60.0, 100.0, marks=pytest.mark.long),
+    ],
+)
+def test_the_planned_entry_ends_at_another_site_as_at_its_own(name, latitude, longitude):
+    site = [f"terrain.site_latitude_deg={latitude}", f"terrain.site_longitude_deg={longitude}"]
+    found = aim_entry(name, [], site)
+    assert found.reached and found.entries <= 8
+    new, old = edl6dof.load(name, [*site, *found.overrides]).scenario, edl6dof.load(name).scenario
+    assert np.subtract(planned_end(new), planned_end(old)) == pytest.approx([0.0, 0.0], abs=1.01 * CLOSE_M)
+    here = Place(radians(found.entry_deg[0]), radians(found.entry_deg[1]))
+    bearing = degrees(course(here, Place(radians(latitude), radians(longitude)))[1])
+    own = Place(radians(old.initial.latitude_deg), radians(old.initial.longitude_deg))
+    site_of = Place(radians(old.terrain.site_latitude_deg), radians(old.terrain.site_longitude_deg))
+    assert bearing % 360.0 == pytest.approx(degrees(course(own, site_of)[1]) % 360.0, abs=1.0)
+
+
+def test_without_the_change_of_the_entry_point_the_new_site_is_far():
+    site = ["terrain.site_latitude_deg=18.44", "terrain.site_longitude_deg=77.45"]
+    beyond, aside = planned_end(edl6dof.load("tianwen1", site).scenario)
+    assert np.hypot(beyond, aside) > 500e3
