@@ -8,11 +8,13 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import accumulate, chain, groupby
 from pathlib import Path
-from textwrap import wrap
+from textwrap import fill, wrap
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.text import Text
 
+from edl6dof.api.functions import draw_vehicle, load
 from edl6dof.calibration.problem import calibration_of
 from edl6dof.campaign.design.plan import plan_of
 from edl6dof.cli.group import BAD_INPUT, NOT_WITHIN_LIMITS
@@ -27,6 +29,9 @@ from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
+
+if TYPE_CHECKING:
+    from edl6dof.design.thruster_authority import Configuration
 
 #: Longest value in the table of parameters, longest one on lines of its own, and widest line, in letters.
 SHORT, LONGEST, WIDEST = 15, 400, 100
@@ -111,6 +116,39 @@ def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_
         console.print(f"{key}: {' | '.join(shown)}", markup=False)
         places = (value.origin if value else "-" for value in pair)
         console.print(f"    {' | '.join(places)}", style="dim", markup=False)
+
+
+def show_vehicle(name: str, sets: Sequence[str], out: Path, force: bool, as_json: bool) -> None:
+    """Draw the vehicle of a scenario, and print the authority of its thrusters."""
+    from edl6dof.report.vehicle_drawing import NOTE, authority_tables
+
+    loaded = load(name, sets)
+    states = draw_vehicle(loaded, out, force=force)
+    if as_json:
+        print(json.dumps([_plain(state) for state in states], indent=1))
+        return
+    console = Console(highlight=False, soft_wrap=True)
+    for table in authority_tables(loaded.scenario.vehicle, states):
+        shown = open_table(table.caption, *table.columns)
+        for row in table.rows:
+            shown.add_row(*map(str, row))
+        console.print(shown)
+    words = NOTE if states[0].groups else f"{loaded.scenario.vehicle.name} has no thrusters."
+    console.print(fill(words, 80), style="dim", markup=False)
+    print(out)
+
+
+def _plain(state: Configuration) -> dict[str, object]:
+    """The configuration as JSON: forces (N) and torques (N m) along - and + of x, y, z."""
+    groups = {
+        group: {
+            f"{kind}_{unit}": rows.tolist()
+            for kind, values in (("pure", found.pure), ("total", found.total))
+            for unit, rows in (("force_n", values[:3]), ("torque_nm", values[3:]))
+        }
+        for group, found in state.groups.items()
+    }
+    return {"configuration": state.name, "centre_m": state.centre_m.tolist(), "groups": groups}
 
 
 def _values(name: str, sets: Sequence[str]) -> list[Value]:

@@ -198,16 +198,13 @@ def show(
     Parameters of its plugins are among them.
     """
     activate(scenario, diff)
+    from edl6dof.cli.inspection import show_differences, show_values, show_vehicle
+
+    if vehicle and (path or diff is not None):
+        raise refusal("--vehicle", "draws the whole vehicle; give neither PATH nor --diff")
     if vehicle:
-        if path or diff is not None:
-            raise refusal("--vehicle", "draws the whole vehicle; give neither PATH nor --diff")
-        from edl6dof.cli.vehicle_tables import show_vehicle
-
         show_vehicle(scenario, sets or (), out, force, as_json)
-        return
-    from edl6dof.cli.inspection import show_differences, show_values
-
-    if diff is not None:
+    elif diff is not None:
         show_differences((scenario, diff), path, sets or (), as_json)
     else:
         show_values(scenario, path, sets or (), as_json)
