@@ -17,7 +17,7 @@ import numpy as np
 def whole(low: int, high: int, of: str = "", kind: str = "i8") -> np.dtype:
     """Type of a whole number from ``low`` to ``high``, of eight bytes unless ``kind`` is given.
 
-    ``of`` names what the number is an index of; a flight may have fewer of these than ``high`` allows.
+    ``of`` names the things that the number is an index of; a flight may have fewer than ``high`` allows.
     """
     return np.dtype(kind, metadata={"low": low, "high": high, "of": of})
 
@@ -27,7 +27,7 @@ FLAG, COUNT, TIME_IF_EVER = whole(0, 1), whole(0, 2**31), np.dtype("f8", metadat
 
 
 class Numbers(NamedTuple):
-    """One field of plain numbers of a record: its dotted path, its values, and what is declared of them."""
+    """One field of plain numbers of a record: dotted path, values, and declared ranges."""
 
     path: str
     values: np.ndarray
@@ -35,21 +35,17 @@ class Numbers(NamedTuple):
 
     @property
     def is_whole(self) -> bool:
-        """True if they are whole numbers."""
+        """True for whole numbers."""
         return self.values.dtype.kind in "iu"
 
     def place(self, wrong: np.ndarray) -> str:
-        """Path of the first value that is ``wrong`` (a mask), with its index where the field holds several:
-        ``debris.r_I[1, 2]``.
-        """
+        """Path of the first ``wrong`` value (a mask), with its index in an array: ``debris.r_I[1, 2]``."""
         index = np.argwhere(wrong)[0].tolist()
         return f"{self.path}{index}" if index else self.path
 
 
 def numbers(record: np.ndarray, path: str = "") -> Iterator[Numbers]:
-    """All fields of plain numbers of a record (a structured array of length one), as views, in the order of
-    declaration.
-    """
+    """Fields of plain numbers of a record (a structured array of length one), as views, in their order."""
     if record.dtype.names is None:
         yield Numbers(path, record[0, ...], dict(record.dtype.metadata or {}))
         return
@@ -104,20 +100,16 @@ def first_not_finite(record: np.ndarray) -> str | None:
 
 
 def require_finite(table: np.ndarray) -> None:
-    """Refuse a table (a structured array of length one) with a float that is not finite.
-
-    Raises:
-        ValueError: there is one.
-    """
+    """Raise ValueError for a table (a structured array of length one) with a float that is not finite."""
     if first_not_finite(table) is not None:
         raise ValueError("holds a number that is not finite, or one for which no table can be built")
 
 
 def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:
-    """Path and complaint of each whole number of a record (length one) that is not in its declared range.
+    """Path and message of each whole number of a record (length one) that is outside its declared range.
 
-    ``sizes`` says how many there are of the things that some of them number, where that is known.  What
-    declares nothing may hold anything: that is the memory of a plugin.
+    ``sizes``: number of the things of which some are indices, as far as it is known.  A number without a
+    declaration, as in the memory of a plugin, may have any value.
     """
     for field in numbers(record):
         if not field.is_whole or "low" not in field.declared:

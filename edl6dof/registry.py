@@ -47,12 +47,11 @@ class Member:
         params: its parameter model; the YAML section has the same name.
         kernels: compiled functions by role; the family decides the roles and signatures.
         source: paper or report it implements.
-        memory: record layout of what it remembers between calls.
-        tables: record layout of what is planned for it on the ground.
-        plan: fills those tables, before a flight in which the member is chosen; the family decides the
-            arguments.
-        writes: fields it fills, where the members of a family fill one record together.
-        reads: fields it needs of a record that others fill.
+        memory: record layout of its memory between calls.
+        tables: record layout of the tables that are computed for it on the ground.
+        plan: fills the tables before a flight of the member; the family decides the arguments.
+        writes: fields that it fills of a record that the members of a family fill together.
+        reads: fields that it needs of a record that others fill.
     """
 
     name: str
@@ -171,12 +170,12 @@ def _choice_of(role: Role, indices: frozenset[int]) -> Any:
 
 
 class Place(NamedTuple):
-    """Where the loop is given members of a family.
+    """Place in the loop that receives members of a family as a function.
 
     Attributes:
-        role: which kernel of them.
-        type: of the function.
-        path: in a record, to the index of the member, where a flight has one.
+        role: role of the kernels.
+        type: type of the function.
+        path: path in a record to the index of the member, if a flight has one.
     """
 
     role: Role
@@ -188,7 +187,7 @@ class Place(NamedTuple):
         return Given(self.role.of(frozenset(carried)), self.type)
 
     def compile(self, names: Collection[str]) -> None:
-        """Compile the members of these names."""
+        """Compile the members with these names."""
         known = self.role.family.names
         found = frozenset(index for index, name in enumerate(known) if name in names)
         for indices in map(frozenset, [[one] for one in found]) if self.path else [found]:
@@ -198,6 +197,6 @@ class Place(NamedTuple):
 def place(
     title: str, role: Role, path: tuple[str, ...], returns: types.Type, *arguments: types.Type
 ) -> Place:
-    """Place whose function takes the index of a member and these arguments, which the role names."""
+    """Return the place of a function of the index of a member and of the arguments of the role."""
     names = "index", *role.arguments
     return Place(role, function_type(title, names, returns, types.int64, *arguments), path)

@@ -22,11 +22,7 @@ TASKS: dict[str, type[Task]] = {
 
 
 def task_called(name: str) -> type[Task]:
-    """Return the task of a name.
-
-    Raises:
-        ValueError: there is none of this name.
-    """
+    """Return the task of a name; raise ValueError if there is none."""
     if name not in TASKS:
         raise ValueError(unknown("task", name, TASKS))
     return TASKS[name]

@@ -82,11 +82,7 @@ class Outcome(NamedTuple):
 
 
 def known_options(options: Mapping[str, Any] | None, known: Sequence[str]) -> Mapping[str, Any]:
-    """Return the options of a reset.
-
-    Raises:
-        ValueError: there is no such option.
-    """
+    """Return the options of a reset; raise ValueError for an unknown one."""
     for name in options or {}:
         if name not in known:
             raise ValueError(unknown("option", name, known))
@@ -145,11 +141,7 @@ class Episodes:
         self.task.begin(index)
 
     def step(self, actions: np.ndarray) -> Outcome:
-        """Take one action in each episode; flights that have ended stay where they are.
-
-        Raises:
-            ValueError: the actions are not of the action space.
-        """
+        """Take one action in each episode; flights that have ended stay where they are."""
         self.task.command(self.task.allowed(actions))
         self.fleet.advance(self._cycles)
         self._steps += 1

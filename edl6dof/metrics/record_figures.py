@@ -88,8 +88,8 @@ def _contact(cases, plants):
 def touchdown_terrain_figures(
     cases: np.ndarray, tables: np.ndarray, plants: np.ndarray, outputs: np.ndarray
 ) -> dict[str, float]:
-    """Figures of the ground under a vehicle that has met it; empty where the landing area is not generated,
-    or the vehicle has no legs out.  All arguments have shape (1,).
+    """Figures of the ground under a landed vehicle; empty without a generated landing area or extended legs.
+    All arguments have shape (1,).
     """
     case, plant = cases[0], plants[0]
     generated = case["terrain"]["landing_area"]["model"] == GENERATED
@@ -118,8 +118,8 @@ def _footing(cases, tables, plants, outputs):
 
 @kernel
 def plane_of_footpads(case, tables, outputs, q, rotation):
-    """The plane nearest to the ground under the footpads, by least squares: elevation (m) below the centre of
-    mass, and rise per metre towards north and east.
+    """Plane through the ground under the footpads by least squares: elevation (m) below the centre of mass,
+    and rise per metre towards north and east.
     """
     gear, n = case.vehicle.landing_gear, float(case.vehicle.landing_gear.n_footpads)
     sy = sx = sz = syy = syx = sxx = syz = sxz = 0.0
@@ -139,8 +139,8 @@ def plane_of_footpads(case, tables, outputs, q, rotation):
 
 @kernel
 def under_belly(case, tables, outputs, q, rotation, plane):
-    """Below the underside, at the nodes of the lattice and along its edge: how far the ground rises above the
-    ``plane`` of the footpads at most, and how much is left between it and the underside at least, m.
+    """Largest rise of the ground above the ``plane`` of the footpads and least distance from the underside
+    (m), below the underside at the nodes of the lattice and along its edge.
     """
     gear, out, step = case.vehicle.landing_gear, outputs, case.terrain.landing_area.cell
     lowest, radius = -1e9, 0.0
@@ -174,8 +174,8 @@ def under_belly(case, tables, outputs, q, rotation, plane):
 
 @kernel
 def _below(case, tables, out, plane, middle, along, y, x):
-    """At a place (m north and east of the centre of mass): how far the ground rises above the ``plane`` of
-    the footpads, and what is left between it and the underside, m.
+    """Rise of the ground above the ``plane`` of the footpads and its distance from the underside (m), at a
+    place (m north and east of the centre of mass).
     """
     elevation = ground_at_offset(case, tables, out, y, x)[0]
     down = middle[2] - dot(along, (y - middle[0], x - middle[1], 0.0)) / along[2]
@@ -243,11 +243,10 @@ def _largest_rock(cases, east, north, up):
 def drift_figures(
     telemetry: Mapping[str, np.ndarray], when: Mapping[str, float], line_m: float
 ) -> dict[str, float]:
-    """Least distance of the lander from backshell and canopy after they have parted; and from hover on, how
-    far aside of the lander what is above it passes.
+    """Least distance of the lander from backshell and canopy after they have parted, and from hover on least
+    horizontal distance of what is above the lander.
 
-    The canopy is the point ``line_m`` above the backshell that hangs from it.  Between two rows both move on
-    straight lines.
+    The canopy is the point ``line_m`` above the backshell.  Both move on straight lines between two rows.
 
     Args:
         telemetry: channels of a flight.
@@ -277,14 +276,14 @@ def drift_figures(
 
 
 def least_length(way: np.ndarray) -> float:
-    """Least length of a vector, rows of ``way``, that moves on straight lines from row to row."""
+    """Least length of a vector that moves on straight lines between the rows of ``way``."""
     start, step = way[:-1], np.diff(way, axis=0)
     share = -np.sum(start * step, axis=1) / np.maximum(np.sum(step * step, axis=1), 1e-30)
     return float(np.min(lengths(start + np.clip(share, 0.0, 1.0)[:, None] * step)))
 
 
 def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
-    """Errors of the balance of energy, momentum, also that of separations alone, and mass.
+    """Errors of the balance of energy, of momentum, also at separations alone, and of mass.
 
     Args:
         cases: the truth of the flight, shape (1,).
@@ -302,8 +301,9 @@ def _potential(planet, t, r_I):
 
 @kernel
 def _balance_errors(cases, plants):
-    """Energy counts from rest in I at the equator of the ellipsoid; its error is the share of that at the
-    start, or of the work since if that is more, the error of mass the share of the mass at the start.
+    """Errors of energy, momentum, separations and mass.  Energy counts from rest in I at the equator of the
+    ellipsoid; its error is a share of that at the start or of the work since, whichever is larger, and that
+    of mass a share of the mass at the start.
     """
     case, plant, kept, planet = cases[0], plants[0], plants[0].balance, cases[0].planet
     v, v_start = take3(plant.y, VELOCITY), take3(kept.v_I, 0)
