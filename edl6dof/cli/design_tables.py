@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import degrees
 from pathlib import Path
 from typing import get_args
@@ -16,6 +16,7 @@ from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.scalars import write_scalar
 from edl6dof.config.errors import refusal
+from edl6dof.design.aim import Aim
 from edl6dof.design.convex_step import propagate
 from edl6dof.design.entry_profile import Design, Goal, Plan
 from edl6dof.design.powered_start import landing_of, powered_rows, states_of
@@ -29,6 +30,7 @@ from edl6dof.design.rigid_landing import (
     tilt_of,
 )
 from edl6dof.design.successive import Converged, land
+from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import GREY
@@ -75,6 +77,52 @@ flight_software:
       reference_bank:
         points:  # [D] edl6dof design entry {scenario}
 {"".join(rows)}"""
+
+
+def aimed_text(scenario: str, whole: bool, aimed: LoadedScenario) -> str:
+    """Write the scenario at its new site as YAML: one that extends it, or ``whole`` all of it."""
+    new, name = aimed.scenario, f"{aimed.scenario.name}_aimed"
+    if whole:
+        return resolved_text(check_document(with_values(aimed.document, {"name": name}, Scenario)))
+    file = Path(scenario)
+    extended = str(file.resolve()) if file.is_file() else scenario
+    return f"""\
+{EXTENDS}: {write_scalar(extended)}
+name: {write_scalar(name)}
+terrain:
+  site_latitude_deg: {new.terrain.site_latitude_deg}   # [S]
+  site_longitude_deg: {new.terrain.site_longitude_deg}  # [S]
+  site_elevation_m: {new.terrain.site_elevation_m}  # [D] edl6dof design aim {scenario}
+initial:
+  epoch_utc: {write_scalar(new.initial.epoch_utc)}  # [S]
+  latitude_deg: {new.initial.latitude_deg}  # [D] edl6dof design aim {scenario}
+  longitude_deg: {new.initial.longitude_deg}  # [D] the same
+"""
+
+
+def show_aim(old: Scenario, new: Scenario, found: Aim, flights: Sequence[Flight]) -> None:
+    """Print the entry point, the planned end and the flights with guidance at the old and the new site."""
+    console = Console(highlight=False, soft_wrap=True)
+    site = f"{new.terrain.site_latitude_deg:g} N, {new.terrain.site_longitude_deg:g} E"
+    table = open_table(f"{old.name} at {site}", "figure", "unit", "own site>", "new site>")
+    both = (old, new)
+    for label, unit, values, places in (
+        ("entry latitude", "deg", [s.initial.latitude_deg for s in both], 4),
+        ("entry longitude", "deg", [s.initial.longitude_deg for s in both], 4),
+        ("site elevation", "m", [s.terrain.site_elevation_m for s in both], 0),
+        ("planned end beyond the aim point", "m", [end[0] for end in found.ends], 0),
+        ("planned end right of it", "m", [end[1] for end in found.ends], 0),
+    ):
+        table.add_row(label, unit, *(f"{value:,.{places}f}" for value in values))
+    for name in ("parachute_miss_m", "landing_distance_m"):
+        values = [flight.metrics.get(name, np.nan) for flight in flights]
+        if np.isfinite(values).all():
+            table.add_row(figure_of_merit(name).meaning, "m", *(f"{value:,.0f}" for value in values))
+    console.print(table)
+    for words, flight in zip(("own site", "new site"), flights, strict=True):
+        console.print(f"{words}: {flight.outcome}", markup=False)
+    if not found.reached:
+        console.print(f"not reached after {found.entries} planned entries: change initial.azimuth_deg")
 
 
 def show(name: str, found: Design) -> None:

@@ -313,3 +313,50 @@ def design_landing(
         words = f"guidance: powered and role: {POWERED_DECELERATION}"
         raise refusal(scenario, f"has no phase with {words}, so there is no powered landing to design")
     return design_landing_of(loaded, scenario, out, figure, force)
+
+
+@design.command("aim", cls=Command, epilog=examples("design aim"))
+def design_aim(
+    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    site: Annotated[
+        tuple[float, float], option("LAT LON", "Geodetic latitude and east longitude of the site, deg.")
+    ],
+    sets: Sets = None,
+    elevation: Annotated[
+        float | None,
+        option("M", "Elevation of the site above the areoid; by default that of the relief map."),
+    ] = None,
+    date: Annotated[
+        str | None, option("UTC", "Date and time of the entry, such as 2031-01-28T12:00:00.")
+    ] = None,
+    out: Annotated[
+        Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
+    ] = None,
+    force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
+) -> int:
+    """Find the entry point from which a scenario reaches another landing site.
+
+    Speed, flight-path angle, azimuth and altitude of the entry state stay. The planned entry ends at the new
+    site as it ends at the old one; then the scenario is flown with its guidance to both sites.
+
+    Exit status: 0 reached and within limits, 1 not, 2 bad input, 130 interrupted.
+    """
+    activate(scenario)
+    from edl6dof.cli.design_tables import aimed_text, show_aim
+    from edl6dof.design.aim import aim_entry, site_overrides
+    from edl6dof.runs.files import atomic_file
+    from edl6dof.scenario.loading import load_scenario
+    from edl6dof.sim.flight import fly
+
+    _refuse_file(out, (".yaml", ".yml"), force)
+    own = load_scenario(scenario, sets or ())
+    moved = site_overrides(own.scenario, site, elevation_m=elevation, epoch_utc=date)
+    found = aim_entry(scenario, sets or (), moved)
+    aimed = load_scenario(scenario, [*(sets or ()), *moved, *found.overrides])
+    flights = [fly(loaded) for loaded in (own, aimed)]
+    show_aim(own.scenario, aimed.scenario, found, flights)
+    if out is not None:
+        with atomic_file(out, force) as partial:
+            partial.write_text(aimed_text(scenario, bool(sets), aimed), encoding="utf-8")
+        print(out)
+    return 0 if found.reached and flights[1].success else NOT_WITHIN_LIMITS

@@ -126,6 +126,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof design entry msl --out plan.yaml",
         "edl6dof design entry msl --minimise dispersion",
     ),
+    "design aim": (
+        "edl6dof design aim tianwen1 --site 18.44 77.45 --out jezero.yaml",
+        "edl6dof design aim msl --site -5.4 137.8 --date 2031-01-28T12:00:00",
+    ),
     "design landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
 }
 

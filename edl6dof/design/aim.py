@@ -17,6 +17,8 @@ from math import degrees, hypot, pi, radians
 from typing import NamedTuple
 
 from edl6dof.config.errors import refusal
+from edl6dof.environment.height_map import map_height
+from edl6dof.environment.terrain import ground_arrays, ground_inputs
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import fly_shifted
@@ -24,8 +26,11 @@ from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
 
-#: Accepted distance (m) between the planned end and the wanted one, and most entries flown for it.
-CLOSE_M, MOST_ENTRIES = 100.0, 12
+#: Accepted distance (m) of the planned end from the wanted one, along and across: bank reversals, which come
+#: at whole guidance cycles, leave some hundred metres across the track.
+CLOSE_M, CLOSE_ASIDE_M = 100.0, 500.0
+#: Most entries flown.
+MOST_ENTRIES = 12
 
 
 class Place(NamedTuple):
@@ -40,20 +45,61 @@ class Aim:
     """An entry point that reaches a site."""
 
     entry_deg: tuple[float, float]  #: geodetic latitude and east longitude of the entry state
-    beyond_m: float  #: what the planned end is beyond the wanted one
-    aside_m: float  #: what it is right of it
-    entries: int  #: planned entries flown
+    #: distance (m) of the end of the planned entry beyond the aim point and right of it: old site, new site
+    ends: tuple[tuple[float, float], tuple[float, float]]
+    entries: int  #: planned entries flown to the new site
+
+    @property
+    def beyond_m(self) -> float:
+        """Distance by which the planned entry ends farther beyond the aim point than at the old site."""
+        return self.ends[1][0] - self.ends[0][0]
+
+    @property
+    def aside_m(self) -> float:
+        """Distance by which it ends farther right."""
+        return self.ends[1][1] - self.ends[0][1]
 
     @property
     def reached(self) -> bool:
-        """Whether the planned entry ends where it should."""
-        return hypot(self.beyond_m, self.aside_m) <= CLOSE_M
+        """True if the planned entry ends at the new site as at the old one."""
+        return abs(self.beyond_m) <= CLOSE_M and abs(self.aside_m) <= CLOSE_ASIDE_M
 
     @property
     def overrides(self) -> list[str]:
-        """The entry point as overrides of a scenario."""
-        latitude, longitude = self.entry_deg
-        return [f"initial.latitude_deg={latitude:.6f}", f"initial.longitude_deg={longitude:.6f}"]
+        """Overrides of the scenario for the entry point."""
+        return entry_overrides(self.entry_deg)
+
+
+def site_overrides(
+    scenario: Scenario, site: tuple[float, float], elevation_m: float | None, epoch_utc: str | None
+) -> list[str]:
+    """Overrides that give a scenario another landing site and, where one is given, another date.
+
+    Args:
+        scenario: at its own site.
+        site: geodetic latitude and east longitude, deg.
+        elevation_m: above the areoid; None for that of the relief map, or of the old site without a map.
+        epoch_utc: date and time of the initial state; None to keep it.
+    """
+    if elevation_m is None:
+        elevation_m = round(map_elevation(scenario, site), 1)
+    overrides = [
+        f"terrain.site_latitude_deg={site[0]}",
+        f"terrain.site_longitude_deg={site[1]}",
+        f"terrain.site_elevation_m={elevation_m}",
+    ]
+    return overrides if epoch_utc is None else [*overrides, f"initial.epoch_utc={epoch_utc}"]
+
+
+def map_elevation(scenario: Scenario, site: tuple[float, float]) -> float:
+    """Elevation (m above the areoid) of the relief map at geodetic latitude and east longitude (deg); that of
+    the landing site for a terrain without a map.
+    """
+    terrain = scenario.terrain
+    if terrain.model != "mola":
+        return terrain.site_elevation_m
+    relief_map = ground_arrays(ground_inputs(terrain, scenario.planet))["map"]
+    return float(map_height(relief_map, radians(site[0]), radians(site[1]))[0])
 
 
 def aim_entry(name: str, overrides: Sequence[str], site: Sequence[str]) -> Aim:
@@ -63,24 +109,29 @@ def aim_entry(name: str, overrides: Sequence[str], site: Sequence[str]) -> Aim:
         name: of the scenario, or its file.
         overrides: changes of the scenario at its own site.
         site: further overrides, for the new site and its date.
+
+    Raises:
+        ConfigError: no entry of this azimuth and range reaches the latitude of the site.
     """
     old = load_scenario(name, overrides).scenario
-    new = load_scenario(name, [*overrides, *site]).scenario
-    radius = old.planet.equatorial_radius_m
-    wanted = planned_end(old)
-    distance, bearing = course(_entry_of(old), _site_of(old))
-    target = _site_of(new)
-    entry = start_before(target, distance, bearing)
+    target = _site_of(load_scenario(name, [*overrides, *site]).scenario)
+    radius, own_end = old.planet.equatorial_radius_m, planned_end(old)
+    entry = start_before(target, *course(_entry_of(old), _site_of(old)))
     for count in range(1, MOST_ENTRIES + 1):
-        found = Aim((degrees(entry.latitude), degrees(entry.longitude)), 0.0, 0.0, count)
-        end = planned_end(load_scenario(name, [*overrides, *site, *found.overrides]).scenario)
-        beyond, aside = end[0] - wanted[0], end[1] - wanted[1]
-        found = Aim(found.entry_deg, beyond, aside, count)
+        place = (round(degrees(entry.latitude), 6), round(degrees(entry.longitude), 6))
+        new = load_scenario(name, [*overrides, *site, *entry_overrides(place)]).scenario
+        found = Aim(place, (own_end, planned_end(new)), count)
         if found.reached:
             break
         _, ahead = course(entry, target)
-        entry = moved(moved(entry, ahead, -beyond / radius), ahead + 0.5 * pi, -aside / radius)
+        entry = moved(entry, ahead, -found.beyond_m / radius)
+        entry = moved(entry, ahead + 0.5 * pi, -found.aside_m / radius)
     return found
+
+
+def entry_overrides(place: tuple[float, float]) -> list[str]:
+    """Overrides for an entry point (latitude and longitude, deg)."""
+    return [f"initial.latitude_deg={place[0]}", f"initial.longitude_deg={place[1]}"]
 
 
 def start_before(end: Place, distance: float, bearing: float) -> Place:

@@ -15,6 +15,7 @@ from math import dist, pi, sqrt
 from edl6dof.config.document.document import Document
 from edl6dof.config.usual import unusual
 from edl6dof.config.validate import steps
+from edl6dof.scenario.entry_range import out_of_range
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -53,7 +54,9 @@ class LoadedScenario:
 def unusual_in(scenario: Scenario) -> dict[str, str]:
     """Return what is unusual in a validated scenario: dotted path to one line."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
-    return unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
+    far = out_of_range(scenario, radius_m(scenario.vehicle))
+    found = unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
+    return found | ({"terrain.site_latitude_deg": far} if far else {})
 
 
 def radius_m(vehicle: VehicleParams) -> float:
