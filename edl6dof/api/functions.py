@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edl6dof.api.arguments import Overrides, naming_arguments, scenario_name, texts
+from edl6dof.api.arguments import Overrides, extends_name, naming_arguments, scenario_name, texts
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
@@ -465,9 +465,8 @@ def _write_findings(
         f"prior {prior.mean:g} +- {prior.sigma:g}"
         for path, prior in found.calibration.params.parameters.items()
     }
-    file, name = Path(scenario), f"{found.calibration.loaded.scenario.name}_calibrated"
-    extended = str(file.resolve()) if file.is_file() else scenario  # by the name of a shipped one
-    text = overlay_text(name, extended, rounded(found), marks)
+    name = f"{found.calibration.loaded.scenario.name}_calibrated"
+    text = overlay_text(name, extends_name(scenario), rounded(found), marks)
     (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from edl6dof.api.arguments import extends_name
 from edl6dof.cli.group import NOT_WITHIN_LIMITS
 from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.overrides import with_values
@@ -65,11 +66,9 @@ def designed_text(scenario: str, whole: bool, loaded: LoadedScenario, found: Des
 
 
 def _overlay(scenario: str, name: str, found: Design) -> str:
-    file = Path(scenario)
-    extended = str(file.resolve()) if file.is_file() else scenario
     rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}\n" for at, bank in found.after.points)
     return f"""\
-{EXTENDS}: {write_scalar(extended)}
+{EXTENDS}: {write_scalar(extends_name(scenario))}
 name: {write_scalar(name)}
 flight_software:
   guidance:
@@ -84,10 +83,8 @@ def aimed_text(scenario: str, whole: bool, aimed: LoadedScenario) -> str:
     new, name = aimed.scenario, f"{aimed.scenario.name}_aimed"
     if whole:
         return resolved_text(check_document(with_values(aimed.document, {"name": name}, Scenario)))
-    file = Path(scenario)
-    extended = str(file.resolve()) if file.is_file() else scenario
     return f"""\
-{EXTENDS}: {write_scalar(extended)}
+{EXTENDS}: {write_scalar(extends_name(scenario))}
 name: {write_scalar(name)}
 terrain:
   site_latitude_deg: {new.terrain.site_latitude_deg}   # [S]

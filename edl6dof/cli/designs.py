@@ -348,7 +348,7 @@ def design_aim(
     from edl6dof.scenario.loading import load_scenario
     from edl6dof.sim.flight import fly
 
-    _refuse_file(out, (".yaml", ".yml"), force)
+    check_target(out, (".yaml", ".yml"), force)
     own = load_scenario(scenario, sets or ())
     moved = site_overrides(own.scenario, site, elevation_m=elevation, epoch_utc=date)
     found = aim_entry(scenario, sets or (), moved)
