@@ -334,7 +334,7 @@ def design_aim(
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
-    """Find the entry point from which a scenario reaches another landing site.
+    """Find the entry point that reaches another landing site.
 
     Speed, flight-path angle, azimuth and altitude of the entry state stay. The planned entry ends at the new
     site as it ends at the old one; then the scenario is flown with its guidance to both sites.
