@@ -20,9 +20,8 @@ from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.report.catalogue import Columns, channel_plot, chosen
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair
-from edl6dof.runs.folder import atomic_folder
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.files import atomic_folder
+from edl6dof.runs.run import Run, write_run
 from edl6dof.scenario.loading import viewed_scenario
 from edl6dof.sim import flight as sim
 from edl6dof.sim.flight import attitude_at
@@ -274,9 +273,9 @@ class Plot:
 
 
 def _plot(figure: Figure) -> Plot:
-    from edl6dof.report.matplotlib_figure import styled
+    from edl6dof.report.matplotlib_figure import matplotlib_figure
 
-    return Plot(styled(figure))
+    return Plot(matplotlib_figure(figure))
 
 
 def channels_figure(

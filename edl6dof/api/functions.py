@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
-    from edl6dof.verify.check import Report
+    from edl6dof.verify.case import Report
 
 
 def activate(*operands: str | Path | LoadedScenario | None) -> None:
@@ -435,7 +435,7 @@ def calibrate(
     from edl6dof.calibration.problem import load_calibration
     from edl6dof.campaign.ensemble import FLIGHTS
     from edl6dof.config.errors import refusal
-    from edl6dof.runs.folder import atomic_folder
+    from edl6dof.runs.files import atomic_folder
 
     calibration = load_calibration(name, sets, flights)
     flown, total = count(1), DESIGNS * calibration.params.flights + 2 * FLIGHTS
@@ -455,18 +455,17 @@ def _write_findings(
     """Write ``summary.json`` and the scenario with the values found, each marked by the command."""
     from edl6dof.calibration.findings import overlay_text, plain, rounded
     from edl6dof.config.dump import json_text
-    from edl6dof.report.numbers import significant
+    from edl6dof.report.document import significant
 
     (folder / "summary.json").write_text(json_text(plain(found)), encoding="utf-8")
     options = [*(f"--set {text}" for text in sets), *([] if flights is None else [f"-n {flights}"])]
     command = " ".join(["edl6dof calibrate", scenario, *options])
-    marks = {
-        path: f"[C] {command}: +- {significant(found.sigmas[path], 2)}; "
-        f"prior {prior.mean:g} +- {prior.sigma:g}"
+    sources = {
+        path: f"{command}: +- {significant(found.sigmas[path], 2)}; prior {prior.mean:g} +- {prior.sigma:g}"
         for path, prior in found.calibration.params.parameters.items()
     }
     name = f"{found.calibration.loaded.scenario.name}_calibrated"
-    text = overlay_text(name, extends_name(scenario), rounded(found), marks)
+    text = overlay_text(name, extends_name(scenario), rounded(found), sources)
     (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
 
 

@@ -99,7 +99,7 @@ def validate(
     from edl6dof.cli.evidence_tables import show_missions
     from edl6dof.missions.mission import compare, load_mission, reached_goal, shipped_missions
     from edl6dof.missions.write import to_json, write_validation
-    from edl6dof.runs.folder import atomic_folder, default_folder
+    from edl6dof.runs.files import atomic_folder, default_folder
 
     count = _enough(200 if flights is None else flights, MOST_OF_A_MISSION)
     missions = [load_mission(name, count) for name in names or shipped_missions()]
@@ -141,7 +141,7 @@ def calibrate(
     from edl6dof.api.progress import count_runs
     from edl6dof.calibration.problem import load_calibration
     from edl6dof.cli.evidence_tables import show_calibration
-    from edl6dof.runs.folder import default_folder
+    from edl6dof.runs.files import default_folder
 
     name = load_calibration(scenario, tuple(sets or ()), flights).loaded.scenario.name
     target = out or default_folder(f"calibration-{name}", force)

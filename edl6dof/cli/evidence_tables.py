@@ -28,12 +28,12 @@ from edl6dof.manifest import listed
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.missions.mission import Compared, inside, reached_goal
 from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import comparison, open_table, print_whole, published_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.scenario.schema import Scenario
-from edl6dof.verify.case import Result
-from edl6dof.verify.check import CASES, Report, draw, run_case
+from edl6dof.verify.case import Report, Result
+from edl6dof.verify.check import CASES, draw, run_case
 from edl6dof.verify.golden import difference, golden_names, read_golden, traced
 
 

@@ -11,12 +11,11 @@ import numpy as np
 
 from edl6dof.config.units import DEG
 from edl6dof.environment.gravity import potential_F
-from edl6dof.environment.landing_area.features import HEIGHT
-from edl6dof.environment.landing_area.params import GENERATED
-from edl6dof.environment.landing_area.population import within
+from edl6dof.environment.landing_area.population import HEIGHT, within
+from edl6dof.environment.landing_area.relief import GENERATED
 from edl6dof.environment.terrain import place_of
 from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
-from edl6dof.fsw.hazard.safety import SAFE
+from edl6dof.fsw.hazard.elevation_map import SAFE
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.kernels import kernel
 from edl6dof.metrics.figures import from_si
@@ -27,11 +26,9 @@ from edl6dof.spatial.quaternion import axes, from_frame
 from edl6dof.spatial.table_index import endless_cell
 from edl6dof.spatial.vector import add, clamp, dot, norm, sub, take3
 from edl6dof.telemetry.columns import Telemetry
-from edl6dof.vehicle.landing_gear import contact_point
+from edl6dof.vehicle.landing_gear import contact_point, ground_at_offset, north_east_of
 from edl6dof.vehicle.motion.balance import vehicle_mass
-from edl6dof.vehicle.motion.ground_contact import ground_at_offset, north_east_of
-from edl6dof.vehicle.motion.runge_kutta import take_attitude
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.plant import POSITION, RATE, VELOCITY, take_attitude
 from edl6dof.vehicle.surroundings import planet_rotation
 
 #: Radius of the footprint of the lander, and smallest diameter of rocks that are counted (half as high), m.
@@ -63,7 +60,7 @@ def _contact(cases, plants):
     spin = planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
     r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     r_F = rotate_z(c, s, r)
     sl, cl, so, co, _ = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     north, east, down = fixed_to_ned(

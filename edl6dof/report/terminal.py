@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.flight import Flight
 
-#: No table has more letters in a line.
+#: Most letters in a line of a table.
 _WIDEST = 400
 #: Status of a limit or a requirement.
 LIMIT_STATUS = {True: "met", False: "violated"}
@@ -37,8 +37,8 @@ NAVIGATION = {
 
 
 class Compared(NamedTuple):
-    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``: the
-    difference in standard deviations, if these are known.
+    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``:
+    difference in standard deviations, if known.
     """
 
     figure: str
@@ -48,11 +48,6 @@ class Compared(NamedTuple):
     difference: str
     sigmas: str
     kept: bool | None
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Cells of a table."""
-        return self[:6]
 
 
 def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None:
@@ -80,9 +75,9 @@ def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None
 
 
 def stated_figures(loaded: LoadedScenario) -> Published:
-    """Published figures that the file of a scenario itself states.
+    """Return the published figures that the file of a scenario states itself.
 
-    Of a scenario that extends another, or that an option changes, the flight is not the one published.
+    The flight of a scenario that extends another, or that an option changes, is not the published one.
     """
     document = loaded.document
     own = document.mark(()).file
@@ -118,7 +113,7 @@ def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
     table = open_table(title, *heads)
     for row in rows:
         style = {True: "green", False: "bold red", None: ""}[row.kept]
-        cells: list[str | Text] = [*row.cells[:4], Text(row.difference, style=style), row.sigmas]
+        cells: list[str | Text] = [*row[:4], Text(row.difference, style=style), row.sigmas]
         table.add_row(*cells[: len(heads)])
     return table
 
@@ -179,10 +174,11 @@ def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
         padding=(0, 1, 0, 0) if narrow else (0, 1),
     )
     for column in columns:
+        numbers = column.endswith(">")
         table.add_column(
             column.rstrip(">"),
-            justify="right" if column.endswith(">") else "left",
-            no_wrap=narrow or column.endswith(">"),
+            justify="right" if numbers else "left",
+            no_wrap=narrow or numbers,
             overflow="fold",
             vertical="bottom" if narrow else "top",
         )
