@@ -39,8 +39,8 @@ def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) 
     return {"$schema": DRAFT, "title": schema.pop("title", model.__name__), **schema}
 
 
-#: A file that extends another may change the items of a list by their names, and say no more of one than what
-#: changes; what a whole item lacks is told by ``edl6dof check``.
+#: A file that extends another may change the items of a list by their names and give only the changes;
+#: ``edl6dof check`` reports what a whole item lacks.
 _BY_NAME = {"type": "object", "description": "changes to items of what this file extends, by their names"}
 
 
@@ -71,7 +71,7 @@ def _draft7(node: Any) -> Any:
     return changed
 
 
-#: Keywords of a declaration that no schema knows.
+#: Keywords of a declaration that are no keywords of a schema.
 _OWN_WORDS = ("record", "status", "source", "printed")
 
 
