@@ -20,8 +20,9 @@ from pydantic import create_model
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.kernels.functions import Given, Passed, choice, function_type
+from edl6dof.records import record
 
-EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
+EMPTY_MEMORY = record(("unused", "f8"))
 
 #: Members from outside the package by title of their family, and titles of the families that exist.
 _joined: dict[str, list[Member]] = {}

@@ -15,13 +15,14 @@ import numpy as np
 import yaml
 
 from edl6dof.config.document.regular import read_regular, read_regular_text
+from edl6dof.records import record
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 #: Rows of planetocentric latitude 89.5 to -89.5, columns of longitude -179.5 to 179.5 deg.
 SHAPE = (180, 360)
 #: A map: ``height`` m; ``radius`` m: mean radius of its planet, 0 where there is no map; ``centric``:
 #: geocentric = geodetic - this * sin(2 geodetic), to 2e-5 rad.
-HEIGHT_MAP = np.dtype([("height", "f4", SHAPE), ("radius", "f8"), ("centric", "f8")], align=True)
+HEIGHT_MAP = record(("height", "f4", SHAPE), ("radius", "f8"), ("centric", "f8"))
 #: Largest relative difference of the mean radii of a map's planet and of the one it is flown over.
 _SAME_PLANET = 1e-2
 

@@ -18,6 +18,7 @@ from edl6dof.environment.gravity import gravity_F
 from edl6dof.environment.height_map import MapFile
 from edl6dof.environment.planet import PLANET, PlanetParams, fill_planet
 from edl6dof.environment.profiles import MAX_ROWS, cubic_coefficients, integral, monotone_slopes
+from edl6dof.records import record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import cos, log, sin
 from edl6dof.spatial.frames import from_geodetic
@@ -25,21 +26,16 @@ from edl6dof.spatial.vector import dot
 
 #: Climate of the place in the rows of the table: temperature (K) and gravity with rotation (m/s2), gas
 #: constant (J/(kg K)); place of the ground in rows, and natural log of the pressure (Pa) there.
-CLIMATE = np.dtype(
-    [
-        ("temperature", "f8", (MAX_ROWS,)),
-        ("gravity", "f8", (MAX_ROWS,)),
-        ("gas_constant", "f8"),
-        ("ground", "f8"),
-        ("ln_ground_pressure", "f8"),
-    ],
-    align=True,
+CLIMATE = record(
+    ("temperature", "f8", (MAX_ROWS,)),
+    ("gravity", "f8", (MAX_ROWS,)),
+    ("gas_constant", "f8"),
+    ("ground", "f8"),
+    ("ln_ground_pressure", "f8"),
 )
 
 #: Column of one case: cubics of s, 1/m, and ln p (Pa) in the row below each.
-COLUMN = np.dtype(
-    [("inverse_scale_height", "f8", (MAX_ROWS - 1, 4)), ("ln_pressure", "f8", (MAX_ROWS - 1,))], align=True
-)
+COLUMN = record(("inverse_scale_height", "f8", (MAX_ROWS - 1, 4)), ("ln_pressure", "f8", (MAX_ROWS - 1,)))
 
 #: Coldest air (K) that a dispersion may make.
 _COLDEST = 30.0

@@ -38,6 +38,7 @@ from edl6dof.environment.landing_area.relief import (
 )
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import cos, sin, tan
 from edl6dof.spatial.table_index import wrapped
 
@@ -107,7 +108,7 @@ TERRAIN = extended(
     landing_area=LANDING_AREA,
 )
 #: The arrays that the ground is read from, zero where a scenario has none; kernels call it ``grid``.
-GROUND = np.dtype([("map", HEIGHT_MAP), ("dtm", DTM), ("tiles", TILES)], align=True)
+GROUND = record(("map", HEIGHT_MAP), ("dtm", DTM), ("tiles", TILES))
 
 
 @kernel

@@ -27,6 +27,7 @@ from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.effectors import DEPLOY, JETTISON
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.scenario.planned_entry import plan_entry
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.elementary import atan2, cos, sin
@@ -40,15 +41,12 @@ STEP, STEPS = 0.1, 36000
 NORTH, EAST, ALTITUDE, V_NORTH, V_EAST, V_UP = range(6)
 
 #: Inputs, memory and outputs of the sequencer.
-SCRATCH = np.dtype(
-    [
-        ("nav", NAV),
-        ("vehicle", VEHICLE_STATE),
-        ("guide", GUIDE),
-        ("sequence", SEQUENCE),
-        ("request", "u1", (MAX_EVENTS,)),
-    ],
-    align=True,
+SCRATCH = record(
+    ("nav", NAV),
+    ("vehicle", VEHICLE_STATE),
+    ("guide", GUIDE),
+    ("sequence", SEQUENCE),
+    ("request", "u1", (MAX_EVENTS,)),
 )
 
 

@@ -28,6 +28,7 @@ from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.scenario.schema import Scenario, Start, start_of
 from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic
@@ -43,19 +44,16 @@ CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 #: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
 AS_BELIEVED = (1.0, 1.0)
 #: State in F, and inputs, memory and outputs of the flight computer.
-SCRATCH = np.dtype(
-    [
-        ("r", "f8", (3,)),
-        ("v", "f8", (3,)),
-        ("bank", "f8"),  # rad, flown
-        ("nav", NAV),
-        ("vehicle", VEHICLE_STATE),
-        ("guide", GUIDE),
-        ("sequence", SEQUENCE),
-        ("steering", STEERING),
-        ("request", "u1", (MAX_EVENTS,)),
-    ],
-    align=True,
+SCRATCH = record(
+    ("r", "f8", (3,)),
+    ("v", "f8", (3,)),
+    ("bank", "f8"),  # rad, flown
+    ("nav", NAV),
+    ("vehicle", VEHICLE_STATE),
+    ("guide", GUIDE),
+    ("sequence", SEQUENCE),
+    ("steering", STEERING),
+    ("request", "u1", (MAX_EVENTS,)),
 )
 
 

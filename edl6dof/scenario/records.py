@@ -20,6 +20,7 @@ from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, gro
 from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH
 from edl6dof.fsw.onboard import FSW
+from edl6dof.records import record
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.onboard import believe
@@ -34,15 +35,12 @@ from edl6dof.vehicle.aerodynamics.body_table import BodyInputs, body_inputs, bui
 from edl6dof.vehicle.aerodynamics.capsule_table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 
-TABLES = np.dtype(
-    [
-        ("atmosphere", ATMOSPHERE_TABLE),
-        ("aero", AERO_TABLE),
-        ("body", BODY_TABLE),
-        ("terrain", GROUND),
-        ("areoid", HEIGHT_MAP),  # of the areoid above the ellipsoid
-    ],
-    align=True,
+TABLES = record(
+    ("atmosphere", ATMOSPHERE_TABLE),
+    ("aero", AERO_TABLE),
+    ("body", BODY_TABLE),
+    ("terrain", GROUND),
+    ("areoid", HEIGHT_MAP),  # of the areoid above the ellipsoid
 )
 
 

@@ -11,7 +11,7 @@ from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_PARACHUTES, MAX_SURFACES
 from edl6dof.interface.effectors import BRANCHES, EVENT_TABLE
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.mission_events import event_number, fill_events
 from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams, fill_site
@@ -25,30 +25,27 @@ from edl6dof.vehicle.propulsion.feed_system import FEEDS, fill_feeds
 from edl6dof.vehicle.propulsion.rcs import fill_branches
 from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
-CASE = np.dtype(
-    [
-        ("planet", PLANET),
-        ("atmosphere", ATMOSPHERE),
-        ("wind", WIND),
-        ("terrain", TERRAIN),
-        ("site", LOCAL_FRAME),
-        ("vehicle", dtype_of(VehicleParams)),
-        ("lander", BODY),
-        ("feeds", FEEDS),
-        ("branches", BRANCHES),
-        ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
-        ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
-        ("events", EVENT_TABLE),
-        ("dynamics", "i8"),
-        ("ends_with", FLAG, (MAX_EVENTS,)),  # events with which the flight ends
-        ("point_mass", dtype_of(PointMassParams)),
-        ("initial", extended(InitialState, altitude="f8")),
-        ("simulation", dtype_of(SimulationParams)),
-        ("limits", dtype_of(LimitParams)),
-        ("sensors", SENSOR_UNITS),
-        ("faults", FAULTS),
-    ],
-    align=True,
+CASE = record(
+    ("planet", PLANET),
+    ("atmosphere", ATMOSPHERE),
+    ("wind", WIND),
+    ("terrain", TERRAIN),
+    ("site", LOCAL_FRAME),
+    ("vehicle", dtype_of(VehicleParams)),
+    ("lander", BODY),
+    ("feeds", FEEDS),
+    ("branches", BRANCHES),
+    ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
+    ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
+    ("events", EVENT_TABLE),
+    ("dynamics", "i8"),
+    ("ends_with", FLAG, (MAX_EVENTS,)),  # events with which the flight ends
+    ("point_mass", dtype_of(PointMassParams)),
+    ("initial", extended(InitialState, altitude="f8")),
+    ("simulation", dtype_of(SimulationParams)),
+    ("limits", dtype_of(LimitParams)),
+    ("sensors", SENSOR_UNITS),
+    ("faults", FAULTS),
 )
 
 

@@ -18,6 +18,7 @@ from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Key, Params, Vec3, param, unit_vector
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.random_numbers import Stream, normal_pair
@@ -68,15 +69,12 @@ def copy_layout(slots: int) -> np.dtype:
 
 def counter_layout(slots: int) -> np.dtype:
     """Memory of the instruments of one kind."""
-    return np.dtype(
-        [
-            ("count", "f8", (slots,)),  # rad or m/s, since the start
-            ("walk", "f8", (slots,)),  # rad/s or m/s2: how far each bias has walked
-            ("error", "f8", (slots,)),  # rad/s or m/s2: of the rate over the last cycle, scale left out
-            ("last", "f8", (slots,)),  # rad or m/s, counted in the last cycle
-            ("flagged_until", "f8", (slots,)),  # s: how long the flag of saturation stays
-        ],
-        align=True,
+    return record(
+        ("count", "f8", (slots,)),  # rad or m/s, since the start
+        ("walk", "f8", (slots,)),  # rad/s or m/s2: how far each bias has walked
+        ("error", "f8", (slots,)),  # rad/s or m/s2: of the rate over the last cycle, scale left out
+        ("last", "f8", (slots,)),  # rad or m/s, counted in the last cycle
+        ("flagged_until", "f8", (slots,)),  # s: how long the flag of saturation stays
     )
 
 

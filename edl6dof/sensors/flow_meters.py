@@ -21,7 +21,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import faulty_count
 from edl6dof.spatial.random_numbers import Stream, normal_pair
@@ -59,26 +59,20 @@ class FlowMetersParams(Params):
 
 
 #: Errors of the copies that fly.
-UNIT = np.dtype(
-    [
-        ("scale", "f8", (MAX_BRANCHES,)),  # relative
-        ("bias", "f8", (MAX_BRANCHES,)),  # of the full flow
-        ("key", "i8"),  # of the noise
-    ],
-    align=True,
+UNIT = record(
+    ("scale", "f8", (MAX_BRANCHES,)),  # relative
+    ("bias", "f8", (MAX_BRANCHES,)),  # of the full flow
+    ("key", "i8"),  # of the noise
 )
 
 #: Memory of the meters: when they counted last, what had flowed and been counted, readings under way.
-MEMORY = np.dtype(
-    [
-        ("taken", COUNT),
-        ("t", "f8"),  # s
-        ("flowed", "f8", (MAX_BRANCHES,)),  # kg
-        ("count", "f8", (MAX_BRANCHES,)),  # kg
-        ("last", "f8", (MAX_BRANCHES,)),  # kg, counted in the last cycle
-        ("under_way", "f8", (DEPTH, MAX_BRANCHES)),  # kg
-    ],
-    align=True,
+MEMORY = record(
+    ("taken", COUNT),
+    ("t", "f8"),  # s
+    ("flowed", "f8", (MAX_BRANCHES,)),  # kg
+    ("count", "f8", (MAX_BRANCHES,)),  # kg
+    ("last", "f8", (MAX_BRANCHES,)),  # kg, counted in the last cycle
+    ("under_way", "f8", (DEPTH, MAX_BRANCHES)),  # kg
 )
 
 

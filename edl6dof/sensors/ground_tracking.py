@@ -12,7 +12,7 @@ import numpy as np
 from edl6dof.config.base import Params, Vec3, param
 from edl6dof.config.dtype import in_si
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.random_numbers import Stream
 from edl6dof.spatial.vector import add, along_track, put3, take3
@@ -33,8 +33,8 @@ class GroundTrackingParams(Params):
 
 
 #: The error of this case: radial, along-track, cross-track.
-UNIT = np.dtype([("position", "f8", (3,)), ("velocity", "f8", (3,))], align=True)
-MEMORY = np.dtype([("sent", FLAG)], align=True)
+UNIT = record(("position", "f8", (3,)), ("velocity", "f8", (3,)))
+MEMORY = record(("sent", FLAG))
 
 
 @kernel

@@ -23,7 +23,7 @@ from edl6dof.config.dtype import in_si
 from edl6dof.environment.terrain import ground, place_of
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.sensors.ray_ground import LEVEL, clear_tile, lay_tile, point_motion
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z
@@ -125,7 +125,7 @@ class ImagerParams(Hardware):
 
 #: The unit that flies: misalignment, a small rotation in B (rad); constant error of its ranges (m); key of
 #: its noise.
-IMAGER_UNIT = np.dtype([("turn", "f8", (3,)), ("bias", "f8"), ("key", "i8")], align=True)
+IMAGER_UNIT = record(("turn", "f8", (3,)), ("bias", "f8"), ("key", "i8"))
 
 
 def draw_imager(params: ImagerParams, rng: Stream, unit: np.void) -> None:
@@ -153,13 +153,10 @@ def lay_tile_in_view(case, tables, origin, axes, height, reach, tile):
 
 #: A disc for each part, and one for what hangs above it.
 _MOST = 2 * MAX_PARTS
-DISCS = np.dtype(
-    [
-        ("n", whole(0, _MOST)),
-        ("to", "f8", (_MOST, 3)),  # m: from the imager to the middle, along its own axes
-        ("radius", "f8", (_MOST,)),  # m
-    ],
-    align=True,
+DISCS = record(
+    ("n", whole(0, _MOST)),
+    ("to", "f8", (_MOST, 3)),  # m: from the imager to the middle, along its own axes
+    ("radius", "f8", (_MOST,)),  # m
 )
 
 

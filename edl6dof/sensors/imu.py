@@ -9,12 +9,10 @@ Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), c
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.vehicle.plant import RATE
 
@@ -35,14 +33,11 @@ class ImuParams(Params):
 
 
 #: Memory of the unit: readings that are under way.
-READINGS = np.dtype(
-    [
-        ("rate", "f8", (DEPTH, 3)),  # rad/s
-        ("gain", "f8", (DEPTH, 3)),  # m/s
-        ("used", "f8", (DEPTH, MAX_BRANCHES)),  # kg
-        ("taken", COUNT),
-    ],
-    align=True,
+READINGS = record(
+    ("rate", "f8", (DEPTH, 3)),  # rad/s
+    ("gain", "f8", (DEPTH, 3)),  # m/s
+    ("used", "f8", (DEPTH, MAX_BRANCHES)),  # kg
+    ("taken", COUNT),
 )
 
 

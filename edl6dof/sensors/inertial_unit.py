@@ -23,7 +23,7 @@ from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_GYROS
 from edl6dof.interface.sensed import INERTIAL
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, cone, copy_layout, count, counter_layout, draw_copies, rates
 from edl6dof.sensors.vibration import MOUNT, VIBRATION, VibrationParams, draw_mount, shake
@@ -103,30 +103,24 @@ class InertialUnitParams(Hardware):
 
 
 #: Errors of the copy that flies.
-UNIT = np.dtype(
-    [
-        ("gyro", copy_layout(MAX_GYROS)),
-        ("accelerometer", copy_layout(MAX_ACCELEROMETERS)),
-        ("mount", MOUNT),
-    ],
-    align=True,
+UNIT = record(
+    ("gyro", copy_layout(MAX_GYROS)),
+    ("accelerometer", copy_layout(MAX_ACCELEROMETERS)),
+    ("mount", MOUNT),
 )
 
 #: Memory of the unit: the motion at the last reading, what has been counted, and readings under way.
-MEMORY = np.dtype(
-    [
-        ("taken", COUNT),
-        ("t", "f8"),  # s
-        ("q_I2B", "f8", (4,)),
-        ("w_B", "f8", (3,)),  # rad/s
-        ("gain_B", "f8", (3,)),  # m/s, B: integral of the specific force of the centre of mass
-        ("vibration", VIBRATION),
-        ("lagging_B", "f8", (3,)),  # rad/s, B: rate behind the bandwidth of the gyros
-        ("gyro", counter_layout(MAX_GYROS)),
-        ("accelerometer", counter_layout(MAX_ACCELEROMETERS)),
-        ("under_way", INERTIAL, (DEPTH,)),
-    ],
-    align=True,
+MEMORY = record(
+    ("taken", COUNT),
+    ("t", "f8"),  # s
+    ("q_I2B", "f8", (4,)),
+    ("w_B", "f8", (3,)),  # rad/s
+    ("gain_B", "f8", (3,)),  # m/s, B: integral of the specific force of the centre of mass
+    ("vibration", VIBRATION),
+    ("lagging_B", "f8", (3,)),  # rad/s, B: rate behind the bandwidth of the gyros
+    ("gyro", counter_layout(MAX_GYROS)),
+    ("accelerometer", counter_layout(MAX_ACCELEROMETERS)),
+    ("under_way", INERTIAL, (DEPTH,)),
 )
 
 

@@ -21,8 +21,6 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Vec3, param
 from edl6dof.environment.landing_area.population import (
     cell_bits,
@@ -37,7 +35,7 @@ from edl6dof.environment.terrain import geodetic_of, ground, regional
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.sensors.imager import (
     DISCS,
@@ -67,12 +65,9 @@ _ITERATIONS = 5
 #: Change of the distance (m) at which the iteration ends.
 _CLOSE = 1e-6
 
-GROUND_CELLS = np.dtype(
-    [
-        ("place", "f8", (CORNERS, CORNERS, 3)),  # m north, east and above the site, of each corner
-        ("met", FLAG, (CORNERS, CORNERS)),  # it shows ground
-    ],
-    align=True,
+GROUND_CELLS = record(
+    ("place", "f8", (CORNERS, CORNERS, 3)),  # m north, east and above the site, of each corner
+    ("met", FLAG, (CORNERS, CORNERS)),  # it shows ground
 )
 
 
@@ -247,14 +242,11 @@ class LandingCameraParams(ImagerParams):
     longest_m: float = param(5000.0, "distance up to which it sees ground", status="estimate", gt=0.0)
 
 
-MEMORY = np.dtype(
-    [
-        ("cells", GROUND_CELLS),
-        ("discs", DISCS),
-        ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # the image as without motion
-        ("smear", "f8", (CAMERA_CELLS, CAMERA_CELLS, 2)),  # rows and columns that each cell moves by
-    ],
-    align=True,
+MEMORY = record(
+    ("cells", GROUND_CELLS),
+    ("discs", DISCS),
+    ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # the image as without motion
+    ("smear", "f8", (CAMERA_CELLS, CAMERA_CELLS, 2)),  # rows and columns that each cell moves by
 )
 
 

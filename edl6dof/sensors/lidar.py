@@ -19,7 +19,7 @@ from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, record, whole
 from edl6dof.registry import Member
 from edl6dof.sensors.imager import (
     IMAGER_UNIT,
@@ -58,14 +58,11 @@ class LidarParams(ImagerParams):
     quantum_m: float = param(0.01, "step of the ranges", status="estimate", gt=0.0)
 
 
-MEMORY = np.dtype(
-    [
-        ("tile", GROUND_TILE),  # the ground in view when the scan began
-        ("left", whole(0, SCAN_ROWS)),  # rows that are still to be shot
-        ("scans", COUNT),  # begun so far
-        ("mirror", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first row that the mirror turns the rays to
-    ],
-    align=True,
+MEMORY = record(
+    ("tile", GROUND_TILE),  # the ground in view when the scan began
+    ("left", whole(0, SCAN_ROWS)),  # rows that are still to be shot
+    ("scans", COUNT),  # begun so far
+    ("mirror", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first row that the mirror turns the rays to
 )
 
 

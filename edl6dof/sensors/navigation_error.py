@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, Vec3, param
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, along_track, put3, take3
@@ -33,8 +33,8 @@ class NavigationErrorParams(Params):
     )
 
 
-UNIT = np.dtype([("key", "i8")], align=True)
-MEMORY = np.dtype([("cycle", COUNT)], align=True)
+UNIT = record(("key", "i8"))
+MEMORY = record(("cycle", COUNT))
 
 
 @kernel

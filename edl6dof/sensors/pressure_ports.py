@@ -19,7 +19,7 @@ from edl6dof.config.base import Capacity, Params, param, unique_names
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_PORTS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, axes_towards
 from edl6dof.spatial.random_numbers import Stream, normal_pair
@@ -55,8 +55,8 @@ class PressurePortsParams(Params):
 
 
 #: The copy that flies: biases (Pa), relative errors of scale, key of the noise.
-UNIT = np.dtype([("bias", "f8", (MAX_PORTS,)), ("scale", "f8", (MAX_PORTS,)), ("key", "i8")], align=True)
-MEMORY = np.dtype([("cycle", COUNT)], align=True)
+UNIT = record(("bias", "f8", (MAX_PORTS,)), ("scale", "f8", (MAX_PORTS,)), ("key", "i8"))
+MEMORY = record(("cycle", COUNT))
 
 
 @kernel

@@ -22,7 +22,7 @@ from edl6dof.config.base import Capacity, Hardware, Params, Vec3, group, param, 
 from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, axes_towards, turned
 from edl6dof.sensors.ray_ground import height_over_ground, point_motion, ray_to_ground, ray_to_part
@@ -129,17 +129,14 @@ class RadarParams(Hardware):
 
 
 #: The copy that flies: true directions (B), errors of scale, shifts of the range (m), key of the noise.
-UNIT = np.dtype(
-    [
-        ("axis", "f8", (MAX_BEAMS, 3)),
-        ("range_scale", "f8", (MAX_BEAMS,)),
-        ("speed_scale", "f8", (MAX_BEAMS,)),
-        ("reflectivity", "f8", (MAX_BEAMS,)),
-        ("key", "i8"),
-    ],
-    align=True,
+UNIT = record(
+    ("axis", "f8", (MAX_BEAMS, 3)),
+    ("range_scale", "f8", (MAX_BEAMS,)),
+    ("speed_scale", "f8", (MAX_BEAMS,)),
+    ("reflectivity", "f8", (MAX_BEAMS,)),
+    ("key", "i8"),
 )
-MEMORY = np.dtype([("cycle", COUNT)], align=True)
+MEMORY = record(("cycle", COUNT))
 
 
 @kernel

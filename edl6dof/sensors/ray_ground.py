@@ -18,11 +18,10 @@ from __future__ import annotations
 
 from math import copysign, sqrt
 
-import numpy as np
-
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
 from edl6dof.environment.terrain import ground
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import atan2, cos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame
@@ -114,16 +113,13 @@ def ray_to_part(lobes, plant, rotation, r_F, v_F, beam_F, ground_range, spin):
 TILE_NODES = 512
 
 #: Ground by place: m north, east and above the site.
-GROUND_TILE = np.dtype(
-    [
-        ("heights", "f4", (TILE_NODES, TILE_NODES)),  # m, by place to the north and to the east
-        ("north", "f8"),  # m: of the first node
-        ("east", "f8"),
-        ("cell", "f8"),  # m: from node to node
-        ("top", "f8"),  # m: the highest node
-        ("work", RASTER_WORK),
-    ],
-    align=True,
+GROUND_TILE = record(
+    ("heights", "f4", (TILE_NODES, TILE_NODES)),  # m, by place to the north and to the east
+    ("north", "f8"),  # m: of the first node
+    ("east", "f8"),
+    ("cell", "f8"),  # m: from node to node
+    ("top", "f8"),  # m: the highest node
+    ("work", RASTER_WORK),
 )
 
 #: Way (m) to a line of the lattice for a ray along it.

@@ -20,6 +20,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.profiles import SENSOR_STREAM
 from edl6dof.interface.sensed import SENSED
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Family
 from edl6dof.sensors import (
     flow_meters,
@@ -89,12 +90,10 @@ class SensorParams(_Sections):
 
 
 #: The sensors of a case: their parameters, and the errors of the copies that fly in it.
-SENSOR_UNITS = np.dtype([("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables)], align=True)
+SENSOR_UNITS = record(("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables))
 
 #: Record that crosses to the flight software, and the memories of the sensors.
-SENSORS = np.dtype(
-    [("sensed", SENSED), *((member.name, member.memory) for member in SENSOR_FAMILY.members)], align=True
-)
+SENSORS = record(("sensed", SENSED), *((member.name, member.memory) for member in SENSOR_FAMILY.members))
 
 measure = SENSOR_FAMILY.role(
     "measure",

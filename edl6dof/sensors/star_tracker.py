@@ -14,7 +14,7 @@ from pydantic import field_validator
 from edl6dof.config.base import Hardware, Vec3, param, unit_vector
 from edl6dof.config.dtype import in_si
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.spatial.quaternion import multiply, normalise
 from edl6dof.spatial.random_numbers import Stream, normal_pair
@@ -51,8 +51,8 @@ class StarTrackerParams(Hardware):
 
 #: The copy that flies: its alignment, a small rotation in B (rad), the key of its noise, and the number of
 #: the event that ends its view, counted from one; zero for none.
-UNIT = np.dtype([("misalignment", "f8", (3,)), ("key", "i8"), ("until", "i8")], align=True)
-MEMORY = np.dtype([("cycle", COUNT)], align=True)
+UNIT = record(("misalignment", "f8", (3,)), ("key", "i8"), ("until", "i8"))
+MEMORY = record(("cycle", COUNT))
 
 
 @kernel

@@ -16,7 +16,7 @@ from edl6dof.config.base import Vec3, param
 from edl6dof.interface.capacities import STEREO_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Member
 from edl6dof.sensors.imager import (
     IMAGER_UNIT,
@@ -60,7 +60,7 @@ class StereoParams(ImagerParams):
     )
 
 
-MEMORY = np.dtype([("tile", GROUND_TILE), ("pairs", COUNT)], align=True)
+MEMORY = record(("tile", GROUND_TILE), ("pairs", COUNT))
 
 
 @kernel

@@ -21,6 +21,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import exp, sincos
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
@@ -60,17 +61,14 @@ class VibrationParams(Params):
 
 
 #: Phases of the tone, and key of the random part, of the copy that flies.
-MOUNT = np.dtype([("phase", "f8", (3,)), ("key", "i8")], align=True)
+MOUNT = record(("phase", "f8", (3,)), ("key", "i8"))
 
 #: Memory: what the vibration has moved the unit by.
-VIBRATION = np.dtype(
-    [
-        ("turn_B", "f8", (3,)),  # rad, B
-        ("swing_B", "f8", (3,)),  # m/s, B
-        ("place", "f8", (WAYS,)),  # of the oscillators, in standard deviations: about the axes, then along
-        ("speed", "f8", (WAYS,)),  # of the oscillators, in standard deviations
-    ],
-    align=True,
+VIBRATION = record(
+    ("turn_B", "f8", (3,)),  # rad, B
+    ("swing_B", "f8", (3,)),  # m/s, B
+    ("place", "f8", (WAYS,)),  # of the oscillators, in standard deviations: about the axes, then along
+    ("speed", "f8", (WAYS,)),  # of the oscillators, in standard deviations
 )
 
 

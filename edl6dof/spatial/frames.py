@@ -13,6 +13,7 @@ from math import pi, sqrt
 import numpy as np
 
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import asin, atan2, cos, sin, sincos
 from edl6dof.spatial.quaternion import from_axes, multiply
 from edl6dof.spatial.vector import clamp, cross, dot, scale, sub, take3, unit
@@ -97,15 +98,12 @@ def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
 
 #: A local frame L fixed to the planet: its origin in F, and sines and cosines of its geodetic latitude and
 #: longitude.
-LOCAL_FRAME = np.dtype(
-    [
-        ("origin_F", "f8", (3,)),  # m, F: origin
-        ("sin_lat", "f8"),  # sine of the geodetic latitude of the origin
-        ("cos_lat", "f8"),  # cosine of that latitude
-        ("sin_lon", "f8"),  # sine of the longitude of the origin
-        ("cos_lon", "f8"),  # cosine of that longitude
-    ],
-    align=True,
+LOCAL_FRAME = record(
+    ("origin_F", "f8", (3,)),  # m, F: origin
+    ("sin_lat", "f8"),  # sine of the geodetic latitude of the origin
+    ("cos_lat", "f8"),  # cosine of that latitude
+    ("sin_lon", "f8"),  # sine of the longitude of the origin
+    ("cos_lon", "f8"),  # cosine of that longitude
 )
 
 

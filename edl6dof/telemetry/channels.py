@@ -13,6 +13,7 @@ import numpy as np
 
 from edl6dof.config.units import split_unit
 from edl6dof.interface.capacities import MAX_BEAMS, MAX_BRANCHES, MAX_THRUSTERS
+from edl6dof.records import record
 
 
 class Channel(NamedTuple):
@@ -172,18 +173,15 @@ def _layout(channels: Sequence[Channel]) -> list[tuple]:
 
 
 #: A row of telemetry.
-TICK = np.dtype(
-    [
-        *_layout(CHANNELS),
-        ("duty", "f8", (MAX_THRUSTERS,)),
-        ("fault", "i1", (MAX_THRUSTERS,)),
-        ("valve", "i1", (MAX_THRUSTERS,)),
-        ("range", "f8", (MAX_BEAMS,)),
-        ("used", "f8", (MAX_BRANCHES,)),
-        ("metered", "f8", (MAX_BRANCHES,)),
-        ("expected", "f8", (MAX_BRANCHES,)),
-    ],
-    align=True,
+TICK = record(
+    *_layout(CHANNELS),
+    ("duty", "f8", (MAX_THRUSTERS,)),
+    ("fault", "i1", (MAX_THRUSTERS,)),
+    ("valve", "i1", (MAX_THRUSTERS,)),
+    ("range", "f8", (MAX_BEAMS,)),
+    ("used", "f8", (MAX_BRANCHES,)),
+    ("metered", "f8", (MAX_BRANCHES,)),
+    ("expected", "f8", (MAX_BRANCHES,)),
 )
 
 #: A row of the brief telemetry: a quarter of the memory, and half of the time to write it.

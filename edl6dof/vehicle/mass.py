@@ -18,6 +18,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.arrays import product, total
 
 #: What a part shows to the air: nothing, so that the bare lander flies; the whole capsule, heat shield ahead;
@@ -124,7 +125,7 @@ def lander_problem(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank,
 
 
 #: Rigid body: mass, centre of mass in B, inertia tensor elements (xx, yy, zz, xy, xz, yz) about it.
-BODY = np.dtype([("mass", "f8"), ("centre", "f8", (3,)), ("inertia", "f8", (6,))], align=True)
+BODY = record(("mass", "f8"), ("centre", "f8", (3,)), ("inertia", "f8", (6,)))
 
 
 def _shift(mass: float, arm: np.ndarray) -> np.ndarray:

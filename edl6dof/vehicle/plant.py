@@ -6,8 +6,6 @@ Kernels call the ``STATE`` record ``plant``, the ``OUTPUTS`` record ``outputs``,
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.interface.capacities import (
     MAX_ACCELEROMETERS,
     MAX_BEAMS,
@@ -26,7 +24,7 @@ from edl6dof.interface.capacities import (
 )
 from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, TIME_IF_EVER, whole
+from edl6dof.records import FLAG, TIME_IF_EVER, record, whole
 from edl6dof.vehicle.mass import BODY, SHAPES
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
 
@@ -36,33 +34,27 @@ WORKING, STUCK, HARDOVER, OUTAGE, SATURATED, FALSE_LOCK = range(6)
 
 #: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam, kg/s of a
 #: flow meter.
-READING_FAULT = np.dtype(
-    [
-        ("mode", whole(0, FALSE_LOCK)),
-        ("offset", "f8"),  # added to it; the reading itself at a false lock
-        ("noise", "f8"),  # standard deviation of the noise added to it
-    ],
-    align=True,
+READING_FAULT = record(
+    ("mode", whole(0, FALSE_LOCK)),
+    ("offset", "f8"),  # added to it; the reading itself at a false lock
+    ("noise", "f8"),  # standard deviation of the noise added to it
 )
 
 #: Commands to camera, lidar and stereo cameras in this cycle.
-IMAGER_COMMANDS = np.dtype([("camera_trigger", FLAG), ("scan", FLAG)], align=True)
+IMAGER_COMMANDS = record(("camera_trigger", FLAG), ("scan", FLAG))
 
 #: Effect of the faults of instruments; faults write it, sensors read it.
-INSTRUMENT_FAULTS = np.dtype(
-    [
-        ("gyro", READING_FAULT, (MAX_GYROS,)),
-        ("accelerometer", READING_FAULT, (MAX_ACCELEROMETERS,)),
-        ("range", READING_FAULT, (MAX_BEAMS,)),
-        ("speed", READING_FAULT, (MAX_BEAMS,)),
-        ("flow", READING_FAULT, (MAX_BRANCHES,)),
-        ("star_tracker_lost", FLAG),
-        ("camera_lost", FLAG),
-        ("lidar_lost", FLAG),
-        ("stereo_lost", FLAG),
-        ("mirror_stuck", FLAG),  # that of the lidar, which turns the fan of rays from row to row
-    ],
-    align=True,
+INSTRUMENT_FAULTS = record(
+    ("gyro", READING_FAULT, (MAX_GYROS,)),
+    ("accelerometer", READING_FAULT, (MAX_ACCELEROMETERS,)),
+    ("range", READING_FAULT, (MAX_BEAMS,)),
+    ("speed", READING_FAULT, (MAX_BEAMS,)),
+    ("flow", READING_FAULT, (MAX_BRANCHES,)),
+    ("star_tracker_lost", FLAG),
+    ("camera_lost", FLAG),
+    ("lidar_lost", FLAG),
+    ("stereo_lost", FLAG),
+    ("mirror_stuck", FLAG),  # that of the lidar, which turns the fan of rays from row to row
 )
 
 
@@ -96,210 +88,186 @@ def take_attitude(y):
 #: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99
 
-VALVES = np.dtype(
-    [
-        ("open_time", "f8", (MAX_THRUSTERS,)),
-        ("close_time", "f8", (MAX_THRUSTERS,)),
-        ("level", "f8", (MAX_THRUSTERS,)),
-        ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
-        ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
-        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
-        ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
-        # how each thruster fails, 0 for one that works
-        ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
-    ],
-    align=True,
+VALVES = record(
+    ("open_time", "f8", (MAX_THRUSTERS,)),
+    ("close_time", "f8", (MAX_THRUSTERS,)),
+    ("level", "f8", (MAX_THRUSTERS,)),
+    ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
+    ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
+    ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
+    ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
+    # how each thruster fails, 0 for one that works
+    ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
 )
 
 #: What follows from the state, evaluated with the derivatives, in the order in which one follows from the
 #: other: sensors, telemetry and figures read it.
-OUTPUTS = np.dtype(
-    [
-        ("sin_lat", "f8"),
-        ("cos_lat", "f8"),
-        ("sin_lon", "f8"),
-        ("cos_lon", "f8"),
-        ("altitude", "f8"),  # above the ellipsoid
-        ("height_above_areoid", "f8"),
-        ("density", "f8"),
-        ("pressure", "f8"),
-        ("temperature", "f8"),
-        ("speed_of_sound", "f8"),
-        ("wind_N", "f8", (3,)),
-        ("v_air_I", "f8", (3,)),
-        ("q_I2B", "f8", (4,)),
-        ("v_air_B", "f8", (3,)),
-        ("mass", "f8"),
-        ("centre", "f8", (3,)),
-        ("inertia", "f8", (6,)),
-        ("mach", "f8"),
-        ("dynamic_pressure", "f8"),
-        ("heat_flux", "f8"),
-        ("wing_opening", "f8"),  # of the least open surface that was to open
-        ("aero_force_B", "f8", (3,)),
-        ("aero_moment_B", "f8", (3,)),
-        ("riser_tension", "f8"),
-        ("canopy_acceleration_I", "f8", (3,)),  # without gravitation
-        ("canopy_weight", "f8"),  # share of gravitation that its apparent mass leaves it
-        ("pads", whole(0, MAX_FOOTPADS)),
-        ("load_force_B", "f8", (3,)),  # all but engine and thrusters
-        ("load_moment_B", "f8", (3,)),
-        ("engine_thrust", "f8"),
-        ("gravity_I", "f8", (3,)),
-        ("specific_force_B", "f8", (3,)),
-        ("disturbance_moment_B", "f8", (3,)),
-        ("latitude", "f8"),
-        ("longitude", "f8"),
-        ("elevation", "f8"),  # of the ground, above the areoid
-        ("height", "f8"),  # above the ground
-    ],
-    align=True,
+OUTPUTS = record(
+    ("sin_lat", "f8"),
+    ("cos_lat", "f8"),
+    ("sin_lon", "f8"),
+    ("cos_lon", "f8"),
+    ("altitude", "f8"),  # above the ellipsoid
+    ("height_above_areoid", "f8"),
+    ("density", "f8"),
+    ("pressure", "f8"),
+    ("temperature", "f8"),
+    ("speed_of_sound", "f8"),
+    ("wind_N", "f8", (3,)),
+    ("v_air_I", "f8", (3,)),
+    ("q_I2B", "f8", (4,)),
+    ("v_air_B", "f8", (3,)),
+    ("mass", "f8"),
+    ("centre", "f8", (3,)),
+    ("inertia", "f8", (6,)),
+    ("mach", "f8"),
+    ("dynamic_pressure", "f8"),
+    ("heat_flux", "f8"),
+    ("wing_opening", "f8"),  # of the least open surface that was to open
+    ("aero_force_B", "f8", (3,)),
+    ("aero_moment_B", "f8", (3,)),
+    ("riser_tension", "f8"),
+    ("canopy_acceleration_I", "f8", (3,)),  # without gravitation
+    ("canopy_weight", "f8"),  # share of gravitation that its apparent mass leaves it
+    ("pads", whole(0, MAX_FOOTPADS)),
+    ("load_force_B", "f8", (3,)),  # all but engine and thrusters
+    ("load_moment_B", "f8", (3,)),
+    ("engine_thrust", "f8"),
+    ("gravity_I", "f8", (3,)),
+    ("specific_force_B", "f8", (3,)),
+    ("disturbance_moment_B", "f8", (3,)),
+    ("latitude", "f8"),
+    ("longitude", "f8"),
+    ("elevation", "f8"),  # of the ground, above the areoid
+    ("height", "f8"),  # above the ground
 )
 
 #: States of a part that has left the vehicle: since this step, at rest on the ground, falling.
 LOOSE, RESTING, FALLING = 1, 2, 3
 #: A part that has left the vehicle: a point mass with drag.
-DEBRIS = np.dtype(
-    [
-        ("active", whole(0, FALLING)),
-        ("mass", "f8"),
-        ("drag_area", "f8"),
-        ("r_I", "f8", (3,)),
-        ("v_I", "f8", (3,)),
-        ("a_I", "f8", (3,)),  # of the step before
-    ],
-    align=True,
+DEBRIS = record(
+    ("active", whole(0, FALLING)),
+    ("mass", "f8"),
+    ("drag_area", "f8"),
+    ("r_I", "f8", (3,)),
+    ("v_I", "f8", (3,)),
+    ("a_I", "f8", (3,)),  # of the step before
 )
 
 #: Largest values met since the initial state (:mod:`edl6dof.vehicle.motion.balance`).
-PEAKS = np.dtype(
-    [
-        ("entry_load", "f8"),  # up to the first deployment of a parachute
-        ("entry_load_time", "f8"),
-        ("parachute_load", "f8"),  # while a parachute is out
-        ("dynamic_pressure", "f8"),
-        ("dynamic_pressure_time", "f8"),
-        ("heat_flux", "f8"),
-        ("heat_flux_time", "f8"),
-        ("riser_tension", "f8"),
-    ],
-    align=True,
+PEAKS = record(
+    ("entry_load", "f8"),  # up to the first deployment of a parachute
+    ("entry_load_time", "f8"),
+    ("parachute_load", "f8"),  # while a parachute is out
+    ("dynamic_pressure", "f8"),
+    ("dynamic_pressure_time", "f8"),
+    ("heat_flux", "f8"),
+    ("heat_flux_time", "f8"),
+    ("riser_tension", "f8"),
 )
 
 #: Start of a flight, and what its state has been given since, summed up along it
 #: (:mod:`edl6dof.vehicle.motion.balance`).
-BALANCE = np.dtype(
-    [
-        # at the start, t = 0
-        ("mass", "f8"),
-        ("r_I", "f8", (3,)),
-        ("v_I", "f8", (3,)),
-        # since
-        ("velocity", "f8", (3,)),  # m/s, I: by forces and separations
-        ("separations", "f8"),  # m/s: momentum that was missing after them, sum of the magnitudes
-        ("work", "f8"),  # J/kg: by all forces but gravitation, summed up in the same way
-        ("lost", "f8"),  # kg: propellant used, and parts that have left
-    ],
-    align=True,
+BALANCE = record(
+    # at the start, t = 0
+    ("mass", "f8"),
+    ("r_I", "f8", (3,)),
+    ("v_I", "f8", (3,)),
+    # since
+    ("velocity", "f8", (3,)),  # m/s, I: by forces and separations
+    ("separations", "f8"),  # m/s: momentum that was missing after them, sum of the magnitudes
+    ("work", "f8"),  # J/kg: by all forces but gravitation, summed up in the same way
+    ("lost", "f8"),  # kg: propellant used, and parts that have left
 )
 
 #: Inputs of the derivative in addition to time and state, set for a step
 #: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
-INPUTS = np.dtype(
-    [
-        ("middle", "f8"),  # s: time of the middle of the step
-        ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
-        ("rcs_moment", "f8", (3,)),  # N m, B, about its origin
-        ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
-        ("rcs_moment_slope", "f8", (3,)),  # N m/s
-        ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
-        ("rcs_flow_slope", "f8", (MAX_TANKS,)),  # kg/s2
-        ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: what each engine's thrust strives for, mean over the step
-        (
-            "thrust_goal_slope",
-            "f8",
-            (MAX_ENGINES,),
-        ),  # N/s: what it gains in time, about the middle of the step
-        ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant to give
-        ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
-        ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant
-        ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground
-        ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
-        # the same of the ground under each point of the landing gear: altitude below the centre of mass, rise
-        ("footing", "f8", (MAX_CONTACTS, 3)),
-    ],
-    align=True,
+INPUTS = record(
+    ("middle", "f8"),  # s: time of the middle of the step
+    ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
+    ("rcs_moment", "f8", (3,)),  # N m, B, about its origin
+    ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
+    ("rcs_moment_slope", "f8", (3,)),  # N m/s
+    ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
+    ("rcs_flow_slope", "f8", (MAX_TANKS,)),  # kg/s2
+    ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: what each engine's thrust strives for, mean over the step
+    (
+        "thrust_goal_slope",
+        "f8",
+        (MAX_ENGINES,),
+    ),  # N/s: what it gains in time, about the middle of the step
+    ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant to give
+    ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
+    ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant
+    ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground
+    ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
+    # the same of the ground under each point of the landing gear: altitude below the centre of mass, rise
+    ("footing", "f8", (MAX_CONTACTS, 3)),
 )
 
 #: What changes in flight and does not follow from anything else: what the next step starts from, and all of
 #: the vehicle that a checkpoint holds.
-STATE = np.dtype(
-    [
-        ("t", "f8"),
-        ("y", "f8", (STATES,)),  # what is integrated
-        ("attached", FLAG, (MAX_PARTS,)),
-        ("parachute", whole(0, MAX_PARACHUTES - 1)),  # the one deployed last
-        ("canopy", whole(PACKED, RELEASED)),  # what became of it
-        ("legs", FLAG),
-        ("running", FLAG, (MAX_ENGINES,)),
-        ("starting", FLAG),
-        ("touched", FLAG),
-        ("thrust_command", "f8", (MAX_ENGINES,)),
-        # of a point mass: bank angle at ``bank_time``, where it is going, angle of attack
-        ("bank", "f8"),
-        ("bank_time", "f8"),
-        ("bank_command", "f8"),
-        ("alpha", "f8"),
-        ("line_stretch_time", TIME_IF_EVER, (MAX_PARACHUTES,)),
-        ("wing_start", "f8", (MAX_SURFACES,)),
-        ("wing_lost", "f8", (MAX_SURFACES,)),  # share of the opening that a fault takes away
-        ("thrust_lost", "f8", (MAX_ENGINES,)),  # share of the thrust that a fault takes away
-        ("thrust_held", "f8", (MAX_ENGINES,)),  # level at which a fault holds the throttle, N
-        ("thrust_turned", "f8", (MAX_ENGINES, 2)),  # rad: by how much a fault turns it about y and z of B
-        ("canopy_lost", "f8", (MAX_PARACHUTES,)),  # share of the drag area that a fault takes away
-        ("leak", "f8", (MAX_TANKS,)),  # kg/s, what a fault lets out of each tank
-        ("blocked", FLAG, (MAX_TANKS,)),  # tanks that a fault shuts off from all that they feed
-        ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
-        ("fault_since", "f8", (MAX_FAULTS,)),
-        ("touchdown_time", TIME_IF_EVER),
-        ("moved_time", "f8"),  # when it was last seen moving relative to the ground
-        ("exhausted_time", TIME_IF_EVER, (MAX_TANKS,)),  # when each tank ran empty
-        ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
-        ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
-        ("dry", BODY),  # of the parts that are attached
-        ("shape", whole(0, len(SHAPES) - 1)),  # that they show to the air
-        ("valves", VALVES),
-        ("inputs", INPUTS),
-        ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
-        ("separation_gain", "f8", (3,)),  # what the springs of separations and mortars add to it at once
-        ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, propellant that went through each branch
-        ("touchdown", "f8", (STATES,)),
-        ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
-        ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
-        ("balance", BALANCE),
-        ("imagers", IMAGER_COMMANDS),  # to landing camera, lidar and stereo cameras
-    ],
-    align=True,
+STATE = record(
+    ("t", "f8"),
+    ("y", "f8", (STATES,)),  # what is integrated
+    ("attached", FLAG, (MAX_PARTS,)),
+    ("parachute", whole(0, MAX_PARACHUTES - 1)),  # the one deployed last
+    ("canopy", whole(PACKED, RELEASED)),  # what became of it
+    ("legs", FLAG),
+    ("running", FLAG, (MAX_ENGINES,)),
+    ("starting", FLAG),
+    ("touched", FLAG),
+    ("thrust_command", "f8", (MAX_ENGINES,)),
+    # of a point mass: bank angle at ``bank_time``, where it is going, angle of attack
+    ("bank", "f8"),
+    ("bank_time", "f8"),
+    ("bank_command", "f8"),
+    ("alpha", "f8"),
+    ("line_stretch_time", TIME_IF_EVER, (MAX_PARACHUTES,)),
+    ("wing_start", "f8", (MAX_SURFACES,)),
+    ("wing_lost", "f8", (MAX_SURFACES,)),  # share of the opening that a fault takes away
+    ("thrust_lost", "f8", (MAX_ENGINES,)),  # share of the thrust that a fault takes away
+    ("thrust_held", "f8", (MAX_ENGINES,)),  # level at which a fault holds the throttle, N
+    ("thrust_turned", "f8", (MAX_ENGINES, 2)),  # rad: by how much a fault turns it about y and z of B
+    ("canopy_lost", "f8", (MAX_PARACHUTES,)),  # share of the drag area that a fault takes away
+    ("leak", "f8", (MAX_TANKS,)),  # kg/s, what a fault lets out of each tank
+    ("blocked", FLAG, (MAX_TANKS,)),  # tanks that a fault shuts off from all that they feed
+    ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
+    ("fault_since", "f8", (MAX_FAULTS,)),
+    ("touchdown_time", TIME_IF_EVER),
+    ("moved_time", "f8"),  # when it was last seen moving relative to the ground
+    ("exhausted_time", TIME_IF_EVER, (MAX_TANKS,)),  # when each tank ran empty
+    ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
+    ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
+    ("dry", BODY),  # of the parts that are attached
+    ("shape", whole(0, len(SHAPES) - 1)),  # that they show to the air
+    ("valves", VALVES),
+    ("inputs", INPUTS),
+    ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
+    ("separation_gain", "f8", (3,)),  # what the springs of separations and mortars add to it at once
+    ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, propellant that went through each branch
+    ("touchdown", "f8", (STATES,)),
+    ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
+    ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
+    ("balance", BALANCE),
+    ("imagers", IMAGER_COMMANDS),  # to landing camera, lidar and stereo cameras
 )
 
 #: Scratch of the integrator: never saved, and nothing in it outlives the step that wrote it but the reason
 #: why that step failed.
-WORKSPACE = np.dtype(
-    [
-        ("stage", "f8", (STATES,)),  # a stage of the integrator
-        ("k", "f8", (4, STATES)),  # derivatives in its stages
-        # at the start of the step
-        ("t0", "f8"),
-        ("y0", "f8", (STATES,)),
-        ("level0", "f8", (MAX_THRUSTERS,)),
-        ("velocity_gain0", "f8", (3,)),
-        ("branch_used0", "f8", (MAX_BRANCHES,)),
-        ("t_failed", "f8"),  # end of a step that failed
-        ("thrust", "f8", (MAX_ENGINES,)),  # N: of each engine, mean of the step
-        # what the step adds to the balance, by the same names
-        ("velocity", "f8", (3,)),
-        ("work", "f8"),
-        ("lost", "f8"),
-    ],
-    align=True,
+WORKSPACE = record(
+    ("stage", "f8", (STATES,)),  # a stage of the integrator
+    ("k", "f8", (4, STATES)),  # derivatives in its stages
+    # at the start of the step
+    ("t0", "f8"),
+    ("y0", "f8", (STATES,)),
+    ("level0", "f8", (MAX_THRUSTERS,)),
+    ("velocity_gain0", "f8", (3,)),
+    ("branch_used0", "f8", (MAX_BRANCHES,)),
+    ("t_failed", "f8"),  # end of a step that failed
+    ("thrust", "f8", (MAX_ENGINES,)),  # N: of each engine, mean of the step
+    # what the step adds to the balance, by the same names
+    ("velocity", "f8", (3,)),
+    ("work", "f8"),
+    ("lost", "f8"),
 )

@@ -13,13 +13,14 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.document.regular import read_regular_text
 from edl6dof.environment.height_map import MapFile
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.table_index import held_cell
 from edl6dof.spatial.vector import clamp
 
 NODES = 512
 #: ``height`` m, above that at the site: rows from the south, columns from the west; ``reach`` m: from the
 #: site, which is in the middle, to its edges, 0 where there is no model.
-DTM = np.dtype([("height", "f4", (NODES, NODES)), ("reach", "f8")], align=True)
+DTM = record(("height", "f4", (NODES, NODES)), ("reach", "f8"))
 #: Share of the reach over which it passes into the map.
 _EDGE = 0.1
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from edl6dof.environment.profiles import GROUND_STREAM
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.random_numbers import Stream
 
@@ -26,7 +27,7 @@ NODES = 512
 COARSE_CELLS = 16
 #: Wavelength, in cells of the lattice, that parts what is in the two tiles.
 SPLIT = 256.0
-TILES = np.dtype([("coarse", "f4", (NODES, NODES)), ("fine", "f4", (NODES, NODES))], align=True)
+TILES = record(("coarse", "f4", (NODES, NODES)), ("fine", "f4", (NODES, NODES)))
 _LAST, _INNER = NODES - 1, COARSE_CELLS - 1
 _SPACINGS = {"coarse": float(COARSE_CELLS), "fine": 1.0}
 

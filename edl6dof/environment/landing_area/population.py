@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import exp, pow
 from edl6dof.spatial.random_numbers import Stream, random_bits, random_bits_at
@@ -84,22 +84,19 @@ def with_member(population, height, diameter, character, square):
 MAX_CLASSES = 16
 #: Most members that the cells of a class may hold on average.
 CROWD = 8.0
-POPULATION = np.dtype(
-    [
-        ("n", "i8"),  # classes
-        ("exponent", "f8"),
-        ("decay", "f8"),  # per m
-        ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
-        ("stands", FLAG),  # its members stand on the ground, instead of being part of its form
-        ("key", "i8", (MAX_CLASSES,)),
-        ("smallest", "f8", (MAX_CLASSES,)),  # m
-        ("largest", "f8", (MAX_CLASSES,)),  # m
-        ("cell", "f8", (MAX_CLASSES,)),  # m: side of its cells
-        ("mean", "f8", (MAX_CLASSES,)),  # members drawn in a cell
-        ("empty", "f8", (MAX_CLASSES,)),  # probability that none is
-        ("filled", "u8", (MAX_CLASSES,)),  # random bits of a cell from which on one is at least
-    ],
-    align=True,
+POPULATION = record(
+    ("n", "i8"),  # classes
+    ("exponent", "f8"),
+    ("decay", "f8"),  # per m
+    ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
+    ("stands", FLAG),  # its members stand on the ground, instead of being part of its form
+    ("key", "i8", (MAX_CLASSES,)),
+    ("smallest", "f8", (MAX_CLASSES,)),  # m
+    ("largest", "f8", (MAX_CLASSES,)),  # m
+    ("cell", "f8", (MAX_CLASSES,)),  # m: side of its cells
+    ("mean", "f8", (MAX_CLASSES,)),  # members drawn in a cell
+    ("empty", "f8", (MAX_CLASSES,)),  # probability that none is
+    ("filled", "u8", (MAX_CLASSES,)),  # random bits of a cell from which on one is at least
 )
 _32, _11 = np.uint64(32), np.uint64(11)
 _LOW = np.uint64(0xFFFF_FFFF)

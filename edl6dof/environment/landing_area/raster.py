@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.environment.landing_area.fractal import fractal_row
 from edl6dof.environment.landing_area.population import (
     cell_bits,
@@ -16,6 +14,7 @@ from edl6dof.environment.landing_area.population import (
 from edl6dof.environment.landing_area.relief import share_at
 from edl6dof.environment.terrain import geodetic_of, regional
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.table_index import endless_cell
 
 #: Nodes between which, both ways, what is coarser than the landing area is drawn straight: off it by a few
@@ -26,13 +25,10 @@ LONGEST = 512
 
 #: What a raster is worked out with: heights (m) of a row's fractal relief, and, every ``_APART`` nodes of two
 #: rows, of what is coarser than the landing area.
-RASTER_WORK = np.dtype(
-    [
-        ("fractal", "f8", (LONGEST,)),
-        ("south", "f8", (LONGEST // _APART + 1,)),
-        ("north", "f8", (LONGEST // _APART + 1,)),
-    ],
-    align=True,
+RASTER_WORK = record(
+    ("fractal", "f8", (LONGEST,)),
+    ("south", "f8", (LONGEST // _APART + 1,)),
+    ("north", "f8", (LONGEST // _APART + 1,)),
 )
 
 

@@ -5,10 +5,9 @@ The table comes from a mesh, a csv or DAVE-ML files (:mod:`edl6dof.vehicle.aerod
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Hardware, Vec3, param
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.table_index import cell_among
 from edl6dof.spatial.vector import clamp, norm
@@ -22,21 +21,18 @@ NODES = 60_000
 #: angles in rad.  ``static`` [node, (CX, CY, CZ, Cl, Cm, Cn)] and ``rare``, in free molecular flow,
 #: by :func:`node`; ``damping`` [Mach x alpha, (CYp, Clp, Cnp, CXq, CZq, Cmq, CYr, Clr, Cnr)] per rad of
 #: p b/2V, q c/2V and r b/2V.
-BODY_TABLE = np.dtype(
-    [
-        ("n_mach", "i8"),
-        ("n_alpha", "i8"),
-        ("n_beta", "i8"),
-        ("rarefied", "i8"),
-        ("sheds", "i8"),
-        ("mach", "f8", (MACH_NODES,)),
-        ("alpha", "f8", (ALPHA_NODES,)),
-        ("beta", "f8", (BETA_NODES,)),
-        ("static", "f8", (NODES, 6)),
-        ("rare", "f8", (ALPHA_NODES * BETA_NODES, 6)),
-        ("damping", "f8", (MACH_NODES * ALPHA_NODES, 9)),
-    ],
-    align=True,
+BODY_TABLE = record(
+    ("n_mach", "i8"),
+    ("n_alpha", "i8"),
+    ("n_beta", "i8"),
+    ("rarefied", "i8"),
+    ("sheds", "i8"),
+    ("mach", "f8", (MACH_NODES,)),
+    ("alpha", "f8", (ALPHA_NODES,)),
+    ("beta", "f8", (BETA_NODES,)),
+    ("static", "f8", (NODES, 6)),
+    ("rare", "f8", (ALPHA_NODES * BETA_NODES, 6)),
+    ("damping", "f8", (MACH_NODES * ALPHA_NODES, 9)),
 )
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from edl6dof.config.document.regular import read_regular
 from edl6dof.interchange.aero_table import read_aero_csv
 from edl6dof.interchange.daveml_vehicle import static_table
-from edl6dof.records import require_finite
+from edl6dof.records import record, require_finite
 from edl6dof.spatial import arrays
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 from edl6dof.vehicle.aerodynamics.newtonian import (
@@ -79,15 +79,12 @@ NEWTONIAN_MACH = np.array(
 
 #: ``continuum`` [Mach, degree, (CA, dCA, CN, dCN, Cm, dCm, Cmq)] and ``free_molecular`` [degree, (CA ..
 #: dCm)], slopes per degree.
-AERO_TABLE = np.dtype(
-    [
-        ("n_mach", "i8"),
-        ("moment_reference_x", "f8"),
-        ("mach", "f8", (MACH_CAPACITY,)),
-        ("continuum", "f8", (MACH_CAPACITY, ANGLES, 7)),
-        ("free_molecular", "f8", (ANGLES, 6)),
-    ],
-    align=True,
+AERO_TABLE = record(
+    ("n_mach", "i8"),
+    ("moment_reference_x", "f8"),
+    ("mach", "f8", (MACH_CAPACITY,)),
+    ("continuum", "f8", (MACH_CAPACITY, ANGLES, 7)),
+    ("free_molecular", "f8", (ANGLES, 6)),
 )
 
 #: Parameters that are applied in flight and do not enter the table.

@@ -26,6 +26,7 @@ from pydantic import create_model, model_validator
 from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
+from edl6dof.records import record
 from edl6dof.registry import Family
 from edl6dof.vehicle.faults import actuators, instrument
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault, Components
@@ -98,17 +99,14 @@ class FaultParams(_NamedComponent):
         return f"{self.acts_on(components)} {self.kind.replace('_', ' ')}"
 
 
-FAULT = np.dtype(
-    [
-        ("of", "i8"),  # kind of component, index in COMPONENTS
-        ("component", "i8"),  # index of the one that fails among those of its kind
-        ("phase", "i8"),  # index of the mission phase, -1 for a flight time
-        ("after", "f8"),  # s after the start of the phase, or flight time
-        ("params", dtype_of(FaultParams)),
-    ],
-    align=True,
+FAULT = record(
+    ("of", "i8"),  # kind of component, index in COMPONENTS
+    ("component", "i8"),  # index of the one that fails among those of its kind
+    ("phase", "i8"),  # index of the mission phase, -1 for a flight time
+    ("after", "f8"),  # s after the start of the phase, or flight time
+    ("params", dtype_of(FaultParams)),
 )
-FAULTS = np.dtype([("count", "i8"), ("slots", FAULT, (MAX_FAULTS,))], align=True)
+FAULTS = record(("count", "i8"), ("slots", FAULT, (MAX_FAULTS,)))
 
 
 def fault_problems(

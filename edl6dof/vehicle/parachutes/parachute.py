@@ -30,6 +30,7 @@ from pydantic import field_validator, model_validator
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, group, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, take3, unit
@@ -176,7 +177,7 @@ class ParachuteParams(ParachuteChoice, Hardware):
 PARACHUTE_PARAMS = dtype_of(ParachuteParams)
 
 #: Indices of the parts that a parachute is packed as and hangs from; -1 for none.
-SUSPENSION = np.dtype([("pack", "i8"), ("carrier", "i8")], align=True)
+SUSPENSION = record(("pack", "i8"), ("carrier", "i8"))
 
 
 @kernel

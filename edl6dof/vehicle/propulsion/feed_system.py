@@ -14,13 +14,12 @@ import numpy as np
 
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.kernels import inlined_kernel, kernel
+from edl6dof.records import record
 from edl6dof.vehicle.mass import Tank, body_of, join
 from edl6dof.vehicle.plant import PROPELLANT
 
 #: Load (kg) of each tank that feeds an engine or thruster, in rows; 0 for one that does not.
-FEEDS = np.dtype(
-    [("engines", "f8", (MAX_ENGINES, MAX_TANKS)), ("thrusters", "f8", (MAX_THRUSTERS, MAX_TANKS))], align=True
-)
+FEEDS = record(("engines", "f8", (MAX_ENGINES, MAX_TANKS)), ("thrusters", "f8", (MAX_THRUSTERS, MAX_TANKS)))
 
 
 def fill_feeds(rows: np.ndarray, drawing: Iterable[Sequence[str]], tanks: Sequence[Tank]) -> None:
