@@ -13,8 +13,7 @@ outside      CPU seconds of a case outside the compiled loop, over those inside 
 campaign's   what the campaign adds to a flight, over the same: drawing, validating, building records, reading
 back, row; not the figures
              of the flight, which a flight flown alone forms too
-efficiency   flights per CPU second with all threads over those with one: what the threads take from each
-other
+efficiency   flights per CPU second with all threads over those with one thread
 """
 
 from __future__ import annotations
@@ -217,11 +216,11 @@ def show(console: Console, costs: dict[str, Cost]) -> None:
         table.add_row(name, str(cost.flights), *numbers, *outside)
     console.print(table)
     one, every, *peer = costs.values()
-    console.print(f"efficiency of the threads: {every.per_cpu_second / one.per_cpu_second:.1%}")
+    console.print(f"efficiency of the threads, by CPU time: {every.per_cpu_second / one.per_cpu_second:.1%}")
     if peer:
         ratio = one.per_cpu_second / peer[0].per_cpu_second
         console.print(
-            f"whole flights of edl6dof for each {peers_jsbsim.CASE} of JSBSim, per CPU second: {ratio:.2f}"
+            f"flights per CPU second, whole flight of edl6dof / ballistic entry of JSBSim: {ratio:.2f}"
         )
 
 

@@ -73,7 +73,7 @@ def show_comparison(console: Console, peer: str, result: dict[str, Any]) -> None
         table.add_row(*row)
     console.print(table)
     console.print(
-        f"  {peer} has {result['has']}\n  and lacks {result['lacks']}; ended finite at "
+        f"  {peer} has {result['has']}\n  and lacks {result['lacks']}\n  state at its end: "
         f"{_numbers(result['ended'])}"
     )
 
@@ -124,12 +124,17 @@ def show_precision(console: Console, precision: Precision) -> None:
     console.print(table)
     (error,) = (point.position_m for point in programs["edl6dof"] if point.step_s == WHOLE_STEP_S)
     console.print(
-        f"the whole flight on instruments, whose step of {1e3 * WHOLE_STEP_S:g} ms has an error of "
-        f"{error:.2g} m above: {precision.whole_flight:,.0f} simulated s per CPU s"
+        f"Whole flight with instruments, step {1e3 * WHOLE_STEP_S:g} ms: "
+        f"{precision.whole_flight:,.0f} simulated s per CPU s\n"
+        f"  error of the free entry with the same step: {error:.2g} m"
     )
     for name, points in programs.items():
         if name != "edl6dof":
             least = max(error, points[0].position_m)  # the finest step that is shown may not reach it
             if theirs := speed_at(points, least):
                 ratio = precision.whole_flight / theirs
-                console.print(f"  {ratio:.1f} times the entry of {name} with an error of {least:.2g} m")
+                smallest = ", its smallest" if least > error else ""
+                console.print(
+                    f"  {ratio:.1f} times as fast as the entry of {name} with an error of {least:.2g} m"
+                    f"{smallest}"
+                )
