@@ -14,7 +14,7 @@ from time import thread_time
 
 import numpy as np
 
-from edl6dof.campaign.design.variants import Variants
+from edl6dof.campaign.design.case import Variants
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.interface.roles import POWERED_DECELERATION

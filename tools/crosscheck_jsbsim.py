@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from jsbsim_vehicle import prepare, version
 
-from edl6dof.verify.cases.nesc import flown, reference
+from edl6dof.verify.nesc import flown, reference
 
 SPIN = 7.292115e-5  # rad/s
 END_S, INTERVAL_S = 30.0, 0.1

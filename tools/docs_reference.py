@@ -74,7 +74,7 @@ def pages() -> dict[str, str]:
 
 
 def _all_rows() -> list[Row]:
-    from edl6dof.calibration.section import CalibrationFile
+    from edl6dof.calibration.problem import CalibrationFile
     from edl6dof.campaign.design.sections import CampaignFile
     from edl6dof.scenario.schema import Scenario
 

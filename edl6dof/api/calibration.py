@@ -12,7 +12,7 @@ from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.ensemble import FLIGHTS
 from edl6dof.config.dump import json_text
 from edl6dof.config.errors import refusal
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 
 
 def found_by(
@@ -36,20 +36,19 @@ def write_findings(
     """Write ``summary.json`` and the scenario with the values found into a folder; return the summary."""
     summary = json_text(plain(found))
     (folder / "summary.json").write_text(summary, encoding="utf-8")
-    name, marks = found.calibration.loaded.scenario.name, claims(found, scenario, sets, flights)
+    name, sources = found.calibration.loaded.scenario.name, _sources(found, scenario, sets, flights)
     file = Path(scenario)
     extended = str(file.resolve()) if file.is_file() else scenario  # by the name of a shipped one
-    text = overlay_text(f"{name}_calibrated", extended, rounded(found), marks)
+    text = overlay_text(f"{name}_calibrated", extended, rounded(found), sources)
     (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
     return summary
 
 
-def claims(found: Findings, scenario: str, sets: Sequence[str], flights: int | None) -> dict[str, str]:
-    """Return the mark of each value: the command that found it, its standard deviation and its prior."""
+def _sources(found: Findings, scenario: str, sets: Sequence[str], flights: int | None) -> dict[str, str]:
+    """Return the source of each value: the command that found it, its standard deviation and its prior."""
     options = [*(f"--set {text}" for text in sets), *([] if flights is None else [f"-n {flights}"])]
     command = " ".join(["edl6dof calibrate", scenario, *options])
     return {
-        path: f"[C] {command}: +- {significant(found.sigmas[path], 2)}; "
-        f"prior {prior.mean:g} +- {prior.sigma:g}"
+        path: f"{command}: +- {significant(found.sigmas[path], 2)}; prior {prior.mean:g} +- {prior.sigma:g}"
         for path, prior in found.calibration.params.parameters.items()
     }

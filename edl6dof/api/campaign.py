@@ -18,17 +18,16 @@ from edl6dof.api.flight import Flight
 from edl6dof.api.flight_results import html_table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.documents import Summary
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.run import case_scenario, differences
 from edl6dof.campaign.statistics import SHARES, Quantile, Until, quantile
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.store import Store, Summary
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.config.wording import unknown
 from edl6dof.metrics.figures import DECLARED, figure_of_merit
-from edl6dof.sim.compile_ahead import is_compiled
 from edl6dof.sim.flight import fly
+from edl6dof.sim.functions import is_compiled
 
 if TYPE_CHECKING:
     import pandas

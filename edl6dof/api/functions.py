@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
-    from edl6dof.verify.check import Report
+    from edl6dof.verify.case import Report
 
 
 def activate(*operands: str | Path | LoadedScenario | None) -> None:
@@ -437,7 +437,7 @@ def calibrate(
     activate(name)
     from edl6dof.api.calibration import found_by, write_findings
     from edl6dof.calibration.problem import load_calibration
-    from edl6dof.runs.folder import atomic_folder
+    from edl6dof.runs.files import atomic_folder
 
     calibration = load_calibration(name, sets, flights)
     if out is None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from edl6dof.calibration.section import CalibrationFile
+from edl6dof.calibration.problem import CalibrationFile
 from edl6dof.campaign.design.sections import CampaignFile
 from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.scalars import BOOLEAN_WORDS

@@ -13,9 +13,8 @@ import numpy as np
 from edl6dof.api.arguments import naming_arguments, scenario_name, texts
 from edl6dof.api.flight import Flight
 from edl6dof.api.functions import activate
-from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.case import Case, Variant, Variants
 from edl6dof.campaign.design.plan import Plan, plan_of
-from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.units import split_unit
 from edl6dof.scenario.loaded import LoadedScenario

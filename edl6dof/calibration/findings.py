@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from edl6dof.calibration.fit import DESIGNS, Fit, fit
 from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.executor import Progress
 from edl6dof.config.document.document import EXTENDS
-from edl6dof.config.document.scalars import write_scalar
+from edl6dof.config.dump import dump_resolved
 
 #: A residual beyond which a figure is not explained, in standard deviations.
 UNEXPLAINED = 2.0
@@ -24,11 +25,9 @@ UNTOLD, ALIKE = 0.1, 0.9
 
 @dataclass(frozen=True, repr=False)
 class Findings:
-    """Result of a calibration.
+    """Result of a calibration: its posterior, and what the simulator flies there.
 
     Attributes:
-        calibration: the figures and the parameters.
-        fit: the posterior.
         before: means of the figures over neighbouring flights at the priors' means, shape (figures,).
         after: the same at the solution; flown, not computed from the linear model.
     """
@@ -49,11 +48,9 @@ class Findings:
     @property
     def sigmas(self) -> dict[str, float]:
         """Their posterior standard deviations, by dotted path."""
-        priors = self.calibration.params.parameters.items()
-        return {
-            path: prior.sigma * float(share)
-            for (path, prior), share in zip(priors, self.fit.deviation, strict=True)
-        }
+        priors = self.calibration.params.parameters
+        shares = map(float, self.fit.deviation)
+        return {path: priors[path].sigma * share for path, share in zip(priors, shares, strict=True)}
 
     @property
     def residuals(self) -> np.ndarray:
@@ -63,11 +60,8 @@ class Findings:
     @property
     def unexplained(self) -> list[str]:
         """Meanings of the figures that the solution does not explain."""
-        return [
-            b.figure.meaning
-            for b, residual in zip(self.calibration.beside, self.residuals, strict=True)
-            if not abs(residual) <= UNEXPLAINED
-        ]
+        pairs = zip(self.calibration.beside, self.residuals, strict=True)
+        return [b.figure.meaning for b, residual in pairs if not abs(residual) <= UNEXPLAINED]
 
 
 def find(calibration: Calibration, progress: Progress | None = None) -> Findings:
@@ -76,14 +70,9 @@ def find(calibration: Calibration, progress: Progress | None = None) -> Findings
     Raises:
         TooFew: too few flights of a design reached every figure.
     """
-    params, seed = calibration.params, calibration.loaded.scenario.seed
-    found = fit(
-        lambda points: calibration.fly(points, progress),
-        calibration.data,
-        *calibration.bounds,
-        params.flights,
-        seed,
-    )
+    flights, seed = calibration.params.flights, calibration.loaded.scenario.seed
+    fly = partial(calibration.fly, progress=progress)
+    found = fit(fly, calibration.data, *calibration.bounds, flights, seed)
     before, after = (calibration.means(x, progress) for x in (np.zeros(len(found.x)), found.x))
     return Findings(calibration, found, before, after)
 
@@ -124,7 +113,7 @@ def remarks(found: Findings) -> list[str]:
 
 
 def plain(found: Findings) -> dict[str, Any]:
-    """Everything that was found, ready for JSON; ``nan`` where not every neighbour reached a figure."""
+    """All results, ready for JSON; ``nan`` if a neighbour did not reach a figure."""
     calibration, fitted, residuals = found.calibration, found.fit, found.residuals
     priors, values, sigmas = calibration.params.parameters, found.values, found.sigmas
     return {
@@ -163,31 +152,20 @@ def plain(found: Findings) -> dict[str, Any]:
     }
 
 
-def overlay_text(name: str, extended: str, values: Mapping[str, float], claims: Mapping[str, str]) -> str:
-    """YAML text: ``extends``, a name, and each value at its dotted path with what is claimed of it.
+def overlay_text(name: str, extended: str, values: Mapping[str, float], sources: Mapping[str, str]) -> str:
+    """YAML text of a scenario that extends another one and calibrates some values.
 
     Args:
         name: of the new scenario.
         extended: scenario that it extends, by name or path.
         values: by dotted path; a path may name items of lists, but no element of a list of numbers.
-        claims: comment of each value, by dotted path.
+        sources: how each value was found, by dotted path.
     """
-    tree: dict[str, Any] = {}
+    tree: dict[str, Any] = {EXTENDS: extended, "name": name}
     for path, value in values.items():
         *parents, key = path.split(".")
         inside = tree
         for parent in parents:
             inside = inside.setdefault(parent, {})
-        inside[key] = (value, claims[path])
-    lines = [f"{EXTENDS}: {write_scalar(extended)}", f"name: {write_scalar(name)}", *_lines(tree, "")]
-    return "\n".join(lines) + "\n"
-
-
-def _lines(tree: Mapping[str, Any], pad: str) -> Iterator[str]:
-    for key, inside in tree.items():
-        if isinstance(inside, dict):
-            yield f"{pad}{write_scalar(key)}:"
-            yield from _lines(inside, pad + "  ")
-        else:
-            value, claim = inside
-            yield f"{pad}{write_scalar(key)}: {write_scalar(value)}  # {claim}"
+        inside[key] = value
+    return dump_resolved(tree, status=dict.fromkeys(values, "calibrated"), sources=sources)

@@ -1,13 +1,13 @@
 """Normal posterior of parameters whose figures follow from flights, and its quality.
 
-A figure responds to its parameters with a slope and with scatter: another cycle of the flight software,
-another pulse, another bank reversal.  Differences between two points follow the scatter.  A regression over
-many points, each flown once, averages it, and its residuals give the deviation of one flight from the linear
-model.  The first design of flights is drawn from the prior and each further one from the posterior of the one
-before, so that the model is fitted near the solution and over the width of its uncertainty.  The real flight
-is one random draw, so the scatter adds to the uncertainty of the published figures.  If priors and figures
-contradict each other by more than all this, the published deviations are widened until they agree.
-Parameters are in standard deviations of their priors.
+A figure responds to its parameters with a slope and with scatter, by another pulse or bank reversal.  A
+difference between two points would follow the scatter.  A regression over many points, each flown once,
+averages it, and its residuals give the deviation of one flight from the linear model.  The first design of
+flights is drawn from the prior and each further one from the posterior of the one before, so that the model
+is fitted near the solution and over the width of its uncertainty.  The real flight is one random draw, so the
+scatter adds to the uncertainty of the published figures.  If priors and figures contradict each other by more
+than this, the published deviations are widened until they agree.  Parameters are in standard deviations of
+their priors.
 
 Source: García-Fernández, Svensson, Morelande and Särkkä, Posterior linearization filter, IEEE Trans. Signal
 Processing 63 (2015) 5561 (regression over the posterior, its residuals as noise); Tarantola, Inverse Problem
@@ -25,11 +25,14 @@ import numpy as np
 from scipy.optimize import brentq, lsq_linear
 from scipy.stats import qmc
 
-from edl6dof.calibration.section import least_flights
-
 
 class TooFew(ValueError):
     """Too few flights of a design reached every figure."""
+
+
+def least_flights(parameters: int) -> int:
+    """Flights without which no surface is fitted: four for each coefficient of the regression."""
+    return 4 * (parameters + 1)
 
 
 class Data(NamedTuple):
@@ -74,14 +77,10 @@ def regression(points: np.ndarray, flown: np.ndarray) -> Surface:
     return Surface(coefficients[0], coefficients[1:].T, residuals.T @ residuals / (count - len(coefficients)))
 
 
-#: Designs one after the other: the second lies where the answer is, the third tells how firm it is.
+#: Designs one after the other: the second is drawn at the solution, the third shows how firm it is.
 DESIGNS = 3
-#: How near a bound a parameter stands at it, in standard deviations of its prior.
+#: Largest distance of a parameter that counts as at a bound, in standard deviations of its prior.
 AT_BOUND = 1e-3
-
-#: Figures (flights, figures) of flights at parameters (flights, parameters); ``nan`` where one was not
-#: reached.
-Fly = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -90,13 +89,13 @@ class Fit:
 
     Attributes:
         x: parameters of the largest posterior density, shape (parameters,).
-        covariance: of the posterior, shape (parameters, parameters); bounds left aside.
+        covariance: of the posterior without bounds, shape (parameters, parameters).
         slopes: change of each figure with each parameter, shape (figures, parameters).
-        sigma: standard deviation of each figure, of what is published and of one flight, shape (figures,).
-        squares: sum of squares of figures and priors; as many as figures are expected of what agrees.
-        widening: factor of the published standard deviations with which it does, at least 1.
-        moved: the largest change of a parameter by the last design, in posterior standard deviations.
-        at_bound: whether a parameter stands at a bound, shape (parameters,).
+        sigma: standard deviation of each figure, of its published value and one flight, shape (figures,).
+        squares: sum of squares of figures and priors; its expected value is the number of figures.
+        widening: factor of the published standard deviations with which it is no larger, at least 1.
+        moved: largest change of a parameter by the last design, in posterior standard deviations.
+        at_bound: True for a parameter at a bound, shape (parameters,).
     """
 
     x: np.ndarray
@@ -129,12 +128,20 @@ class Fit:
         return float(np.sum(self.resolution))
 
 
-def fit(fly: Fly, data: Data, low: np.ndarray, high: np.ndarray, flights: int, seed: int) -> Fit:
+def fit(
+    fly: Callable[[np.ndarray], np.ndarray],
+    data: Data,
+    low: np.ndarray,
+    high: np.ndarray,
+    flights: int,
+    seed: int,
+) -> Fit:
     """Find the posterior.
 
     Args:
-        fly: flies a design.
-        data: what the figures are to explain.
+        fly: flies a design: figures (flights, figures) at parameters (flights, parameters); ``nan`` where a
+            figure was not reached.
+        data: published values to explain.
         low, high: bounds of the parameters, shape (parameters,), below and above zero.
         flights: of each design.
         seed: of the designs.
@@ -153,9 +160,10 @@ def fit(fly: Fly, data: Data, low: np.ndarray, high: np.ndarray, flights: int, s
 
 
 def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, before: np.ndarray) -> Fit:
-    """The posterior on a surface; ``before`` are the parameters where its design was drawn."""
+    """The posterior on a surface; ``before``: parameters about which its design was drawn."""
     gap, slopes = data.number - surface.constant, surface.slopes
-    widening = _widening(gap, slopes @ slopes.T + surface.scatter, data.sigma)
+    spread = slopes @ slopes.T + surface.scatter
+    widening = _widening(gap, spread, data.sigma)
     root = np.linalg.cholesky(surface.scatter + np.diag((widening * data.sigma) ** 2))
     whitened = np.linalg.solve(root, slopes)
     rows = np.concatenate([whitened, np.eye(len(before))])
@@ -167,7 +175,7 @@ def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, befor
         covariance=covariance,
         slopes=slopes,
         sigma=np.sqrt(data.sigma**2 + np.diag(surface.scatter)),
-        squares=_squares(gap, slopes @ slopes.T + surface.scatter, data.sigma),
+        squares=_squares(gap, spread, data.sigma),
         widening=widening,
         moved=float(np.max(np.abs(x - before) / np.sqrt(np.diag(covariance)))),
         at_bound=(x - low < AT_BOUND) | (high - x < AT_BOUND),
@@ -175,8 +183,8 @@ def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, befor
 
 
 def _squares(gap: np.ndarray, spread: np.ndarray, sigma: np.ndarray) -> float:
-    """Least sum of squares of figures and priors, by what the figures' covariance is before they are known:
-    ``spread`` of parameters and flights, and the published deviations.
+    """Least sum of squares of figures and priors: ``gap`` under the prior covariance of the figures, the
+    ``spread`` of parameters and flights and the published deviations.
     """
     return float(gap @ np.linalg.solve(spread + np.diag(sigma**2), gap))
 

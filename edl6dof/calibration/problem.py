@@ -1,37 +1,83 @@
-"""The calibration of one scenario: from its section to functions of the parameters, which fly."""
+"""The calibration of one scenario: its ``calibration:`` section, and the figures of its parameters, flown."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import nan
+from typing import Self
 
 import numpy as np
+from pydantic import model_validator
 
-from edl6dof.calibration.fit import Data
-from edl6dof.calibration.section import CalibrationFile, CalibrationParams
-from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.variants import scenario_of
+from edl6dof.calibration.fit import Data, least_flights
+from edl6dof.campaign.design.case import Case, scenario_of
 from edl6dof.campaign.ensemble import fly_neighbours
 from edl6dof.campaign.executor import Progress, Row, fly_rows
+from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import read_document, resolve_scenario
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.validate import validate
+from edl6dof.config.wording import counted
 from edl6dof.metrics.published import Beside, published_figures
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, load_document
 
 
+class Prior(Params):
+    """Prior knowledge of a parameter, in its unit: normal, cut at its bounds."""
+
+    mean: float = param(REQUIRED, "most likely value")
+    sigma: float = param(REQUIRED, "standard deviation", gt=0.0)
+    low: float | None = param(None, "lowest possible value; mean - 4 sigma when not given")
+    high: float | None = param(None, "highest possible value; mean + 4 sigma when not given")
+
+    @model_validator(mode="after")
+    def _mean_is_possible(self) -> Self:
+        low, high = self.bounds
+        if not low < self.mean < high:
+            words = f"must lie between low and high (got {self.mean:g}, {low:g}, {high:g})"
+            raise Inconsistent({"mean": words})
+        return self
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest value."""
+        low = self.mean - 4.0 * self.sigma if self.low is None else self.low
+        return low, self.mean + 4.0 * self.sigma if self.high is None else self.high
+
+
+class CalibrationParams(Params):
+    """Uncertain parameters, and the figures that they are to explain."""
+
+    parameters: dict[str, Prior] = param(
+        REQUIRED, "prior of each uncertain parameter, by dotted path", min_length=1
+    )
+    figures: list[str] = param(
+        None,
+        "published figures to explain; all flown values that have a sigma when none is named",
+        factory=list,
+    )
+    flights: int = param(256, "flights of each design, every one at its own parameters", ge=1, le=100_000)
+
+    @model_validator(mode="after")
+    def _flights_suffice(self) -> Self:
+        parameters = counted(len(self.parameters), "parameter")
+        if self.flights < (least := least_flights(len(self.parameters))):
+            raise Inconsistent({"flights": f"must be >= {least} with {parameters} (got {self.flights})"})
+        return self
+
+
+class CalibrationFile(Params):
+    """The section of a scenario file."""
+
+    calibration: CalibrationParams = param(REQUIRED, "calibration against the published flight")
+
+
 @dataclass(frozen=True)
 class Calibration:
-    """Figures to be explained, and the parameters to explain them with.
-
-    Attributes:
-        loaded: the scenario.
-        params: its calibration section.
-        beside: the figures with their published values.
-    """
+    """Scenario, its calibration section, and the figures to explain with their published values."""
 
     loaded: LoadedScenario
     params: CalibrationParams
@@ -64,8 +110,8 @@ class Calibration:
         }
 
     def fly(self, points: np.ndarray, progress: Progress | None = None) -> np.ndarray:
-        """Figures of a flight at each of the parameters, shape (flights, parameters), in standard deviations;
-        shape (flights, figures), ``nan`` where one was not reached.
+        """Figures, shape (flights, figures), of a flight at each of the parameters, shape (flights,
+        parameters), in standard deviations; ``nan`` where a figure was not reached.
         """
         profile = self.loaded.scenario.profile
         cases = [Case(k, belief=self.values(x), profile=profile + k) for k, x in enumerate(points)]
@@ -77,11 +123,7 @@ class Calibration:
         return np.mean(self._figures(rows), axis=0)
 
     def _figures(self, rows: Iterable[Row]) -> np.ndarray:
-        def own(row: Row, b: Beside) -> float:
-            value = row.get(b.figure.name)
-            return nan if value is None else b.published.of(value)
-
-        return np.array([[own(row, b) for b in self.beside] for row in rows])
+        return np.array([[b.published.of(row.get(b.figure.name, nan)) for b in self.beside] for row in rows])
 
 
 def load_calibration(name: str, sets: tuple[str, ...] = (), flights: int | None = None) -> Calibration:
@@ -95,10 +137,9 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
     Raises:
         ConfigError: every problem, with file and line.
     """
-    if document.data.get(CALIBRATION) is None:
+    if (section := document.data.get(CALIBRATION)) is None:
         words = "has no calibration: section; edl6dof calibrate tianwen1 has"
         raise ConfigError([document.problem((), words)])
-    section = document.data[CALIBRATION]
     if flights is not None and isinstance(section, dict):
         section = {**section, "flights": flights}
     own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
@@ -123,7 +164,7 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
 
 
 def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
-    """Parameters that the scenario has not, or whose bounds it does not allow."""
+    """Problems of parameters that the scenario does not have, or whose bounds it does not allow."""
     priors = calibration.params.parameters
     words = "must be a value of its own, not an element of a list"
     if elements := [path for path in priors if path.rpartition(".")[2].isdecimal()]:
@@ -145,7 +186,7 @@ def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
 
 
 def _refused(loaded: LoadedScenario, values: Mapping[str, float]) -> ConfigError | None:
-    """Why a scenario refuses values by dotted path, if it does."""
+    """The error with which a scenario refuses values by dotted path, if it does."""
     try:
         scenario_of(loaded, Case(0, belief=values))
     except ConfigError as error:

@@ -1,3 +1,1 @@
-"""Many flights of one scenario: cases, the executor that flies them, sampling, the store of results,
-statistics.
-"""
+"""Many flights of one scenario: cases, sampling, executor, store of results, statistics."""

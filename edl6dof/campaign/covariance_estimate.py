@@ -2,13 +2,13 @@
 with a campaign.
 
 In a pair, all sources are stepped at once, and in opposite directions in the two flights, whose results are
-y+ and y-.  Half their difference changes sign with the steps.  Its mean square contains the linear effect of
-the sources and a part of the random effect.  Half their sum does not change sign.  Its covariance contains
-the rest of the random effect and the second-order effect of the sources.  The sum of both is the covariance
-of y.  It is unbiased for a response that is linear in the sources plus any random effect; the linear effect
-has no sampling error, because the columns of the design are orthogonal.  The response to one step is averaged
-over the steps of all other sources and over the random effects.  This statistical linearisation sees a bank
-reversal occur earlier or later in some flights, and not a jump in all of them.
+y+ and y-. The mean square of half their difference contains the linear effect of the sources and a part of
+the random effect; the covariance of half their sum contains the rest of the random effect and the
+second-order effect of the sources.  The sum of both is the covariance of y.  It is unbiased for a response
+that is linear in the sources plus any random effect; the linear effect has no sampling error, because the
+columns of the design are orthogonal.  The response to one step is averaged over all other steps and random
+effects: this statistical linearisation sees a bank reversal occur earlier or later in some flights, not a
+jump in all.
 
 Source: Gelb and Warren, AIAA J. 11 (1973) 689 (statistical linearisation); Box and Hunter,
 Technometrics 3 (1961) 311 (design by mirror images).
@@ -34,11 +34,9 @@ class Spread:
     """Spread of some quantities; each array has shape (quantities,).
 
     Attributes:
-        mean: with what the second order of the sources shifts it by.
-        mean_error: its standard error.
-        deviation: standard deviation.
-        error: standard error of the deviation.
-        linear: standard deviation of what changes sign with the sources.
+        mean: includes the second-order effect of the sources.
+        mean_error, error: standard errors of mean and deviation.
+        linear: standard deviation by the linear effect of the sources.
     """
 
     mean: np.ndarray
@@ -54,8 +52,7 @@ class Pairs:
 
     Attributes:
         steps: of the first flight of each pair, -1 or 1, shape (pairs, deviates).
-        odd: half the difference of both flights, shape (pairs, figures).
-        even: half the sum.
+        odd, even: half the difference and half the sum of both flights, shape (pairs, figures).
     """
 
     steps: np.ndarray
@@ -80,26 +77,19 @@ class Pairs:
 
     @property
     def slope_error(self) -> np.ndarray:
-        """Standard error of every slope by what is random, shape (figures,)."""
+        """Standard error of every slope by the random effects, shape (figures,)."""
         return self.even.std(axis=0, ddof=1) / np.sqrt(len(self.even))
 
     def spread(self, directions: np.ndarray) -> Spread:
         """Spread along some ``directions``, shape (figures, quantities)."""
         odd, even = self.odd @ directions, self.even @ directions
-        pairs = len(odd)
+        pairs, mean = len(odd), even.mean(axis=0)
         signed, rest = np.mean(odd**2, axis=0), even.var(axis=0, ddof=1)
-        linear = np.maximum(signed - rest, 0.0)
-        variance = signed + rest
-        # of normal noise, half of whose variance each part holds
+        linear, deviation = np.maximum(signed - rest, 0.0), np.sqrt(signed + rest)
+        # of normal noise, half of whose variance is in each part
         error = np.sqrt((4.0 * linear * rest + 2.0 * rest**2) / pairs + 2.0 * rest**2 / (pairs - 1))
-        deviation = np.sqrt(variance)
-        return Spread(
-            even.mean(axis=0),
-            np.sqrt(rest / pairs),
-            deviation,
-            error / np.maximum(2.0 * deviation, np.finfo(float).tiny),
-            np.sqrt(linear),
-        )
+        error = error / np.maximum(2.0 * deviation, np.finfo(float).tiny)
+        return Spread(mean, np.sqrt(rest / pairs), deviation, error, np.sqrt(linear))
 
 
 def principal(covariance: np.ndarray) -> np.ndarray:
@@ -112,8 +102,6 @@ class Covariance:
     """Covariance of the figures of an event.
 
     Attributes:
-        event: the figures.
-        pairs: results of the flights.
         apart: sources whose contributions are separated, in the order of their columns.
         together: lists whose items vary at random and count in the rest.
     """
@@ -138,7 +126,7 @@ class Covariance:
 
     @property
     def budget(self) -> np.ndarray:
-        """Variance of each figure by each source apart, less chance alone, shape (sources, figures)."""
+        """Variance of each figure by each separated source, less that by chance, shape (sources, figures)."""
         squared = self._slopes**2 - self.pairs.slope_error**2
         return np.stack([part.sum(axis=0) for part in self._by_source(squared)])
 
@@ -156,9 +144,8 @@ class Covariance:
 
     @property
     def rest(self) -> np.ndarray:
-        """Standard deviation of every figure that no separated source causes, shape (figures,).
-
-        It is at most that of the figure: a budget below zero, which chance can cause, counts as zero.
+        """Standard deviation of every figure that no separated source causes, shape (figures,); a budget
+        below zero, which chance can cause, counts as zero.
         """
         explained = np.maximum(self.budget.sum(axis=0), 0.0)
         return np.sqrt(np.maximum(self.spread.deviation**2 - explained, 0.0))
@@ -185,8 +172,10 @@ def fly_covariance(
     Raises:
         ConfigError: the campaign has no covariance, or a flight does not reach the event.
     """
-    found = sources(plan)
-    apart, together = _told_apart(found, pairs)
+    apart, together = tuple(sources(plan)), tuple[Source, ...]()
+    if sum(source.width for source in apart) > pairs:  # too few pairs to separate the items of lists
+        together = tuple(source for source in apart if source.is_list)
+        apart = tuple(source for source in apart if not source.is_list)
     columns, more = (sum(source.width for source in some) for some in (apart, together))
     steps = design(columns, more, pairs, plan.campaign.seed if plan.campaign else 0)
     flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
@@ -194,26 +183,13 @@ def fly_covariance(
     return Covariance(event, Pairs.of(steps, figures), apart, together)
 
 
-def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...], tuple[Source, ...]]:
-    """Return the sources to separate (without lists if there are too few pairs), and the other sources."""
-    if sum(source.width for source in found) <= pairs:
-        return tuple(found), ()
-    single = tuple(source for source in found if not source.is_list)
-    return single, tuple(source for source in found if source.is_list)
-
-
 @dataclass(frozen=True)
 class Alone:
-    """Response to each deviate of some sources, stepped alone about one flight.
+    """Response to each deviate of some sources (``found``, no lists), stepped alone about one flight.
 
-    Slope and bend are the central first and second difference over one standard deviation.  If the bend is
-    not small compared with the slope, the response is not linear: for example, a bank reversal occurs earlier
-    in one of the flights, or lift is at its limit.
-
-    Attributes:
-        found: the sources, none of which is a list.
-        slopes: half the difference of the flights above and below, shape (deviates, figures).
-        bends: half their sum less the flight between them.
+    Slopes and bends, shape (deviates, figures), are the central first and second differences over one
+    standard deviation.  If a bend is not small compared with the slope, the response is not linear: for
+    example, a bank reversal occurs earlier in one of the flights, or lift is at its limit.
     """
 
     found: tuple[Source, ...]
@@ -231,8 +207,8 @@ class Alone:
 def fly_alone(
     plan: Plan, event: EventFigures, workers: int | None = None, progress: Progress | None = None
 ) -> Alone:
-    """Step each source that is not a list by one standard deviation up and down, and fly each step alone.
-    All flights have the same random profiles.
+    """Step each source but lists up and down by one standard deviation, and fly each step alone.  All
+    flights have the same random profiles.
 
     Raises:
         ConfigError: the campaign has no covariance, or a flight does not reach the event.
@@ -253,10 +229,8 @@ class Sampled:
     """Spread of some quantities over flights; each array has shape (quantities,).
 
     Attributes:
-        mean: mean.
-        deviation: standard deviation.
-        error: its standard error, which the tails of the distribution widen.
-        core: half of what the middle 68 % span: the deviation, where the distribution is normal.
+        error: standard error of the deviation, which the tails of the distribution widen.
+        core: half the width of the middle 68 %: the deviation of a normal distribution.
     """
 
     mean: np.ndarray
@@ -274,7 +248,7 @@ class Sampled:
 
 
 def flown(table: pa.Table, event: EventFigures, place: object) -> np.ndarray:
-    """Figures of the flights that came to the event, shape (flights, figures).
+    """Figures of the flights that reached the event, shape (flights, figures).
 
     Raises:
         ConfigError: fewer than ten did.

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.dispersions import Draw, Target
+from edl6dof.campaign.design.dispersions import Draw, Target, drawn
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.design.sections import Correlated
 from edl6dof.campaign.executor import Progress, fly_rows
@@ -46,11 +46,8 @@ class Source:
 
     def values(self, steps: np.ndarray) -> Iterator[tuple[Target, np.ndarray]]:
         """Values of each parameter, shape (flights,), at ``steps`` sigmas, shape (flights, width)."""
-        column = 0
-        for draw in self.draws:
-            width = len(draw.targets)
-            yield from zip(draw.targets, _values(draw, steps[:, column : column + width]), strict=True)
-            column += width
+        for draw, own in drawn(self.draws, steps):
+            yield from zip(draw.targets, _values(draw, own), strict=True)
 
 
 def sources(plan: Plan) -> list[Source]:
@@ -62,15 +59,18 @@ def sources(plan: Plan) -> list[Source]:
     if plan.sweep is not None or plan.fault_matrix is not None:
         raise refusal(plan.name, "covariance is that of one flight: leave out sweep and fault_matrix")
     if plan.campaign is None or not plan.draws:
-        raise refusal(
-            plan.name, "has no dispersions in a campaign: section; try edl6dof covariance tianwen1_mc"
-        )
+        words = "has no dispersions in a campaign: section; try edl6dof covariance tianwen1_mc"
+        raise refusal(plan.name, words)
     if plan.campaign.faults:
-        raise refusal(
-            plan.name, "faults that happen in some flights have no covariance: leave out campaign.faults"
-        )
-    lines = groupby(plan.draws, key=lambda draw: draw.targets[0].place[:3])
-    found = [_source(tuple(draws)) for _, draws in lines]
+        words = "faults that happen in some flights have no covariance: leave out campaign.faults"
+        raise refusal(plan.name, words)
+    found = []
+    for place, draws in groupby(plan.draws, key=lambda draw: draw.targets[0].place[:3]):
+        lines = tuple(draws)
+        name, first = str(place[2]), lines[0].targets[0]
+        if isinstance(lines[0].distribution, Correlated):
+            name = f"{first.path} and {len(lines[0].targets) - 1} more"
+        found.append(Source(name if first.of == "truth" else f"{name} ({first.of})", lines))
     return sorted(found, key=lambda source: source.is_list)
 
 
@@ -82,16 +82,11 @@ def cases(
     Each flight has its own random profiles (``own_profiles``), or all have the same; none of these profiles
     occurs in the campaign itself.
     """
-    ends = np.cumsum([source.width for source in found])[:-1]
-    drawn = [
-        pair
-        for source, columns in zip(found, np.split(steps, ends, axis=1), strict=True)
-        for pair in source.values(columns)
-    ]
+    values = list(Source("", tuple(draw for source in found for draw in source.draws)).values(steps))
     random = plan.campaign is not None and plan.campaign.profiles
     for index in range(len(steps)):
-        truth = {target.path: float(values[index]) for target, values in drawn if target.of == "truth"}
-        belief = {target.path: float(values[index]) for target, values in drawn if target.of != "truth"}
+        truth = {target.path: float(every[index]) for target, every in values if target.of == "truth"}
+        belief = {target.path: float(every[index]) for target, every in values if target.of != "truth"}
         profile = plan.per_point + index * own_profiles if random else None
         yield Case(index, truth, belief, profile)
 
@@ -117,14 +112,6 @@ def _values(draw: Draw, steps: np.ndarray) -> list[np.ndarray]:
     return [mean + deviation * steps[:, 0]]
 
 
-def _source(draws: tuple[Draw, ...]) -> Source:
-    first = draws[0].targets[0]
-    path = str(first.place[2])
-    if isinstance(draws[0].distribution, Correlated):
-        path = f"{first.path} and {len(draws[0].targets) - 1} more"
-    return Source(path if first.of == "truth" else f"{path} ({first.of})", draws)
-
-
 def hadamard(order: int) -> np.ndarray | None:
     """Matrix of -1 and 1 with orthogonal columns, shape (order, order), by Paley's first construction and by
     doubling; ``None`` where neither makes one.
@@ -133,23 +120,21 @@ def hadamard(order: int) -> np.ndarray | None:
     """
     if order == 1:
         return np.ones((1, 1))
-    if order % 4 == 0 and _is_prime(order - 1):
-        return _paley(order - 1)
+    prime = order - 1
+    if order % 4 == 0 and all(prime % divisor for divisor in range(2, int(prime**0.5) + 1)):
+        return _paley(prime)
     half = hadamard(order // 2) if order % 2 == 0 else None
     return None if half is None else np.kron([[1.0, 1.0], [1.0, -1.0]], half)
 
 
 def at_least(order: int) -> np.ndarray:
-    """The smallest such matrix of at least an order."""
+    """The smallest such matrix of at least this order."""
     return next(found for size in count(max(order, 1)) if (found := hadamard(size)) is not None)
 
 
 def design(columns: int, more: int, pairs: int, seed: int) -> np.ndarray:
     """Signs of the first flight of each pair, shape (at least ``pairs``, columns + more); those of the second
-    are opposite.
-
-    The first ``columns`` are orthogonal to each other, as there are at least as many pairs; ``more`` columns
-    are drawn.
+    are opposite.  The first ``columns`` are orthogonal to each other; ``more`` columns are drawn.
     """
     generator = np.random.default_rng(seed)
     matrix = at_least(max(pairs, columns))
@@ -157,12 +142,8 @@ def design(columns: int, more: int, pairs: int, seed: int) -> np.ndarray:
     return np.hstack([orthogonal, generator.choice([-1.0, 1.0], (len(matrix), more))])
 
 
-def _is_prime(number: int) -> bool:
-    return number > 1 and all(number % divisor for divisor in range(2, int(number**0.5) + 1))
-
-
 def _paley(prime: int) -> np.ndarray:
-    """``prime`` leaves 3 when divided by 4."""
+    """Hadamard matrix of order ``prime`` + 1; the prime leaves 3 when divided by 4."""
     numbers = np.arange(prime)
     character = np.where(np.isin(numbers, numbers[1:] ** 2 % prime), 1.0, -1.0)
     character[0] = 0.0
@@ -173,13 +154,7 @@ def _paley(prime: int) -> np.ndarray:
 
 
 class EventFigures(NamedTuple):
-    """Figures of an event.
-
-    Attributes:
-        position: the two that span the ellipse, downrange and crossrange or east and north; empty if the
-            event has no position.
-        others: further quantities of the state.
-    """
+    """Figures of an event: the two of the ``position`` that span its ellipse, if it has one, and others."""
 
     position: tuple[str, ...]
     others: tuple[str, ...]
@@ -190,19 +165,12 @@ class EventFigures(NamedTuple):
         return self.position + self.others
 
 
+_LOADS = ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
+_STATE = ("altitude_m", "speed_m_s", "mach", "dynamic_pressure_pa", "s")
 EVENTS = {
-    "entry": EventFigures(
-        (), ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
-    ),
+    "entry": EventFigures((), _LOADS),
     "parachute": EventFigures(
-        ("parachute_downrange_m", "parachute_crossrange_m"),
-        (
-            "parachute_altitude_m",
-            "parachute_speed_m_s",
-            "parachute_mach",
-            "parachute_dynamic_pressure_pa",
-            "parachute_s",
-        ),
+        ("parachute_downrange_m", "parachute_crossrange_m"), tuple(f"parachute_{name}" for name in _STATE)
     ),
     "trim_wing": EventFigures((), ("trim_wing_s", "trim_wing_mach")),
     "backshell": EventFigures((), ("backshell_height_m", "backshell_speed_m_s", "backshell_s")),
@@ -233,15 +201,14 @@ def figures_of(
     """Figures of all flights, shape (flights, figures).
 
     Raises:
-        ConfigError: a flight does not come to the event.
+        ConfigError: a flight does not reach the event.
     """
     rows = list(fly_rows(plan.loaded, cases, workers=workers, progress=progress))
     values = np.array([[row.get(name, np.nan) for name in event.all] for row in rows], dtype=float)
     if (short := ~np.isfinite(values).all(axis=1)).any():
         outcome = rows[int(np.argmax(short))]["outcome"]
-        raise refusal(
-            plan.name, f"{short.sum()} of {len(rows)} flights do not come to the event; one: {outcome}"
-        )
+        words = f"{short.sum()} of {len(rows)} flights do not come to the event; one: {outcome}"
+        raise refusal(plan.name, words)
     return values
 
 

@@ -11,40 +11,23 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import chain
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from edl6dof.campaign.design.plan import Plan, parse_plan
-from edl6dof.campaign.documents import Identity
 from edl6dof.campaign.executor import CaseRunner, Row, available_cores
 from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
+from edl6dof.campaign.store import Identity
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
 Range = tuple[int, int]
 
-#: Cases in one task of a cluster.
-_TASK = 10
-
-#: Tasks sent ahead for each thread of the cluster.
-_AHEAD = 3
-
-#: Seconds for which a cluster may be without any worker.
-PATIENCE_S = 60.0
-
-#: Seconds for which a scheduler may take to answer.
-ANSWER_S = 20.0
-
-#: Seconds between looks at who is there while a task takes its time.
-LOOK_S = 2.0
-
-
-class Engine(Protocol):
-    """Flies ranges of cases."""
-
-    def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
-        """Rows of all cases, in order; ranges are read only a little ahead."""
+#: Cases in one task of a cluster, and tasks sent ahead for each of its threads.
+_TASK, _AHEAD = 10, 3
+#: Longest time (s) without any worker, and until a scheduler answers; time between looks for workers.
+PATIENCE_S, ANSWER_S, LOOK_S = 60.0, 20.0, 2.0
 
 
 class Threads:
@@ -57,7 +40,7 @@ class Threads:
         return f"{self.workers} thread{'s' if self.workers > 1 else ''}"
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
-        """Rows of all cases."""
+        """Rows of all cases, in order; ranges are read only a little ahead."""
         cases = chain.from_iterable(plan.cases(*some) for some in ranges)
         return CaseRunner(plan.loaded, collected(plan)).rows(cases, self.workers)
 
@@ -74,7 +57,7 @@ class Dask:
         return f"Dask, {len(self.client.nthreads())} workers at {address}"
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
-        """Rows of all cases.
+        """Rows of all cases, in order.
 
         Raises:
             OSError: no worker is left and none has joined for a while, or one is no copy of this program.
@@ -114,10 +97,14 @@ class Dask:
                 raise OSError(f"no worker of the cluster has been there for {PATIENCE_S:.0f} s")
 
 
+#: What flies ranges of cases.
+Engine = Threads | Dask
+
+
 @contextmanager
 def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
-    """Engine on an existing scheduler, or on a cluster of worker processes started here, reachable from this
-    machine only.
+    """Engine on an existing scheduler, or on a new cluster of worker processes that only this machine can
+    reach.
 
     Raises:
         ImportError: Dask is not installed.
@@ -125,7 +112,7 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     """
     from distributed import Client, LocalCluster
 
-    # what they have to say is said here, in a line
+    # their messages are given here, in a line
     for name in ("distributed.batched", "distributed.client", "distributed.nanny", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
@@ -141,7 +128,7 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
 
 
 def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[Row]:
-    """Fly cases on a worker, which keeps the plan and its runner for the tasks to come.
+    """Fly cases on a worker, which keeps the plan and its runner for later tasks.
 
     Raises:
         OSError: the worker is no copy of the program that sent the cases, or has other tables.

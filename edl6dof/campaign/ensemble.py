@@ -9,6 +9,7 @@ standard deviation is its spread.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import nan, sqrt
 from typing import Any, NamedTuple, Self
 
@@ -22,10 +23,10 @@ from edl6dof.metrics.published import Published, published_figures
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
 
-#: Difference in entry speed of one flight and the next, m/s.
-SPEED_STEP_M_S = 1e-6
-#: Number of flights behind a mean and a spread in a document.
-FLIGHTS = 30
+#: Difference in entry speed between flights (m/s), and number of flights of a mean in a document.
+SPEED_STEP_M_S, FLIGHTS = 1e-6, 30
+#: These figures judge the simulator; where it is right they are noise.
+_BALANCES = frozenset(figure.name for figure in BALANCES)
 
 
 class SampleMean(NamedTuple):
@@ -44,11 +45,8 @@ class SampleMean(NamedTuple):
 
 def neighbours(loaded: LoadedScenario, count: int, step_m_s: float = SPEED_STEP_M_S) -> list[Case]:
     """Return the scenario itself and ``count - 1`` neighbours, each ``step_m_s`` faster than the last."""
-    scenario = loaded.scenario
-    return [
-        Case(k, truth=_faster(loaded.truth.initial, k * step_m_s), profile=scenario.profile + k)
-        for k in range(count)
-    ]
+    initial, profile = loaded.truth.initial, loaded.scenario.profile
+    return [Case(k, truth=_faster(initial, k * step_m_s), profile=profile + k) for k in range(count)]
 
 
 def fly_neighbours(
@@ -60,16 +58,13 @@ def fly_neighbours(
     progress: Progress | None = None,
 ) -> list[Row]:
     """Fly neighbours; ``belief`` changes all of them, by dotted path, and the truth with it."""
-    cases = [
-        Case(case.index, case.truth, dict(belief or {}), case.profile)
-        for case in neighbours(loaded, count, step_m_s)
-    ]
+    cases = [replace(case, belief=belief or {}) for case in neighbours(loaded, count, step_m_s)]
     return list(fly_rows(loaded, cases, progress=progress))
 
 
 def sample_means(rows: Sequence[Row], published: Published) -> dict[str, SampleMean]:
     """Mean and spread of every figure of merit that a flight reached, in the order of their declaration, then
-    of those at events that are published; of its size where one is published without a sign.
+    of published figures at events; of the absolute value of a figure that is published without its sign.
     """
     beside = {figure.name: entry for figure, entry in published_figures(published)}
     found = {}
@@ -105,10 +100,6 @@ def clear_differences(
         if abs(b - a) > variation:
             found[name] = abs(b - a) / max(abs(a), abs(b)), float(variation)
     return {name: found[name][1] for name in sorted(found, key=lambda name: -found[name][0])}
-
-
-#: They judge the simulator, and are noise where it is right.
-_BALANCES = frozenset(figure.name for figure in BALANCES)
 
 
 def _faster(initial: InitialState, by: float) -> dict[str, Any]:

@@ -21,24 +21,28 @@ from typing import Any, TypeVar
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.campaign.design.case import BELIEF, TRUTH, Case
-from edl6dof.campaign.design.variants import NotApplied, Variant, Variants
+from edl6dof.campaign.design.case import BELIEF, TRUTH, Case, NotApplied, Variant, Variants
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import Flight, fly, log_rows
 from edl6dof.telemetry.channels import BRIEF, TICK
 
-#: What a caller adds to a row from its flight, which must not be kept: the next case reuses its telemetry.
-Collect = Callable[[Flight], Mapping[str, Any]]
-
 Row = dict[str, Any]
+#: Further columns of a row from its flight, which must not be kept: the next case reuses its telemetry.
+Collect = Callable[[Flight], Mapping[str, Any]]
+#: Called with the number of cases done and the row of the last one.
+Progress = Callable[[int, Row], None]
 
-#: Where the numbers of a message begin; a cause has none, so that cases with one cause count together.
+#: Cases that a thread takes at a time, and batches begun ahead of the awaited one for each worker.
+_BATCH, _AHEAD = 4, 2
+#: Errors of a single case; it becomes a row, and the others fly on.
+_UNFLYABLE = (ConfigError, NotApplied, ValueError, ArithmeticError, np.linalg.LinAlgError)
+#: Start of the numbers of a message; a cause has none, so that cases with one cause count together.
 _NUMBERS = re.compile(r"[\[(]|\b\d")
 
 
-def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
-    """Row of a flown case: changes, how it ended, figures of the flight, what the caller adds."""
+def _flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
+    """Row of a flown case: changes, its end, figures of the flight, columns of the caller."""
     row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
     row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
     for more in (flight.metrics, collect(flight) if collect is not None else {}):
@@ -50,9 +54,7 @@ def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: C
 
 def _plain(value: Any) -> Any:
     """Numbers, texts and lists of numbers as they are; whole sections and lists of models, such as those of
-    faults, as JSON text.
-
-    Models leave out what they have at the default.
+    faults, as JSON text without defaults.
     """
     if type(value) is float:
         return value
@@ -62,7 +64,7 @@ def _plain(value: Any) -> Any:
     return json.dumps(value, default=lambda model: model.model_dump(mode="json", exclude_defaults=True))
 
 
-def failed_row(case: Case, reason: str) -> Row:
+def _failed_row(case: Case, reason: str) -> Row:
     """Row of a case that could not fly."""
     row: Row = {"case": case.index, **case.label}
     row |= {TRUTH + path: _plain(value) for path, value in case.truth.items()}
@@ -91,20 +93,8 @@ def _column(values: list[Any]) -> pa.Array:
     return pa.array(values)
 
 
-#: Called with the number of cases done and the row of the last one.
-Progress = Callable[[int, Row], None]
-
-#: Cases that a thread takes at a time.
-_BATCH = 4
-
-#: Batches begun ahead of the one whose rows are waited for, for each worker.
-_AHEAD = 2
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-
-#: What may be wrong with a single case; it becomes a row, and the others fly on.
-_UNFLYABLE = (ConfigError, NotApplied, ValueError, ArithmeticError, np.linalg.LinAlgError)
 
 
 def fly_rows(
@@ -162,15 +152,11 @@ def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
         yield some
 
 
-#: A case that may fly, with the changes that are truly in it, as columns of its row.
-Ready = tuple[Variant, dict[str, Any]]
-
-
 class CaseRunner:
     """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its
     own.
 
-    A flight records what its figures need; all channels when ``collect`` may want to see them.
+    A flight records the channels of its figures, and all channels for ``collect``.
     """
 
     def __init__(self, loaded: LoadedScenario, collect: Collect | None = None):
@@ -185,34 +171,34 @@ class CaseRunner:
             yield from rows
 
     def fly(self, cases: Sequence[Case]) -> list[Row]:
-        """Fly a few cases; one that cannot fly becomes a row that says why.
+        """Fly a few cases; one that cannot fly becomes a row with the reason.
 
-        All are prepared before the first flies: a flight leaves nothing in the processor's caches of what
-        preparing needs, and preparing each case after a flight takes half as long again.
+        All are prepared before the first flies: a flight empties the processor's caches of what preparing
+        needs, and preparing each case after a flight takes half as long again.
         """
         prepared = [self.prepared(case) for case in cases]
         return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
 
-    def prepared(self, case: Case) -> Ready | str:
-        """Return what flies, or why it cannot."""
+    def prepared(self, case: Case) -> tuple[Variant, dict[str, Any]] | str:
+        """Return what flies, with its changes as columns of the row; or the reason why it cannot."""
         try:
             variant = self.variants.build(case)
             return variant, variant.applied(case)
         except _UNFLYABLE as error:
             return " ".join(str(error).split())
 
-    def _flown(self, case: Case, ready: Ready | str) -> Row:
+    def _flown(self, case: Case, ready: tuple[Variant, dict[str, Any]] | str) -> Row:
         if isinstance(ready, str):
-            return failed_row(case, ready)
+            return _failed_row(case, ready)
         variant, changes = ready
         try:
             flight = fly(variant.loaded, parts=variant.parts, log=self._log(log_rows(variant.loaded)))
         except _UNFLYABLE as error:
-            return failed_row(case, " ".join(str(error).split()))
-        return flown_row(case, changes, flight, self.collect)
+            return _failed_row(case, " ".join(str(error).split()))
+        return _flown_row(case, changes, flight, self.collect)
 
     def _log(self, rows: int) -> np.ndarray:
-        """Telemetry rows that are used again: fresh pages for each flight cost 3 % of it."""
+        """Reused telemetry rows: fresh pages for each flight cost 3 % of it."""
         if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
             self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
         return self._buffers.log

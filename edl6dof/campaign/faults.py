@@ -1,15 +1,15 @@
 """A matrix of faults: kinds and phases to choose from, its plan, and the figures of its flights.
 
-Figures: how many flights end within limits, whom the flight computer names, and how fast.  An isolation is
-right when it names what has failed and the kind of the fault.  What is never used after its fault cannot be
-known; such flights count as flown, and are left out of the shares of right isolations.
+Figures: how many flights end within limits, which components the flight computer isolates, and how fast.  An
+isolation is right if it names the failed component and the kind of the fault.  A component that is not used
+after its fault cannot be isolated; such flights count as flown, but not in the shares of right isolations.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -31,30 +31,29 @@ from edl6dof.interface.roles import (
 )
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.fault import FAULT_KINDS, components_of, happens_in
+from edl6dof.vehicle.faults.fault import FAULT_KINDS, about
 
-#: Kinds of fault of instruments, and of all else that are about one kind of component; of the latter those of
-#: a thruster.
-OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(components_of(kind)) <= set(INSTRUMENTS))
+#: Kinds of fault of instruments; other kinds of fault of one kind of component; of these, of thrusters.
+OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(about(kind).components) <= set(INSTRUMENTS))
 KINDS = tuple(
-    kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(components_of(kind)) == 1
+    kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(about(kind).components) == 1
 )
-OF_THRUSTERS = tuple(kind for kind in KINDS if components_of(kind) == ("thruster",))
+OF_THRUSTERS = tuple(kind for kind in KINDS if about(kind).components == ("thruster",))
 
-#: Roles of the phases, the first of each, a fault begins in unless others are asked for: one of each kind of
-#: attitude control; for instruments all in which the vehicle flies.
+#: Roles of the phases (the first of each) in which a fault begins by default: one of each kind of attitude
+#: control; for instruments, all phases of flight.
 USUAL_ROLES = (TRIM, LIFT, PARACHUTE, POWERED_DECELERATION, HAZARD_AVOIDANCE)
 FLYING_ROLES = (*USUAL_ROLES[:4], HOVER_IMAGING, HAZARD_AVOIDANCE, SLOW_DESCENT)
 
 
 def usual_phases_of(scenario: Scenario, kind: str) -> list[str]:
-    """The phases in which a kind of fault begins unless others are asked for."""
+    """The phases in which a kind of fault begins by default."""
     usual = FLYING_ROLES if kind in OF_INSTRUMENTS else USUAL_ROLES
-    return phases_of(scenario, happens_in(kind) or usual)
+    return phases_of(scenario, about(kind).happens_in or usual)
 
 
 def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[str]:
-    """First phases of the ``wanted`` roles that the scenario has, else all in which thrusters may fire."""
+    """First phases of the ``wanted`` roles that the scenario has, or else all in which thrusters may fire."""
     roles = scenario.phase_roles
     usual = [scenario.phase_names[roles.index(role)] for role in wanted if role in roles]
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
@@ -62,7 +61,7 @@ def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[s
 
 def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
     """Names of the components on this vehicle that a kind of fault can affect, by kind of component."""
-    return {component: list(scenario.components.get(component, ())) for component in components_of(kind)}
+    return {component: list(scenario.components.get(component, ())) for component in about(kind).components}
 
 
 def matrix_plan(
@@ -78,7 +77,7 @@ def matrix_plan(
         seed: seed of the dispersions; replaces that of the campaign.
 
     Raises:
-        ConfigError: the scenario is wrong, has faults of its own, or no dispersions where some are wanted.
+        ConfigError: the scenario is wrong, has faults of its own, or no dispersions for ``vehicles``.
     """
     document = read_document(resolve_scenario(scenario))
     data = {name: value for name, value in document.data.items() if name not in ("campaign", "sweep")}
@@ -96,53 +95,44 @@ def matrix_plan(
 REGIMES = (AIR, POWERED, NOT_BEGUN_YET)
 
 
-@dataclass(frozen=True)
-class Requirement:
-    """Requirement on a figure of all flights: at least, or at most, so much."""
+class Requirement(NamedTuple):
+    """Requirement on a figure of all flights: ``at least`` or ``at most`` a number."""
 
     figure: str
     meaning: str
+    bound: Literal["at least", "at most"]
+    number: float
     unit: str
-    at_least: float | None = None
-    at_most: float | None = None
-
-    @property
-    def limit(self) -> str:
-        """``at least 99.5 %``."""
-        bound = f"at most {self.at_most:g}" if self.at_least is None else f"at least {self.at_least:g}"
-        return f"{bound} {self.unit}"
 
     def met(self, value: float) -> bool:
         """Return whether a value is as good as required."""
-        least = -np.inf if self.at_least is None else self.at_least
-        most = np.inf if self.at_most is None else self.at_most
-        return bool(least <= value <= most)
+        return bool(value >= self.number if self.bound == "at least" else value <= self.number)
 
 
-#: What is required where single thrusters fail, and where two fail together.
+#: Requirements if single thrusters fail, and if two fail together.
 REQUIRED = (
-    Requirement("within_limits_pct", "within limits", "%", at_least=99.5),
-    Requirement("kind_right_pct", "right name and kind, if it fires or leaks", "%", at_least=99.0),
-    Requirement("wrong_isolations_pct", "flights with a wrong isolation", "%", at_most=1.0),
-    Requirement("air_median_s", "median time to isolation in the air", "s", at_most=3.0),
-    Requirement("powered_median_s", "median time to isolation in powered flight", "s", at_most=1.0),
-    Requirement("worst_s", "longest time to isolation", "s", at_most=15.0),
+    Requirement("within_limits_pct", "within limits", "at least", 99.5, "%"),
+    Requirement("kind_right_pct", "right name and kind, if it fires or leaks", "at least", 99.0, "%"),
+    Requirement("wrong_isolations_pct", "flights with a wrong isolation", "at most", 1.0, "%"),
+    Requirement("air_median_s", "median time to isolation in the air", "at most", 3.0, "s"),
+    Requirement("powered_median_s", "median time to isolation in powered flight", "at most", 1.0, "s"),
+    Requirement("worst_s", "longest time to isolation", "at most", 15.0, "s"),
 )
-REQUIRED_OF_PAIRS = (Requirement("within_limits_pct", "within limits", "%", at_least=100.0),)
+REQUIRED_OF_PAIRS = (Requirement("within_limits_pct", "within limits", "at least", 100.0, "%"),)
 
 
 def can_be_known(row: Row) -> bool:
-    """Return whether all that failed was used, or leaked, after the fault and before touchdown."""
+    """Return whether all failed components were used, or leaked, between fault and touchdown."""
     return row.get("first_use_s") is not None
 
 
 def is_right(row: Row) -> bool:
-    """Return whether all that failed, and could be known, was named with the right kind."""
+    """Return whether all failed components could be known and were named with the right kind."""
     return can_be_known(row) and bool(row["kind_right"])
 
 
 def fault_figures(rows: Sequence[Row]) -> dict[str, Any]:
-    """Figures of all flights, the same for each kind of fault and regime, and what was required."""
+    """Figures of all flights, of each kind of fault in each regime, and the requirements."""
     kinds = list(dict.fromkeys(row["kind"] for row in rows))
     groups = [
         {"kind": kind, "regime": regime, **_counts(some)}
@@ -195,9 +185,8 @@ def required_of(rows: Sequence[Row]) -> tuple[Requirement, ...]:
 
 def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, Any]]:
     """The required figures that these flights have."""
-    times = {
-        regime: _counts([row for row in rows if _regime(row) == regime])["from_use_s"] for regime in REGIMES
-    }
+    of_regime = {regime: [row for row in rows if _regime(row) == regime] for regime in REGIMES}
+    times = {regime: _counts(some)["from_use_s"] for regime, some in of_regime.items()}
     values = {
         "within_limits_pct": _percent(whole["within_limits"], whole["flights"]),
         "kind_right_pct": _percent(whole["kind_right"], whole["can_be_known"]),
@@ -207,7 +196,10 @@ def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, An
         "worst_s": whole["from_use_s"] and whole["from_use_s"]["worst"],
     }
     return [
-        {"meaning": one.meaning, "value": value, "unit": one.unit, "limit": one.limit, "met": one.met(value)}
+        {
+            **{"meaning": one.meaning, "value": value, "unit": one.unit},
+            **{"limit": f"{one.bound} {one.number:g} {one.unit}", "met": one.met(value)},
+        }
         for one in required_of(rows)
         if (value := values[one.figure]) is not None
     ]

@@ -3,8 +3,7 @@
 Two programs with the same identity give the same table, bit for bit, on any processor and operating system.
 Rows of programs with different identities are never combined in one table.  The identity leaves out
 everything that cannot change a bit: Python's version, and the code that draws, prints, exports and checks.
-It includes numpy for the order of its sums, numba for the code that it generates, and scipy for its Sobol
-numbers.
+It includes numpy for the order of its sums, numba for its code generation, and scipy for its Sobol numbers.
 """
 
 from __future__ import annotations
@@ -20,12 +19,12 @@ import scipy
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.documents import Identity
+from edl6dof.campaign.store import Identity
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.plugin_scan import VARIABLE
-from edl6dof.environment.profile_file import profile_path
+from edl6dof.environment.atmosphere_table import profile_path
 from edl6dof.environment.terrain import MAP
 from edl6dof.kernels.cache import received
 from edl6dof.manifest import digest, sha256
@@ -37,7 +36,7 @@ _ASIDE = {
     *("runs", "serve", "studies", "verify"),
 }
 
-#: In the place of a hash: there is no such file, or this process has not loaded the plugin.
+#: In place of a hash: there is no such file, or this process has not loaded the plugin.
 _GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
 
 
@@ -46,7 +45,11 @@ def identity(plan: Plan) -> Identity:
     libraries = ["numpy", "numba"]
     if plan.campaign is not None and plan.campaign.sampling.startswith("sobol"):
         libraries.append("scipy")
-    return _present(plan.text, libraries, list(received), map(_label, input_files(plan)))
+    files = (  # those of the package without the folder in which it is installed
+        path.relative_to(PACKAGE.parent).as_posix() if path.is_relative_to(PACKAGE) else str(path)
+        for path in input_files(plan)
+    )
+    return _present(plan.text, libraries, received, files)
 
 
 def differences_from(recorded: Identity, plan_text: str) -> list[str]:
@@ -88,8 +91,7 @@ def source_hash() -> str:
 
 
 def _plugin_hash(name: str) -> str:
-    loaded = name in received or not Path(name).is_file()
-    return _hash(Path(name)) if loaded else _NOT_LOADED
+    return _hash(Path(name)) if name in received or not Path(name).is_file() else _NOT_LOADED
 
 
 def _hash(path: Path) -> str:
@@ -99,18 +101,13 @@ def _hash(path: Path) -> str:
         return _GONE
 
 
-def _label(path: Path) -> str:
-    """Name of a file in an identity: for those of the package without the place where it is installed."""
-    return path.relative_to(PACKAGE.parent).as_posix() if path.is_relative_to(PACKAGE) else str(path)
-
-
 def _shown(value: str | None) -> str:
     """A hash shortened, anything else as it is."""
     return "not there" if value is None else value[:12] if len(value) == 64 else value
 
 
 def input_files(plan: Plan) -> list[Path]:
-    """Every file that a case may read, sorted; cases that name files which are not there do not fly."""
+    """Every file that a case may read, sorted; cases that name missing files do not fly."""
     found = {MAP}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
@@ -120,22 +117,19 @@ def input_files(plan: Plan) -> list[Path]:
     exchanged = list(_exchanged(plan))
     for path, value in exchanged:
         found |= set(_named(path, value, folder))
-    if exchanged:  # what the new sections leave out takes its default, a table of the package
+    if exchanged:  # a new section may have a table of the package as default
         found |= set((PACKAGE / "data").rglob("*"))
     found |= {path.with_suffix(".yaml") for path in found if path.suffix == ".npy"}  # what a map is of
     return sorted(path.resolve() for path in found if path.is_file())
 
 
 def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of everything but numbers that some cases have in place of the scenario's."""
-    values = [(target.path, point) for target, points in plan.axes for point in points]
-    values += [
-        (target.path, item)
-        for draw in plan.draws
-        for target in draw.targets
-        for item in getattr(draw.distribution, "alternatives", [])
-    ]
-    yield from ((path, value) for path, value in values if isinstance(value, str | Mapping))
+    """Dotted path and value of everything but numbers that replaces the scenario's value in some cases."""
+    exchanges = list(plan.axes)
+    for draw in plan.draws:
+        exchanges += [(target, getattr(draw.distribution, "choices", ())) for target in draw.targets]
+    for target, values in exchanges:
+        yield from ((target.path, value) for value in values if isinstance(value, str | Mapping))
 
 
 def _named(path: str, value: Any, folder: Path) -> Iterator[Path]:

@@ -1,8 +1,7 @@
-"""The rows of a campaign in parts, which appear whole or not at all, and count only as they were written.
+"""The rows of a campaign in parts, each written completely or not at all.
 
-Beside each part stands its SHA-256, as ``sha256sum`` writes it; it is in place before the part is.  A part
-also carries the identity of the campaign that it belongs to.  One that is damaged or of another campaign is
-flown again.
+The SHA-256 of each part is written first, in a file of its own, as ``sha256sum`` writes it.  A part also
+contains the identity of its campaign.  One that is damaged or of another campaign is flown again.
 """
 
 from __future__ import annotations
@@ -69,10 +68,10 @@ class Parts:
         write_atomic(path, written)
 
     def read(self, index: int) -> pq.ParquetFile:
-        """A part, when it is as it was written by this campaign.
+        """Read a part.
 
         Raises:
-            ConfigError: it is not, or it cannot be read.
+            ConfigError: it is not as this campaign wrote it, or cannot be read.
         """
         path = self.path(index)
         written = read_file(path)
@@ -84,7 +83,7 @@ class Parts:
         return file
 
     def successes(self, index: int, first: int, last: int) -> int | None:
-        """Number of successes; ``None`` if a part does not count or does not hold exactly its cases."""
+        """Number of successes; ``None`` if a part cannot be read or does not hold exactly its cases."""
         with suppress(ConfigError):
             table = self.read(index).read(["case", "success"])
             if table["case"].to_pylist() == list(range(first, last)):
@@ -95,7 +94,7 @@ class Parts:
         """The rows of some parts; columns that no case has are left out.
 
         Raises:
-            ConfigError: a part does not count.
+            ConfigError: see :meth:`read`.
         """
         indices = list(indices)  # one part at a time is held
         schema = _schema(map(self.read, indices))
@@ -105,8 +104,8 @@ class Parts:
         """Write the first ``count`` parts as one file, some row groups at a time.
 
         Raises:
-            ConfigError: a part does not count.
-            OSError: it cannot be written.
+            ConfigError: see :meth:`read`.
+            OSError: the file cannot be written.
         """
         schema = _schema(map(self.read, range(count)))
         with target.open("wb") as file, pq.ParquetWriter(file, schema, **_OPTIONS) as writer:
@@ -132,8 +131,8 @@ def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
 
 def _schema(files: Iterable[pq.ParquetFile]) -> pa.Schema:
     """Columns in the order in which they appear; an empty one takes the type of a later part."""
-    found = [file.schema_arrow.remove_metadata() for file in files]
-    return pa.unify_schemas(found, promote_options="permissive")
+    schemas = [file.schema_arrow.remove_metadata() for file in files]
+    return pa.unify_schemas(schemas, promote_options="permissive")
 
 
 def _read(file: pq.ParquetFile, columns: Collection[str] | None = None) -> pa.Table:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
+from math import isnan
 
 import pyarrow as pa
 import pyarrow.compute as pc
 
 import edl6dof
-from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B
+from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B, scenario_of
 from edl6dof.campaign.design.plan import Plan, parse_plan
-from edl6dof.campaign.documents import Cause, Identity, Info, Summary
 from edl6dof.campaign.engines import Engine
 from edl6dof.campaign.executor import table_of
 from edl6dof.campaign.fault_response import collected
@@ -23,12 +22,9 @@ from edl6dof.campaign.faults import fault_figures
 from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 from edl6dof.campaign.parts import PART
 from edl6dof.campaign.statistics import Proportion, Until
-from edl6dof.campaign.store import Store
-from edl6dof.config.document.overrides import with_values
+from edl6dof.campaign.store import Cause, Info, Store, Summary
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.loading import check_document
-from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 
 
@@ -57,19 +53,15 @@ Report = Callable[[Tally], None]
 
 
 def begin(plan: Plan, store: Store, until: str | None, force: bool = False) -> None:
-    """Make the folder of a new campaign.
-
-    Raises:
-        ConfigError: there is something already; with ``force``, something that is no campaign's.
-    """
+    """Make the folder of a new campaign; raises as :meth:`Store.check_new`."""
     store.begin(plan.text, Info(until=until, identity=identity(plan)), force)
 
 
 def resumed_plan(store: Store) -> Plan:
-    """Return the plan of a campaign that was started earlier.
+    """Return the plan of a campaign that was begun earlier.
 
     Raises:
-        ConfigError: it was started with other sources, plugins, versions or tables, so that its table would
+        ConfigError: it was begun with other sources, plugins, versions or tables, so that its table would
             mix the rows of two programs.
     """
     recorded, text = store.info.identity, store.plan_text
@@ -91,11 +83,11 @@ def _refused(store: Store, message: str) -> ConfigError:
 
 
 def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) -> Tally:
-    """Fly every case that is missing, put the table together and return how it ended.
+    """Fly every missing case, put the table together and return the final progress.
 
     Raises:
         ConfigError: a table that the cases read has changed meanwhile.
-        OSError: something cannot be written, or the engine has failed.
+        OSError: a file cannot be written, or the engine has failed.
     """
     info, parts = store.info, store.parts
     until = Until.parse(info.until) if info.until else None
@@ -107,7 +99,9 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     for index, (first, last) in enumerate(ranges):
         if index not in kept:
             rows = list(islice(flown, last - first))
-            _require_unchanged(store, info.identity)
+            if changed := changed_files(info.identity):
+                words = f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"
+                raise _refused(store, words)
             parts.write(index, table_of(rows))
             tally.here += len(rows)
         tally.flown, done = last, index + 1
@@ -123,19 +117,12 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     return tally
 
 
-def _require_unchanged(store: Store, recorded: Identity) -> None:
-    if changed := changed_files(recorded):
-        words = f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"
-        raise _refused(store, words)
-
-
 def _summary(plan: Plan, tally: Tally, table: pa.Table, engine: str) -> Summary:
-    """Outcome of a campaign; of Sobol designs, of those flights that share nothing with another."""
+    """Results of a campaign; success of a Sobol design is that of its independent flights."""
     success = tally.success
     if plan.saltelli is not None:
-        success = Proportion.of(
-            table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))["success"].to_pylist()
-        )
+        independent = table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))
+        success = Proportion.of(independent["success"].to_pylist())
     causes = Counter(cause for cause in table["cause"].to_pylist() if cause)
     return Summary(
         name=plan.name,
@@ -162,12 +149,13 @@ def case_scenario(plan: Plan, number: int) -> LoadedScenario:
     if not 0 <= number < plan.count:
         raise ConfigError([Problem("case", 0, 0, "", f"must be 0 .. {plan.count - 1} (got {number})")])
     case = next(plan.cases(number, number + 1))
-    changes = {**case.changes(plan.loaded.scenario.truth), "name": f"{plan.name}_case{number}"}
-    return check_document(with_values(plan.loaded.document, changes, Scenario))
+    return scenario_of(
+        plan.loaded, replace(case, belief={**case.belief, "name": f"{plan.name}_case{number}"})
+    )
 
 
 def differences(table: pa.Table, place: object, plan: Plan, number: int, flight: Flight) -> list[str]:
-    """Columns in which a flight differs from its row, by as much as one bit; ``place`` is whose table it is.
+    """Columns in which a flight differs from its row, if only by one bit; ``place``: of the table.
 
     Raises:
         ConfigError: the case has no row yet.
@@ -176,14 +164,9 @@ def differences(table: pa.Table, place: object, plan: Plan, number: int, flight:
     if number not in found:
         raise ConfigError([Problem(str(place), 0, 0, "", f"case {number} has not flown yet")])
     row = table.slice(found.index(number), 1).to_pylist()[0]
-    mine = {
-        "success": flight.success,
-        "cause": flight.cause,
-        "outcome": flight.outcome,
-        "end_s": flight.time_s,
-        **flight.metrics,
-        **(collect(flight) if (collect := collected(plan)) else {}),
-    }
+    ended = {"cause": flight.cause, "outcome": flight.outcome, "end_s": flight.time_s}
+    collect = collected(plan)
+    mine = {"success": flight.success, **ended, **flight.metrics, **(collect(flight) if collect else {})}
     case = next(plan.cases(number, number + 1))
     changed = (*(TRUTH + path for path in case.truth), *(BELIEF + path for path in case.belief))
     known = {"case", "profile", *mine, *case.label, *changed}
@@ -192,9 +175,6 @@ def differences(table: pa.Table, place: object, plan: Plan, number: int, flight:
 
 
 def _same(value: object, stored: object) -> bool:
-    both_missing = (
-        isinstance(value, float)
-        and math.isnan(value)
-        and (stored is None or isinstance(stored, float) and math.isnan(stored))
-    )
-    return both_missing or value == stored
+    """Return whether two values are equal; NaN may be stored as null."""
+    missing = isinstance(value, float) and isnan(value)
+    return value == stored or (missing and (stored is None or stored != stored))

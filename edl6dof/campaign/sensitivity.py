@@ -2,12 +2,11 @@
 (:func:`drivers`), and Sobol indices from flights of the design for them (:func:`sobol_indices`).
 
 Shares are designed for many inputs and few flights.  Figure and inputs are replaced by their normal scores,
-so that a few outliers and the shapes of distributions do not decide.  Groups are added to the regression one
-after the other, each time the one that explains most of the remaining variance, as long as an F test finds it
-significant among all groups tried.  The variance that the added groups explain together is divided among
-them.  The variance that its regressors explain by chance is subtracted from each share, so that the shares
-add up to the adjusted R2.  Their intervals come from the bootstrap.  Interactions of inputs remain
-unexplained.
+so that outliers and the shapes of distributions have little effect.  Groups are added to the regression one
+by one, each time the one that explains most of the remaining variance, as long as an F test finds it
+significant among all groups tried.  The variance that they explain together is divided among them, less the
+variance that their regressors explain by chance, so that the shares add up to the adjusted R2.  Their
+intervals come from the bootstrap.  Interactions of inputs remain unexplained.
 
 Sources: van der Waerden, Indag. Math. 14 (1952) 453 (scores); Sidak, J. Am. Stat. Assoc. 62 (1967) 626 (many
 tests); Zuber and Strimmer, Stat. Appl. Genet. Mol. Biol. 10 (2011) 34 (the split, CAR scores: for inputs that
@@ -26,19 +25,14 @@ from scipy.special import betainc, betaincinv, ndtri
 
 #: Probability of a false driver, in one figure or in all figures of a report.
 CHANCE = 0.05
-
-#: Smallest number of flights to analyse; with fewer, ranks agree by chance.
-FEWEST = 20
-
-#: Flights for each regressor without which a group keeps to straight effects.
+#: Smallest number of flights, and of rows of a design for indices; with fewer, ranks agree by chance.
+FEWEST, FEWEST_ROWS = 20, 16
+#: Flights for each regressor without which a group has no square effects.
 _FLIGHTS_PER_TERM = 10
-
-#: Campaigns drawn again from the flights for the intervals; their ends.
+#: Bootstrap samples for the intervals, and the ends of these.
 _REDRAWN, _ENDS = 400, (0.025, 0.975)
-
-#: Flights are drawn again one by one, of more than these in as many blocks.
+#: More flights than these are resampled in as many blocks.
 _BLOCKS = 300
-
 #: Least singular value of regressors, as a share of the largest, and least eigenvalue of a correlation.
 _DEGENERATE = 1e-6
 
@@ -48,10 +42,8 @@ class Driver:
     """A group of inputs that drives a figure.
 
     Attributes:
-        name: of the group.
         share: of the variance of the figure's normal scores.
-        low: lower end of the 95 % interval of the share.
-        high: upper end.
+        low, high: ends of the 95 % interval of the share.
         effect: ``rises`` or ``falls`` with a single input, ``curved``, or empty for a group of several.
     """
 
@@ -64,11 +56,10 @@ class Driver:
 
 @dataclass(frozen=True)
 class Drivers:
-    """Drivers found for a figure.
+    """Drivers found for a figure, the largest share first.
 
     Attributes:
-        flights: that have the figure.
-        found: drivers, the largest share first.
+        flights: number of flights that have the figure.
         least: share below which an input is not significant.
     """
 
@@ -89,7 +80,7 @@ class _Inputs:
     Attributes:
         scores: normal scores of each group, shape (n, inputs of the group).
         regressors: of all groups, orthonormal within each, shape (n, terms).
-        columns: which of them are those of each group that moves, shape (terms of the group,).
+        columns: columns of the regressors of each group that is not constant, shape (terms of the group,).
         correlation: of all regressors, shape (terms, terms).
     """
 
@@ -154,12 +145,12 @@ def _drivers(inputs: _Inputs, target: np.ndarray, chance: float) -> Drivers:
 
 
 def _of_each(chance: float, tries: int) -> float:
-    """Chance of each of several tries with which that of any of them is ``chance`` (Sidak)."""
+    """Chance of each of some tries, so that the chance of any of them is ``chance`` (Sidak)."""
     return float(-np.expm1(np.log1p(-chance) / max(tries, 1)))
 
 
 def _scores(values: np.ndarray) -> np.ndarray:
-    """Normal scores: the deviates that a sample of the normal distribution has at the ranks of the values."""
+    """Normal scores: the deviates of a normal sample at the ranks of the values."""
     ranks = np.apply_along_axis(_ranks, 0, values) if values.size else values
     return np.asarray(ndtri((ranks - 0.5) / len(values)))
 
@@ -172,19 +163,18 @@ def _ranks(values: np.ndarray) -> np.ndarray:
 
 def _terms(scores: np.ndarray) -> np.ndarray:
     """Orthonormal regressors of a group, shape (n, terms): straight and, if flights suffice, square."""
-    few = 2 * scores.shape[1] * _FLIGHTS_PER_TERM <= len(scores)
-    return _orthonormal(np.hstack([scores, scores**2]) if few else scores)
-
-
-def _orthonormal(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of the columns after their means are removed."""
+    enough = 2 * scores.shape[1] * _FLIGHTS_PER_TERM <= len(scores)
+    columns = np.hstack([scores, scores**2]) if enough else scores
     vectors, values, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
     return np.asarray(vectors[:, values > _DEGENERATE * np.sqrt(len(columns))])
 
 
 def _told_from_chance(inputs: _Inputs, target: np.ndarray, chance: float) -> tuple[list[str], float]:
-    """Groups taken up, in their order, and the least share that one more would have to explain."""
-    rest = _with_figure(inputs, target)  # of regressors and figure, what those taken up leave unexplained
+    """Significant groups in the order of their addition, and the least share of one more."""
+    centred = target - target.mean()
+    aim = centred @ inputs.regressors / np.linalg.norm(centred)
+    # correlation of the regressors and, last, the figure: the part that the groups taken leave unexplained
+    rest = np.block([[inputs.correlation, aim[:, None]], [aim, np.ones(1)]])
     left, free = dict(inputs.columns), len(target) - 1
     taken, least = [], 1.0
     while rest[-1, -1] > _DEGENERATE:
@@ -208,21 +198,14 @@ def _told_from_chance(inputs: _Inputs, target: np.ndarray, chance: float) -> tup
     return taken, float(least)
 
 
-def _with_figure(inputs: _Inputs, target: np.ndarray) -> np.ndarray:
-    """Correlation of all regressors and, the last row and column, the figure."""
-    straight = target - target.mean()
-    aim = straight @ inputs.regressors / np.linalg.norm(straight)
-    return np.block([[inputs.correlation, aim[:, None]], [aim, np.ones(1)]])
-
-
 def _explained(rest: np.ndarray, own: np.ndarray) -> float:
     """Return the share of the figure, the last row, that some regressors explain."""
     return float(np.sum((rest[-1, own] @ _whitening(rest[np.ix_(own, own)])) ** 2))
 
 
 def _whitening(covariance: np.ndarray) -> np.ndarray:
-    """Combinations of variables, shape (variables, combinations), that have variance 1 and no correlation;
-    without those that stand still.
+    """Uncorrelated combinations of variables with variance 1, shape (variables, combinations); constant ones
+    are left out.
     """
     values, vectors = np.linalg.eigh(covariance)
     moving = values > _DEGENERATE
@@ -230,7 +213,7 @@ def _whitening(covariance: np.ndarray) -> np.ndarray:
 
 
 def _p_value(unexplained: float, terms: int, free: int) -> float:
-    """Probability that idle regressors leave as little unexplained: the F test, by the beta distribution."""
+    """Probability that regressors without effect leave as little unexplained (F test)."""
     return float(betainc(0.5 * free, 0.5 * terms, min(max(unexplained, 0.0), 1.0)))
 
 
@@ -241,7 +224,7 @@ def _critical(terms: int, free: int, level: float) -> float:
 
 
 def _shares(groups: list[np.ndarray], target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shares of groups, shape (groups,), and those of campaigns drawn again, shape (drawn, groups)."""
+    """Shares of groups, shape (groups,), and those of bootstrap samples, shape (samples, groups)."""
     columns = np.column_stack([*groups, target, np.ones(len(target))])
     blocks = np.stack([rows.T @ rows for rows in np.array_split(columns, min(len(columns), _BLOCKS))])
     weights = _weights(len(blocks))
@@ -282,10 +265,6 @@ def _effect(scores: np.ndarray, target: np.ndarray) -> str:
     if abs(square) > abs(straight):
         return "curved"
     return "rises" if straight > 0.0 else "falls"
-
-
-#: Fewest rows from which indices are formed.
-FEWEST_ROWS = 16
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
-"""Statistics of a campaign: success probability with its interval, ellipses, and quantiles with their bounds,
-as far as its flights can bound them.
+"""Statistics of a campaign: success probability with its interval, ellipses, quantiles with their bounds, as
+far as its flights can bound them, and the paired comparison of two campaigns.
 
 >>> flights_needed(0.99), flights_needed(0.9987)
 (368, 2836)
@@ -17,10 +17,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import ceil, log, sqrt
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from scipy.special import bdtr, ndtri
+import pyarrow as pa
+import pyarrow.compute as pc
+from scipy.special import bdtr, ndtri, stdtrit
+
+from edl6dof.campaign.design.case import BELIEF, TRUTH
+from edl6dof.config.errors import refusal
+
+if TYPE_CHECKING:
+    from edl6dof.campaign.store import Store
 
 
 @dataclass(frozen=True)
@@ -113,9 +121,7 @@ def contour(covariance: np.ndarray, sigmas: float, points: int = 181) -> np.ndar
 
 #: Probability that both bounds hold.
 CONFIDENCE = 0.95
-
-#: Shares whose quantiles are of interest: the median, and pairs further and further out, to three standard
-#: deviations of a normal distribution, one-sided.
+#: Shares of the quantiles of a report: the median, and pairs out to three sigma of a normal distribution.
 SHARES = (0.0013, 0.01, 0.05, 0.5, 0.95, 0.99, 0.9987)
 
 
@@ -139,8 +145,8 @@ def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile 
     Args:
         values: infinite ones are left out, unless ``flown``.
         share: of the flights that stay below.
-        flown: whether the value, too, is to be one of those flown, the next above, so that none is
-            interpolated away; infinite ones are then flights that failed, and the largest.
+        flown: True for the next flown value above in place of an interpolated one; infinite ones are then
+            flights that failed, and the largest.
 
     Source: Wilks, Ann. Math. Stat. 12 (1941) 91; David and Nagaraja, Order Statistics, 3rd ed., 7.1.
     """
@@ -176,3 +182,109 @@ def bounded_shares(flights: int) -> tuple[float, ...]:
 def percent(share: float) -> str:
     """A share in words: ``99.87 %``."""
     return f"{100.0 * share:g} %"
+
+
+#: Columns of the end of a case, which are no figures.
+_ENDS = {"case", "success", "cause", "outcome", "profile"}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Mean of a figure in both, and of the paired difference B - A with its 95 % interval; ``clear`` where no
+    difference is excluded at 95 % for all figures together.
+    """
+
+    figure: str
+    pairs: int
+    mean_a: float
+    mean_b: float
+    difference: float
+    half_width: float
+    clear: bool
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Comparison of two campaigns; ``counts``: pairs in which both succeed, A alone, B alone, neither."""
+
+    names: tuple[str, str]
+    success: tuple[Proportion, Proportion]
+    counts: tuple[int, int, int, int]
+    p_value: float
+    figures: tuple[Difference, ...]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """Everything, ready for JSON."""
+        both, a, b, neither = self.counts
+        return {
+            "campaigns": list(self.names),
+            "p_success": [proportion.value for proportion in self.success],
+            "p_success_95": [list(proportion.interval) for proportion in self.success],
+            "pairs": {"both": both, "first_only": a, "second_only": b, "neither": neither},
+            "mcnemar_p_value": self.p_value,
+            "figures": [vars(figure) for figure in self.figures],
+        }
+
+
+def mcnemar(only_a: int, only_b: int) -> float:
+    """Probability of a split of the single successes at least as uneven if the configurations do not differ.
+
+    Source: McNemar, Psychometrika 12 (1947) 153, with the exact binomial distribution.
+    """
+    return min(2.0 * float(bdtr(min(only_a, only_b), only_a + only_b, 0.5)), 1.0)
+
+
+def compare(first: Store, second: Store) -> Comparison:
+    """Pair the cases of two campaigns, flown by two configurations.  Common random numbers cancel in a pair,
+    so that a small difference shows with few flights.
+
+    Raises:
+        ConfigError: they did not fly the same cases.
+    """
+    a, b = first.table().sort_by("case"), second.table().sort_by("case")
+    cases = np.intersect1d(a["case"].to_numpy(), b["case"].to_numpy())
+    a, b = (table.filter(pc.is_in(table["case"], pa.array(cases))) for table in (a, b))
+    names = (first.folder.name, second.folder.name)
+    _require_common(a, b, first, second)
+    x, y = (table["success"].to_numpy(zero_copy_only=False) for table in (a, b))
+    both, only_a, only_b, neither = (int(np.sum(pair)) for pair in (x & y, x & ~y, ~x & y, ~(x | y)))
+    success = Proportion.of(x), Proportion.of(y)
+    counts, p_value = (both, only_a, only_b, neither), mcnemar(only_a, only_b)
+    return Comparison(names, success, counts, p_value, tuple(_differences(a, b)))
+
+
+def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> None:
+    """Every quantity that both disperse must have the same values: only then are these pairs."""
+    if not len(a):
+        raise refusal(first.folder, f"has no case in common with {second.folder}")
+    drawn = [name for name in a.column_names if name.startswith((TRUTH, BELIEF, "profile"))]
+    shared = [name for name in drawn if name in b.column_names]
+    different = [name for name in shared if not a[name].equals(b[name])]
+    if not shared or different:
+        what = f"differs in {', '.join(different[:3])}" if different else "shares no dispersed quantity"
+        words = f"{what} with {second.folder}: fly both with the same campaign section and seed"
+        raise refusal(first.folder, words)
+
+
+def _differences(a: pa.Table, b: pa.Table) -> list[Difference]:
+    apart = {name: pair for name in a.column_names if len((pair := _both(a, b, name))[0]) > 1}
+    found = []
+    for name, (x, y) in apart.items():
+        difference = float((y - x).mean())
+        deviation = float((y - x).std(ddof=1)) / sqrt(len(x))
+        one, all_of_them = (stdtrit(len(x) - 1, 1.0 - 0.025 / tests) for tests in (1, len(apart)))
+        clear = abs(difference) > all_of_them * deviation  # Bonferroni: for all figures together
+        means = float(x.mean()), float(y.mean()), difference
+        found.append(Difference(name, len(x), *means, float(one) * deviation, bool(clear)))
+    return found
+
+
+def _both(a: pa.Table, b: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """A figure in those pairs in which both have it; nothing where a column is no figure."""
+    numeric = name in b.column_names and all(pa.types.is_floating(table[name].type) for table in (a, b))
+    if not numeric or name in _ENDS or name.startswith((TRUTH, BELIEF)):
+        return np.empty(0), np.empty(0)
+    x, y = (table[name].to_numpy(zero_copy_only=False) for table in (a, b))
+    usable = np.isfinite(x) & np.isfinite(y)
+    return x[usable], y[usable]

@@ -23,25 +23,94 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pyarrow as pa
 from filelock import FileLock, Timeout
 
-from edl6dof.campaign.documents import Info, Summary
 from edl6dof.campaign.parts import NAMES, Parts, open_parquet
 from edl6dof.config.errors import refusal
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
-from edl6dof.manifest import hash_of, read_file, read_sealed, sha256, write_sealed
+from edl6dof.manifest import Sealed, digest, hash_of, read_file, read_sealed, sha256, write_sealed
 
-#: Name of a file that a killed program was writing, with the name that it was to get.
+#: Name of an unfinished file of a killed program, with the name of the finished one.
 _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
 
-#: File that the process holds locked that works in the folder.
+#: Lock of the process that works in the folder.
 _LOCK = ".lock"
 
 _FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\.json|report\.(?:html|pdf)")
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
+
+
+class Identity(Sealed):
+    """Everything that the rows of a campaign follow from: SHA-256 hashes and versions.
+
+    Attributes:
+        plan: of the plan.
+        sources: of every source file of the package that a row can follow from.
+        versions: of the package and of the libraries that can change a bit, by name.
+        plugins: of each plugin by its path.
+        files: of each table, vehicle and planet file that is read, by its path; those of the package from
+            its folder on.
+    """
+
+    plan: str
+    sources: str
+    versions: dict[str, str]
+    plugins: dict[str, str]
+    files: dict[str, str]
+
+    @property
+    def digest(self) -> str:
+        """One hash of it all."""
+        return digest(self.model_dump())
+
+    def items(self) -> Iterator[tuple[str, str]]:
+        """Each item by the name that messages give it."""
+        yield from (("plan", self.plan), ("sources of edl6dof", self.sources), *self.versions.items())
+        yield from ((f"plugin {name}", value) for name, value in self.plugins.items())
+        yield from ((f"file {name}", value) for name, value in self.files.items())
+
+
+class Info(Sealed):
+    """Content of ``campaign.json``; ``until``: when to stop early, as in ``--until``."""
+
+    until: str | None
+    identity: Identity
+
+
+class Cause(Sealed):
+    """A cause of failures and the number of cases that failed by it."""
+
+    cause: str
+    cases: int
+
+
+class Summary(Sealed):
+    """Content of ``summary.json``: results of a campaign.
+
+    Attributes:
+        campaign: hash of the identity in ``campaign.json``.
+        cases_sha256: hash of ``cases.parquet``.
+        faults: figures of a fault matrix, see :mod:`edl6dof.campaign.faults`.
+    """
+
+    name: str
+    kind: Literal["campaign"] = "campaign"
+    cases: int
+    cases_planned: int
+    successes: int
+    p_success: float
+    p_success_95: list[float]
+    causes: list[Cause]
+    edl6dof_version: str
+    engine: str
+    flown_in_this_run: int
+    flights_per_second: float
+    campaign: str = ""
+    cases_sha256: str = ""
+    faults: dict[str, Any] | None = None
 
 
 def _file(name: str) -> Any:
@@ -51,7 +120,7 @@ def _file(name: str) -> Any:
 
 @dataclass(frozen=True)
 class Store:
-    """A campaign's folder.  What reads it raises ``ConfigError`` for anything not as it was written."""
+    """A campaign's folder.  Every read raises ``ConfigError`` for content that is not as it was written."""
 
     folder: Path
     _info = _file("campaign.json")
@@ -68,7 +137,7 @@ class Store:
 
     @property
     def plan_text(self) -> str:
-        """The plan that the folder was begun with."""
+        """Text of the plan."""
         info = self.info
         if self.is_half_begun:
             words = "has no campaign.yaml: the program was stopped while it began or replaced the campaign"
@@ -110,7 +179,7 @@ class Store:
         """Keep other processes out; the system lifts the lock when the process ends, however it ends.
 
         Args:
-            make: make the folder when there is none; it goes again when nothing was put into it.
+            make: True to make the folder if there is none; it is removed again if nothing was put into it.
 
         Raises:
             ConfigError: another process works here, or there is no folder.
@@ -136,17 +205,15 @@ class Store:
                     folder.rmdir()
 
     def _entries(self) -> list[Path]:
-        """Return the paths in the folder, except the lock."""
         return sorted(path for path in self.folder.iterdir() if path.name != _LOCK)
 
     def check_new(self, force: bool) -> None:
-        """See that a campaign may begin here.
+        """Check that a campaign may begin here.
 
         Raises:
-            ConfigError: there is something already; with ``force``, something that is no campaign's.
+            ConfigError: the folder is not empty; with ``force``, it is not that of a campaign.
         """
-        entries = self._entries()
-        if not entries:
+        if not (entries := self._entries()):
             return
         if not force:
             words = "exists, and a campaign keeps its folder, to be found again: go on with --resume"
@@ -160,7 +227,7 @@ class Store:
         """Put a plan into the folder; with ``force``, in place of the campaign that it holds.
 
         Raises:
-            ConfigError: as :meth:`check_new`.
+            ConfigError: see :meth:`check_new`.
         """
         make_folder(self.folder)
         self.check_new(force)
@@ -185,7 +252,7 @@ class Store:
         """Every file in the folder.
 
         Raises:
-            ConfigError: one of them is none that this program writes into the folder of a campaign.
+            ConfigError: this program does not write one of them into the folder of a campaign.
         """
         for entry in self._entries():
             names = _FOLDERS.get(entry.name)
@@ -195,7 +262,7 @@ class Store:
                 yield _required(entry, _FILES)
 
     def tidy(self) -> None:
-        """Remove what killed programs left: files half written, and the parts of a complete campaign."""
+        """Remove the unfinished files of killed programs, and the parts of a complete campaign."""
         for entry in (*self.folder.glob(".*.part"), *self.folder.glob("parts/.*.part")):
             if _LEFT.fullmatch(entry.name):
                 entry.unlink()
@@ -206,7 +273,7 @@ class Store:
         """Put the first ``count`` parts together, and remove all.
 
         Raises:
-            ConfigError: a part does not count.
+            ConfigError: a part is damaged or of another campaign.
             OSError: the table cannot be written.
         """
         partial = self.folder / f".cases.parquet.{os.getpid()}.part"
@@ -216,10 +283,8 @@ class Store:
             put_in_place(partial, self._cases)
         finally:
             partial.unlink(missing_ok=True)
-        write_sealed(
-            self._summary,
-            summary.model_copy(update={"campaign": self.info.identity.digest, "cases_sha256": cases}),
-        )
+        own = {"campaign": self.info.identity.digest, "cases_sha256": cases}
+        write_sealed(self._summary, summary.model_copy(update=own))
         self._remove_parts()
 
     def _remove_parts(self) -> None:
@@ -244,11 +309,10 @@ class Store:
 
 
 def _required(path: Path, names: re.Pattern[str]) -> Path:
-    """The path, when it is a file of one of the names, or one half written."""
+    """The path, if it is a file with one of the names, finished or not."""
     left = _LEFT.fullmatch(path.name)
     name = (left["name"] or left["other"]) if left else path.name
     if path.is_file() and names.fullmatch(name):
         return path
-    raise refusal(
-        path, "is not of the campaign: the folder is not replaced even with --force; move it elsewhere"
-    )
+    words = "is not of the campaign: the folder is not replaced even with --force; move it elsewhere"
+    raise refusal(path, words)

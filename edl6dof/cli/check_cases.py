@@ -17,8 +17,8 @@ from rich.text import Text
 from edl6dof.cli.exit_status import refuse
 from edl6dof.config.wording import counted, did_you_mean
 from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.verify.case import Result
-from edl6dof.verify.check import CASES, Report, draw, run_case
+from edl6dof.verify.case import Report, Result
+from edl6dof.verify.check import CASES, draw, run_case
 from edl6dof.verify.golden import difference, golden_names, read_golden, traced
 
 

@@ -38,7 +38,7 @@ _LETTERS: dict[str, str] = {status: letter for letter, status in STATUS_MARKS.it
 
 
 def dump_resolved(
-    instance: BaseModel,
+    instance: BaseModel | dict[str, Any],
     header_lines: Sequence[str] = (),
     status: Mapping[str, str] | None = None,
     sources: Mapping[str, str] | None = None,
@@ -46,7 +46,7 @@ def dump_resolved(
     """YAML text of a model, in declaration order, that reads back as an equal model.
 
     Args:
-        instance: validated model.
+        instance: validated model, or plain values by name.
         header_lines: comment lines at the top (package version, source hash, ...).
         status: dotted path to status name, as :class:`~edl6dof.config.document.source.Document` collects it
             from the file's marks.

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.calibration.section import CalibrationFile
+from edl6dof.calibration.problem import CalibrationFile
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.executor import Row, fly_rows
 from edl6dof.campaign.statistics import Proportion

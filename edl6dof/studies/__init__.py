@@ -1,6 +1,4 @@
-"""The papers' own experiments, flown with this simulator, and their published figures beside what comes
-out; a new one is a file here and a name below.
-"""
+"""Published experiments repeated with this simulator; a new one is a file here and a name below."""
 
 from importlib import import_module
 

@@ -28,9 +28,9 @@ class Finding:
     Attributes:
         label: what it is.
         unit: printed unit; empty for a pure number.
-        computed: found by this run of the study; a mean where ``spread`` says so.
-        published: printed by the source; ``None`` where it prints none.
-        bound: how the computed figure must lie to the published one, which is a requirement; empty for a
+        computed: found by this run of the study; a mean if it has a ``spread``.
+        published: printed by the source; ``None`` if it prints none.
+        bound: relation of the computed figure to the published one, which is a requirement; empty for a
             value, which is compared on both sides.
         note: what a reader must know to compare them.
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
@@ -101,10 +101,7 @@ class Grid(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """Points of a picture.
-
-    ``line``, ``dots`` or, thin and dashed, the ``reference`` that the others are compared with.
-    """
+    """Points of a picture: a ``line``, ``dots``, or a thin, dashed ``reference``."""
 
     x: np.ndarray | Sequence[Any]
     y: np.ndarray | Sequence[Any]
@@ -131,10 +128,9 @@ class Report:
     """Findings of a study, and all that is shown with them.
 
     Attributes:
-        findings: computed beside published.
         rows: one for each run; names of columns end in their units.
-        runs: how many flights were flown.
-        grids: tables that compare, printed before the findings.
+        runs: number of flights.
+        grids: tables, printed before the findings.
         remarks: sentences under the tables.
         pictures: panels side by side, by the name of their file.
     """
@@ -153,20 +149,17 @@ class Report:
 
 
 class Session:
-    """One run of a study: what is asked of it, and how far it has come.
+    """One run of a study.
 
     Attributes:
-        flights: how many flights are asked for; what that counts is the study's own.
-        parts: the laws or ways that are asked for, of those that the study compares.
+        flights: wanted number of flights, in the study's own count.
+        parts: wanted parts of the study, such as laws.
+        total: number of flights in all, for the progress; set by the study.
     """
 
     def __init__(self, flights: int, parts: Sequence[str], progress: Callable[[int, int], None]):
-        self.flights, self.parts = flights, parts
-        self._progress, self._done, self.total = progress, 0, 0
-
-    def expect(self, total: int) -> None:
-        """Set the number of flights in all."""
-        self.total = total
+        self.flights, self.parts, self.total = flights, parts, 0
+        self._progress, self._done = progress, 0
 
     def step(self, flights: int = 1) -> None:
         """Count flights as done."""
@@ -185,14 +178,10 @@ class Study:
     """One published experiment.
 
     Attributes:
-        name: as typed on the command line.
-        title: one line.
         source: the paper.
-        run: flies it.
-        runs: how many runs the source publishes.
-        quick_runs: how many ``--quick`` flies.
-        counted: whether the number of runs can be chosen at all.
-        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+        runs: number of runs that the source publishes.
+        quick_runs: number of runs with ``--quick``.
+        parts: choices of ``--only``, such as the laws that are compared; empty if the study has no parts.
     """
 
     name: str
@@ -201,8 +190,12 @@ class Study:
     run: Callable[[Session], Report]
     runs: int = 1
     quick_runs: int = 1
-    counted: bool = False
     parts: tuple[str, ...] = ()
+
+    @property
+    def counted(self) -> bool:
+        """True if the number of runs can be chosen: the quick study flies fewer."""
+        return self.quick_runs < self.runs
 
     def fly(
         self,
@@ -227,13 +220,10 @@ def to_json(study: Study, report: Report) -> str:
         {"title": title, "rows": [dict(zip(heads, row, strict=True)) for row in rows]}
         for title, heads, rows in report.grids
     ]
-    found = {
-        **{"study": study.name, "title": study.title, "source": study.source},
-        **{"runs": report.runs, "ok": report.ok},
-        "findings": [{**vars(one), "ok": one.ok, "result": one.result} for one in report.findings],
-        **{"grids": grids, "remarks": list(report.remarks), "edl6dof_version": edl6dof.__version__},
-    }
-    return json_text(found)
+    head = {"study": study.name, "title": study.title, "source": study.source, "runs": report.runs}
+    found = [{**vars(one), "ok": one.ok, "result": one.result} for one in report.findings]
+    rest = {"remarks": list(report.remarks), "edl6dof_version": edl6dof.__version__}
+    return json_text({**head, "ok": report.ok, "findings": found, "grids": grids, **rest})
 
 
 def write_study(study: Study, report: Report, folder: Path) -> None:

@@ -1,11 +1,11 @@
-"""Every entry law on the same entries: seven of them, what may be other than planned one thing at a time, and
-four of them with everything dispersed.
+"""Every entry law on the same seven entries: with one condition changed at a time, and on four of them with
+everything dispersed.
 
-No paper's experiment but this simulator's own: on each vehicle one plant, one attitude controller, one
-reversal logic and the same errors for all laws, from entry interface to the mortar.  The miss is that of the
-point entry guidance steers to, at mortar fire.  Two missions fly in six degrees of freedom on instruments,
-with either trigger of their parachute, and the point masses of three papers with what a vehicle has: a bank
-angle that turns at a rate, and a drag reference that is updated by the range to go.
+This is an experiment of this simulator and of no paper: all laws fly each vehicle with one plant, one
+attitude controller, one reversal logic and the same errors, from entry interface to the mortar.  The miss is
+the distance at mortar fire from the point to which entry guidance steers.  Two missions fly in six degrees of
+freedom on instruments, with either trigger of their parachute.  The point masses of three papers get what a
+vehicle has: a limited bank rate, and a drag reference that is updated by the range to go.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from math import cos, degrees, inf, isfinite, nan, radians, sin
 from typing import Any, NamedTuple
 
@@ -67,6 +68,7 @@ REMARKS = (
     "bank_profile flies the planned bank open loop: what the conditions do without guidance.",
 )
 Values = dict[str, Any]
+#: Time (us) of a call on a vehicle of a law.
 Calls = dict[tuple[str, str], float]
 
 
@@ -75,7 +77,7 @@ def run(session: Session) -> Report:
     flights, rows = session.flights, []
     calls: Calls = {}
     each = [len(cases(vehicle, vehicle.load().scenario, "", flights)) for vehicle in VEHICLES]
-    session.expect(sum(each) * len(session.parts))
+    session.total = sum(each) * len(session.parts)
     for vehicle in VEHICLES:
         for law in session.parts:
             loaded = with_law(vehicle, law)
@@ -92,18 +94,18 @@ def run(session: Session) -> Report:
 
 
 class Vehicle(NamedTuple):
-    """An entry: its scenario, added ``--set`` texts, and the campaign that disperses it, if any."""
+    """An entry: its scenario, added ``--set`` texts, and the campaign of its dispersions, if any."""
 
     name: str
     changes: tuple[str, ...] = ()
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """The scenario down to the mortar."""
+        """The scenario until mortar fire."""
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 
-#: What the point mass of a paper is given to be flown like a vehicle.
+#: Changes with which the point mass of a paper flies like a vehicle.
 _AS_A_VEHICLE = (
     "point_mass.bank_response=rate_limited",
     "point_mass.bank_rate_deg_s=20",
@@ -115,43 +117,42 @@ VEHICLES = (
     *(Vehicle(name, dispersions="msl_mc") for name in ("msl", "msl_range_trigger")),
     *(Vehicle(name, _AS_A_VEHICLE) for name in ("zheng2015", "wu2013", "yan2016")),
 )
-#: What a law is flown with besides: FNPEG plans its reversals itself.
-_WITH_LAW = {"fnpeg": (f"{ENTRY}.reversal.logic=own_sign",)}
 
 
 def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
-    """The entry flown by a law; the open-loop law flies the bank angle that was planned."""
-    points = planned_bank(vehicle.load(f"{ENTRY}.reference_bank.fit_range=true"))
-    profile = f"{ENTRY}.bank_profile={json.dumps({'points': points})}"
-    return vehicle.load("simulation.log_every=5", f"{ENTRY}.law={law}", *_WITH_LAW.get(law, ()), profile)
-
-
-def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
-    """The planned bank angle as points of an open-loop profile over speed."""
-    onboard = build_records(loaded).onboard[0]
+    """The entry flown by a law; the open-loop law flies the bank angle that was planned, over speed."""
+    planned = vehicle.load(f"{ENTRY}.reference_bank.fit_range=true")
+    onboard, entry = build_records(planned).onboard[0], planned.scenario.flight_software.guidance.entry
+    speeds = np.linspace(entry.align_speed_m_s + 1.0, planned.scenario.initial.speed, 16)
     shift = float(onboard["reference"]["shift"])
-    slowest = loaded.scenario.flight_software.guidance.entry.align_speed_m_s + 1.0
-    return [
-        {"at": round(float(v), 3), "bank_deg": degrees(reference_bank(onboard, shift, v))}
-        for v in np.linspace(slowest, loaded.scenario.initial.speed, 16)
-    ]
+    banks = [degrees(reference_bank(onboard, shift, v)) for v in speeds]
+    points = [{"at": round(float(v), 3), "bank_deg": bank} for v, bank in zip(speeds, banks, strict=True)]
+    own = [f"{ENTRY}.law={law}", f"{ENTRY}.bank_profile={json.dumps({'points': points})}"]
+    if law == "fnpeg":  # it plans its reversals itself
+        own.append(f"{ENTRY}.reversal.logic=own_sign")
+    return vehicle.load("simulation.log_every=5", *own)
 
 
 # ---- conditions ----------------------------------------------------------------------------------------
 
-#: What every flight has besides; each has its own waves of density, gusts and copies of the instruments.
+#: Changes of every flight; each has its own waves of density, gusts and instrument errors.
 WAVES_AND_GUSTS: Values = {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}
 _ANGLE = "initial.flight_path_angle_deg"
 _SLOW_DEG_S, _WIND_M_S = 5.0, 60.0
-#: How much worse than believed the state is that the ground sends up.
+#: Error of the state that the ground sends up, over the believed error.
 _WORSE_TRACKING = 3.0
 
 
+def _is_rigid(scenario: Scenario) -> bool:
+    return scenario.dynamics == "six_dof"
+
+
 def _less_lift(scenario: Scenario, flight: int) -> Values:
-    """A fifth of the lift-to-drag ratio gone, of a capsule by a third of its centre's offset."""
-    rigid = scenario.dynamics == "six_dof"
-    path = "vehicle.mass.entry_centre_m.2" if rigid else "vehicle.aero.lift_drag.lift_to_drag"
-    return {path: (2.0 / 3.0 if rigid else 0.8) * value_at(scenario, path)}
+    """A lift-to-drag ratio less by a fifth; of a capsule by a centre whose offset is less by a third."""
+    path, factor = "vehicle.aero.lift_drag.lift_to_drag", 0.8
+    if _is_rigid(scenario):
+        path, factor = "vehicle.mass.entry_centre_m.2", 2.0 / 3.0
+    return {path: factor * value_at(scenario, path)}
 
 
 def wind(scenario: Scenario, flight: int) -> Values:
@@ -165,28 +166,27 @@ def wind(scenario: Scenario, flight: int) -> Values:
 
 
 def _slow_bank(scenario: Scenario, flight: int) -> Values:
-    rigid = scenario.dynamics == "six_dof"
-    zone = "flight_software.control.bank_to_steer.bank.rate_deg_s"
-    vehicle = zone if rigid else "point_mass.bank_rate_deg_s"
+    steering = "flight_software.control.bank_to_steer.bank.rate_deg_s"
+    vehicle = steering if _is_rigid(scenario) else "point_mass.bank_rate_deg_s"
     return {f"{ENTRY}.bank_rate_deg_s": _SLOW_DEG_S, vehicle: _SLOW_DEG_S}
 
 
 def _poor_navigation(scenario: Scenario, flight: int) -> Values:
-    """State errors three times those believed, sent up by the ground; of a point mass all the way."""
-    rigid, draws = scenario.dynamics == "six_dof", np.random.default_rng((SEED, flight))
+    """State errors three times those believed, sent up by the ground; of a point mass in the whole flight."""
+    rigid, draws = _is_rigid(scenario), np.random.default_rng((SEED, flight))
     tracking = scenario.sensors.ground_tracking if rigid else GroundTrackingParams()
-    found = {}
-    for axis in range(3):
-        for name, sigmas in (("position_m", tracking.position_m), ("velocity_m_s", tracking.velocity_m_s)):
-            error = 1.0 if rigid else draws.standard_normal()
-            section = "sensors.ground_tracking" if rigid else "sensors.navigation_error"
-            found[f"{section}.{name}.{axis}"] = _WORSE_TRACKING * sigmas[axis] * error
-    return found
+    section = "sensors.ground_tracking" if rigid else "sensors.navigation_error"
+    return {
+        f"{section}.{name}.{axis}": _WORSE_TRACKING
+        * getattr(tracking, name)[axis]
+        * (1.0 if rigid else draws.standard_normal())
+        for axis in range(3)
+        for name in ("position_m", "velocity_m_s")
+    }
 
 
 def _navigation_with_errors(scenario: Scenario, flight: int) -> Values:
-    rigid = scenario.dynamics == "six_dof"
-    return {} if rigid else {"sensors.carried": ["perfect", "imu", "navigation_error"]}
+    return {} if _is_rigid(scenario) else {"sensors.carried": ["perfect", "imu", "navigation_error"]}
 
 
 #: Values by dotted path, of the scenario and the number of the flight.
@@ -194,12 +194,8 @@ Change = Callable[[Scenario, int], Values]
 
 
 class Condition(NamedTuple):
-    """One thing that is other than planned.
-
-    Attributes:
-        name: as it stands in the table.
-        truth: what is so, and the flight computer does not know.
-        belief: what it knows.
+    """A condition that is not as planned, named as in the table: changes that the flight computer does not
+    know (``truth``) and those that it knows (``belief``).
     """
 
     name: str
@@ -208,9 +204,8 @@ class Condition(NamedTuple):
 
     def case(self, index: int, scenario: Scenario, flight: int, label: Values) -> Case:
         """Case number ``index``: the condition's flight number ``flight``."""
-        truth = {**WAVES_AND_GUSTS, **self.truth(scenario, flight)}
-        belief = self.belief(scenario, flight)
-        return Case(index, truth, belief, flight, {**label, "condition": self.name})
+        truth, label = {**WAVES_AND_GUSTS, **self.truth(scenario, flight)}, {**label, "condition": self.name}
+        return Case(index, truth, self.belief(scenario, flight), flight, label)
 
 
 CONDITIONS = (
@@ -227,22 +222,27 @@ CONDITIONS = (
 DISPERSED = "dispersed"
 
 
-def entries(dispersions: str, flights: int) -> list[Values]:
-    """True values of dispersed entries: those of a campaign; what acts after the mortar changes nothing."""
-    return [dict(case.truth) for case in load_plan(dispersions, cases=flights).cases()]
+def entries(vehicle: Vehicle, flights: int) -> list[Values]:
+    """True values of dispersed entries of a campaign; those that act after mortar fire change nothing."""
+    if not vehicle.dispersions:
+        return []
+    return [dict(case.truth) for case in load_plan(vehicle.dispersions, cases=flights).cases()]
 
 
 def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[Case]:
-    """All that a law flies of a vehicle."""
+    """All cases of a law on a vehicle."""
     label = {"vehicle": vehicle.name, "law": law}
     some = range(max(flights // _PER_CONDITION, 1))
-    plan = [(condition, flight) for condition in CONDITIONS for flight in some]
-    planned = [condition.case(i, scenario, flight, label) for i, (condition, flight) in enumerate(plan)]
-    if vehicle.dispersions:
-        about = {**label, "condition": DISPERSED}
-        for flight, truth in enumerate(entries(vehicle.dispersions, flights)):
-            planned.append(Case(len(planned), {**truth, **WAVES_AND_GUSTS}, profile=flight, label=about))
-    return planned
+    planned = [
+        condition.case(index, scenario, flight, label)
+        for index, (condition, flight) in enumerate(product(CONDITIONS, some))
+    ]
+    about, truths = {**label, "condition": DISPERSED}, entries(vehicle, flights)
+    dispersed = ({**truth, **WAVES_AND_GUSTS} for truth in truths)
+    return planned + [
+        Case(len(planned) + flight, truth, profile=flight, label=about)
+        for flight, truth in enumerate(dispersed)
+    ]
 
 
 # ---- entries that no bank angle brings to the aim point ------------------------------------------------
@@ -259,7 +259,7 @@ _LIFT_UP = (
 
 
 def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
-    """Rows, flown with lift up, of those of ``flights`` drawn entries that all laws missed."""
+    """Fly with lift up those of ``flights`` drawn entries that all laws missed; returns their rows."""
     best: dict[int, float] = {}
     own = pick(rows, vehicle=vehicle.name, condition=DISPERSED)
     for row, miss in zip(own, misses(own), strict=True):
@@ -267,16 +267,17 @@ def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
     missed = sorted(number for number, miss in best.items() if miss > TARGET_KM)
     if not missed:
         return []
-    loaded = vehicle.load("simulation.log_every=5", *_LIFT_UP)
-    truths = entries(vehicle.dispersions, flights)
+    truths = entries(vehicle, flights)
     about = {"vehicle": vehicle.name, "condition": "lift up", "law": "constant_bank"}
-    flown = [(number, {**truths[number], **WAVES_AND_GUSTS}) for number in missed]
-    planned = (Case(i, truth, profile=number, label=about) for i, (number, truth) in enumerate(flown))
-    return list(fly_rows(loaded, planned))
+    planned = (
+        Case(index, {**truths[number], **WAVES_AND_GUSTS}, profile=number, label=about)
+        for index, number in enumerate(missed)
+    )
+    return list(fly_rows(vehicle.load("simulation.log_every=5", *_LIFT_UP), planned))
 
 
 def out_of_reach(rows: Sequence[Row]) -> set[int]:
-    """Numbers of the entries that lift up all the way leaves further short than the target."""
+    """Numbers of the entries that end short by more than the target with lift up all the way."""
     return {row["profile"] for row in rows if row.get("parachute_downrange_m", 0.0) < -1e3 * TARGET_KM}
 
 
@@ -319,14 +320,8 @@ def call_time(loaded: LoadedScenario) -> float:
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
         navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
-    given = (
-        *(chosen(name, onboard[0]) for name in ("entry_law", "bank_side")),
-        onboard,
-        navs,
-        memories,
-        np.zeros(1, ENTRY_MEMORY),
-        np.zeros(1, GUIDE),
-    )
+    functions = (chosen(name, onboard[0]) for name in ("entry_law", "bank_side"))
+    given = (*functions, onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
     return quickest_us(lambda: _repeat(*given, REPEATS), BLOCKS) / (REPEATS * len(saved))
 
 
@@ -334,23 +329,22 @@ def call_time(loaded: LoadedScenario) -> float:
 
 
 def misses(rows: Sequence[Row]) -> np.ndarray:
-    """Miss at the mortar, km; infinite where it never fired."""
-    found = column(rows, "parachute_miss_m") / 1e3
-    return np.where(np.isnan(found), inf, found)
+    """Miss at mortar fire, km; infinite without mortar fire."""
+    return np.nan_to_num(column(rows, "parachute_miss_m"), nan=inf, posinf=inf) / 1e3
 
 
 def best_first(rows: Sequence[Row]) -> list[str]:
-    """The laws of some rows, that first of which the next to last hundredth of the misses is smallest."""
+    """The laws of some rows in the order of the miss that 99 % of their flights keep within."""
     return sorted(kinds(rows, "law"), key=lambda law: _worst_hundredth(pick(rows, law=law)))
 
 
 def _worst_hundredth(rows: Sequence[Row]) -> float:
-    """Least of the largest hundredth of the misses, km."""
+    """Smallest of the largest hundredth of the misses, km."""
     return float(np.quantile(misses(rows), 0.99, method="higher"))
 
 
 def unflown(rows: Sequence[Row]) -> list[Row]:
-    """Flights that did not come as far as the mortar; their rows have the cause."""
+    """Flights that ended before mortar fire; their rows have the cause."""
     return [row for row in rows if not isfinite(row.get("parachute_miss_m", nan))]
 
 
@@ -409,14 +403,12 @@ def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) 
     label = "flights that did not reach the mortar"
     yield Finding(label, "", float(len(failed)), 0.0, "<=", why=why)
     first = rows[0]["vehicle"]  # others may fly reversals that are found by flying ahead
+    of_first = [(us, law) for (name, law), us in calls.items() if name == first]
     for which, bound, ahead in (
         ("laws that fly ahead", PREDICTOR_CALL_US, True),
         ("the others", CALL_US, False),
     ):
-        own = [
-            (us, law) for (name, law), us in calls.items() if name == first and (law in PREDICTORS) == ahead
-        ]
-        if own:
+        if own := [(us, law) for us, law in of_first if (law in PREDICTORS) == ahead]:
             us, law = max(own)
             yield Finding(f"{first}: longest guidance call of {which}", "us", us, bound, "<=", law)
 
@@ -456,6 +448,4 @@ def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
 
 
 TITLE = "Entry laws on the same entries: other air, lift, wind and entry angle, slow bank, and all dispersed"
-STUDY = Study(
-    "guidance", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
-)
+STUDY = Study("guidance", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, parts=LAWS)

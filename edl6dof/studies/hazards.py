@@ -52,8 +52,8 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly dispersed landings each way over each ground."""
-    session.expect(len(session.parts) * len(ABUNDANCES) * session.flights)
+    """Fly dispersed landings with each detection over each ground."""
+    session.total = len(session.parts) * len(ABUNDANCES) * session.flights
     rows: list[Row] = []
     for abundance in ABUNDANCES:
         for way in session.parts:
@@ -62,7 +62,7 @@ def run(session: Session) -> Report:
 
 
 def over(abundance: float, way: str) -> LoadedScenario:
-    """The landing one way over ground with that many rocks."""
+    """The landing with one detection (``way``) over ground with this rock abundance."""
     air = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
     ground = f"terrain.landing_area.rock_abundance={abundance:g}"
     detection = f"flight_software.hazard.detection={way}"
@@ -70,13 +70,13 @@ def over(abundance: float, way: str) -> LoadedScenario:
 
 
 def cases(abundance: float, way: str, flights: int) -> list[Case]:
-    """The first cases of the campaign; the number of a case is that of its ground, too."""
+    """The first cases of the campaign; the number of a case is also that of its ground."""
     label = {"abundance": abundance, "way": way}
     return [replace(one, label=label) for one in load_plan(DISPERSIONS).cases(0, flights)]
 
 
 def blind_share(abundance: float) -> float:
-    """Share of footprints with a rock that counts, of rocks that lie anywhere: 1 - exp(-N A).
+    """Share of footprints with a rock that counts, of rocks at random places: 1 - exp(-N A).
 
     Golombek & Rapp, J. Geophys. Res. 102 (1997) 4117-4129: rocks of diameter D and more cover k exp(-q D) of
     the ground, q = 1.79 + 0.152 / k.
@@ -90,12 +90,12 @@ def blind_share(abundance: float) -> float:
 
 
 def on_a_rock(rows: list[Row]) -> float:
-    """Share (%) of flights that came down on a rock that counts, or did not come down to stand."""
+    """Share (%) of flights that landed on a rock that counts, or did not land."""
     return percentage(column(rows, "rocks_under_lander", inf) > 0.0)
 
 
 def findings(rows: list[Row]) -> Iterator[Finding]:
-    """Blind landings beside the closed form, and the targets of those that look."""
+    """Blind landings against the closed form, and the targets of the others."""
     ways = kinds(rows, "way")
     if BLIND in ways:
         yield from _blind(rows)
@@ -133,7 +133,7 @@ _HEADS = (
 
 
 def _grids(rows: list[Row]) -> Iterator[Grid]:
-    """For each ground what the ways make of it."""
+    """Figures of each detection, a table for each ground."""
     ways = kinds(rows, "way")
     for abundance in ABUNDANCES:
         flown = {way: pick(rows, abundance=abundance, way=way) for way in ways}
@@ -176,6 +176,4 @@ def _pictures(rows: list[Row]) -> dict[str, list[Panel]]:
 
 
 TITLE = "Landings among rocks with and without hazard avoidance, at rock abundances of 4, 10 and 20 %"
-STUDY = Study(
-    "hazards", TITLE, "this simulator, 2026", run, runs=200, quick_runs=10, counted=True, parts=WAYS
-)
+STUDY = Study("hazards", TITLE, "this simulator, 2026", run, runs=200, quick_runs=10, parts=WAYS)

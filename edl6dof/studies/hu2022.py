@@ -1,41 +1,42 @@
 """Hu et al. 2022 (S1): the attitude control of Tianwen-1, its flight results and its claims, recomputed.
 
-What is published of the flight stands beside the mean of neighbouring flights.  The claims are flown on from
-its saved states: thrust-direction tracking of the two error formulations from dispersed starts of the powered
-descent (section 6.2), a 100 N m step against the disturbance estimator and against integral action (section
-6.2), hazard avoidance with a dead horizontal thruster (section 6.3, Fig. 7), and a trim wing that fails
-(section 4.3).  The paper prints curves and maxima, no tables; where it prints no figure, none stands beside.
+Published figures of the flight are compared with the mean of neighbouring flights.  The claims are tested in
+flights from its saved states: thrust-direction tracking of the two error formulations from dispersed starts
+of the powered descent (section 6.2), a 100 N m step against the disturbance estimator and against integral
+action (section 6.2), hazard avoidance with a dead horizontal thruster (section 6.3, Fig. 7), and a trim wing
+that fails (section 4.3).  The paper prints curves and maxima, and no tables.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import product
 from math import nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof import State
-from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
+from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, fly_neighbours, sample_means
 from edl6dof.campaign.executor import Row, in_threads
 from edl6dof.config.wording import counted
 from edl6dof.fsw.control.attitude_error import goal_attitude
 from edl6dof.interface.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
-from edl6dof.metrics.published import published_figures
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.quaternion import about_axis, multiply
 from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
-from edl6dof.studies.samples import column, percentage, pick, with_quantile
+from edl6dof.studies.samples import beside_published, column, last_time, percentage, pick, with_quantile
 from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 SCENARIO, SEED = "tianwen1", 2022
-#: What is examined is control, and the flight computer has to know of a state that is set up.
+#: Control is examined, and the flight computer has to know a state that is set up.
 _PERFECT = "sensors.set=perfect"
 LANDER = "flight_software.control.thrust_vector"
 REMARKS = (
@@ -68,25 +69,26 @@ def run(session: Session) -> Report:
     nominal = edl6dof.fly(SCENARIO, [_PERFECT])
     around = min(FLIGHTS, max(2, session.flights))
     release = state_at(nominal.metrics["backshell_s"] + AFTER_RELEASE_S)
-    entries = draw_entries(session.flights, SEED)
-    starts = [(number, entry, way) for number, entry in enumerate(entries) for way in FORMULATIONS]
     before = avoidance_starts(session.flights)
-    cases = list(avoidance_cases(before, nominal.scenario))
+    tasks: list[Callable[[], Row]] = [
+        partial(entry_row, release, number, entry, formulation)
+        for number, entry in enumerate(draw_entries(session.flights, SEED))
+        for formulation in FORMULATIONS
+    ]
+    avoided = avoidance_cases(len(before), nominal.scenario)
+    tasks += [partial(avoidance_row, before, nominal.scenario, one) for one in avoided]
     single = len(AGAINST_STEP) + len(WING)
-    session.expect(1 + around + len(starts) + len(cases) + single)
+    session.total = 1 + around + len(tasks) + single
     means = sample_means(fly_neighbours(nominal.loaded, around), nominal.scenario.published)
     session.step(1 + around)
     rows: list[Row] = []
-    for row in in_threads(lambda start: entry_row(release, *start), starts):
-        rows.append(row)
-        session.step()
-    for row in in_threads(lambda one: avoidance_row(before, nominal.scenario, one), cases):
+    for row in in_threads(lambda task: task(), tasks):
         rows.append(row)
         session.step()
     rows += [step_row(name, flight) for name, flight in torque_steps(nominal).items()]
-    rows += [wing_row(name, flight) for name, flight in failed_wings().items()]
+    rows += [wing_row(name, held) for name, held in WING.items()]
     session.step(single)
-    findings = [*_of_the_flight(nominal, means), _lateral_force(nominal)]
+    findings = [*beside_published(nominal.scenario.published, means, _FLIGHT), _lateral_force(nominal)]
     findings += [*_of_entries(pick(rows, experiment="entry")), *_of_experiments(rows)]
     grids = _avoidance_grids(nominal, pick(rows, experiment="avoidance"))
     return Report(findings, rows, session.total, grids, REMARKS, _pictures(nominal, before))
@@ -101,14 +103,9 @@ def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
     return saved
 
 
-def carry_on(
-    state: State, changes: Sequence[str] = (), truth: Mapping[str, Any] | None = None, until_s: float = 900.0
-) -> Flight:
-    """Fly on from a state under changed settings, and a truth that the flight computer does not know."""
-    overrides = [*changes, f"simulation.time_limit_s={until_s}"]
-    if truth:
-        overrides.append(f"truth={json.dumps(dict(truth))}")
-    return edl6dof.fly(start=state, overrides=overrides)
+def carry_on(state: State, changes: Sequence[str], until_s: float = 900.0) -> Flight:
+    """Fly on from a state under changed settings."""
+    return edl6dof.fly(start=state, overrides=[*changes, f"simulation.time_limit_s={until_s}"])
 
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
@@ -117,46 +114,27 @@ def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
     return {**head, "landed": bool(flight.landed), "outcome": flight.outcome}
 
 
-def last_time(t: np.ndarray, outside: np.ndarray) -> float:
-    """Last time at which a condition holds; 0 when it never does."""
-    where = np.flatnonzero(outside)
-    return float(t[where[-1]]) if len(where) else 0.0
-
-
 # ---- the flight beside the published one ---------------------------------------------------------------
 
-#: Figures of the flight, and where Figs. 8 to 12 and the text give them.
+#: Figures of the flight, and their places in Figs. 8 to 12 and the text.
+_NO_PLACE = ("lift_start_s", "trim_wing_s", "parachute_s", "backshell_s", "touchdown_s")
+_TOUCHDOWN = [f"touchdown_{axis}" for axis in ("roll", "pitch", "yaw")]
 _FLIGHT = {
+    **dict.fromkeys(_NO_PLACE, ""),
     "trim_aoa_limit_cycle_deg": "sect. 3",
-    "trim_aoa_propellant_kg": "",
-    "lift_start_s": "",
     "bank_reversals": "Fig. 8",
     "max_bank_rate_deg_s": "Fig. 8",
     "max_pitch_rate_lift_deg_s": "Fig. 10",
     "max_yaw_rate_lift_deg_s": "Fig. 9",
-    "trim_wing_s": "",
-    "parachute_s": "",
     "parachute_total_alpha_deg": "sect. 4",
     "max_rate_parachute_deg_s": "Figs. 8-10",
-    "backshell_s": "",
     "roll_error_at_ignition_deg": "Fig. 8, size",
     "max_attitude_error_powered_deg": "Fig. 10",
     "max_rate_powered_deg_s": "Figs. 8-10",
     "max_roll_error_powered_deg": "Fig. 8",
     "max_estimated_torque_nm": "Fig. 11",
-    "touchdown_s": "",
-    **{f"touchdown_{axis}_error_deg": "Figs. 8-10" for axis in ("roll", "pitch", "yaw")},
-    **{f"touchdown_{axis}_rate_deg_s": "Figs. 8-10" for axis in ("roll", "pitch", "yaw")},
+    **{f"{name}_{what}": "Figs. 8-10" for name in _TOUCHDOWN for what in ("error_deg", "rate_deg_s")},
 }
-
-
-def _of_the_flight(nominal: Flight, means: Mapping[str, SampleMean]) -> Iterator[Finding]:
-    """Mean and spread of every published figure beside its published value."""
-    published = {name: entry for name, entry in nominal.scenario.published.items() if name in _FLIGHT}
-    for figure, entry in published_figures(published):
-        own, note = means.get(figure.name, SampleMean(nan, nan, 0)), _FLIGHT[figure.name]
-        label, unit, computed = figure.meaning, figure.unit.label, entry.of(own.mean)
-        yield Finding(label, unit, computed, entry.number, entry.bound, note, own.deviation)
 
 
 def _lateral_force(flight: Flight) -> Finding:
@@ -173,8 +151,8 @@ FORMULATIONS = ("decoupled", "shortest_path")
 #: Time after backshell release at which dispersed entries of the powered descent begin, s.
 AFTER_RELEASE_S = 0.06
 #: Thrust-direction error below which a commanded direction counts as found, and the time in which it is
-#: looked for.  In the divert the command turns by some 2.5 deg/s, and the controller, to which no rate of it
-#: is told, follows derivative over proportional gain behind: 1.4 s.
+#: looked for.  In the divert the command turns by some 2.5 deg/s, and the controller, which does not know
+#: this rate, follows it later by derivative over proportional gain: 1.4 s.
 FOUND_DEG, WATCHED_S = 5.0, 12.0
 
 
@@ -187,19 +165,16 @@ class Entry(NamedTuple):
     rate_deg_s: tuple[float, ...]
 
 
-def draw_entries(count: int, seed: int) -> list[Entry]:
+def draw_entries(count: int, seed: int) -> Iterator[Entry]:
     """Draw starts: roll up to 120 deg, tilts of 10 to 40 deg, rates of 5 deg/s (1 sigma)."""
     rng = np.random.default_rng(seed)
-    ranges = ((-120.0, 120.0), (10.0, 40.0), (0.0, 360.0))
-    found = []
     for _ in range(count):
-        roll, tilt, towards = (float(rng.uniform(*ends)) for ends in ranges)
-        found.append(Entry(roll, tilt, towards, tuple((5.0 * rng.standard_normal(3)).tolist())))
-    return found
+        roll, tilt, towards = rng.uniform((-120.0, 10.0, 0.0), (120.0, 40.0, 360.0)).tolist()
+        yield Entry(roll, tilt, towards, tuple((5.0 * rng.standard_normal(3)).tolist()))
 
 
 def hung_like(state: State, entry: Entry) -> State:
-    """A state with another attitude and rate, as if it had always been so for sensors and estimators."""
+    """A state with another attitude and rate, consistent in sensors and estimators."""
     plant, sensors, fsw = state.plant.copy(), state.sensors.copy(), state.fsw.copy()
     nav = fsw["nav"][0]
     axes = (tuple(nav[f"{name}_I"]) for name in ("north", "east", "up", "up"))
@@ -214,7 +189,7 @@ def hung_like(state: State, entry: Entry) -> State:
 
 
 def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row:
-    """How one error formulation finds the commanded thrust direction from one dispersed entry."""
+    """Fly one dispersed entry with one error formulation: when the commanded thrust direction is found."""
     flight = carry_on(hung_like(release, entry), [f"{LANDER}.error={formulation}"])
     t = flight.telemetry["t_s"] - flight.telemetry["t_s"][0]
     watched = t < WATCHED_S
@@ -233,9 +208,8 @@ def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row
 def thrust_error_deg(flight: Flight) -> np.ndarray:
     """Angle between thrust axis and commanded thrust direction, by row of telemetry."""
     rows = flight.telemetry
-    east_of_I = rows["truth.longitude_deg"] + np.degrees(
-        flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
-    )
+    spin = flight.scenario.planet.rotation_rate_rad_s
+    east_of_I = rows["truth.longitude_deg"] + np.degrees(spin * rows["t_s"])
     turns = np.column_stack([east_of_I, -rows["truth.latitude_deg"] - 90.0])  # that turn I north, east, down
     asked = np.stack([rows[f"guide.thrust_direction_{axis}"] for axis in ("north", "east", "down")], axis=1)
     wanted = Rotation.from_euler("ZY", turns, degrees=True).apply(asked)
@@ -283,16 +257,16 @@ WING = {HELD: True, "left to trim": False}
 
 
 def torque_steps(flight: Flight) -> dict[str, Flight]:
-    """Fly the hover with the engine suddenly off the centre of mass, which turns about z of B."""
+    """Fly the hover with a sudden offset of the engine from the centre of mass: a torque about z of B."""
     start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
     x, y, z = flight.scenario.vehicle.engines[0].nozzle_m
-    truth = {"vehicle.engines.main.nozzle_m": [x, y + STEP_NM / thrust, z]}
+    off = f"truth={json.dumps({'vehicle.engines.main.nozzle_m': [x, y + STEP_NM / thrust, z]})}"
     hover = flight.scenario.phase_roles.index(HOVER_IMAGING)
     longer = f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"
     return {
-        name: carry_on(state, [longer, *changes], truth, start + STEP_WATCHED_S)
+        name: carry_on(state, [off, longer, *changes], start + STEP_WATCHED_S)
         for name, changes in AGAINST_STEP.items()
     }
 
@@ -305,20 +279,12 @@ def step_row(name: str, flight: Flight) -> Row:
     return {**_head("torque step", name, flight), **figures}
 
 
-def failed_wings() -> dict[str, Flight]:
-    """Entries whose trim wing stays shut."""
-    phases = edl6dof.load(SCENARIO).scenario.mission.phases
+def wing_row(name: str, held: bool) -> Row:
+    """Fly an entry whose trim wing stays shut: total angle of attack at which the parachute opens."""
+    phases, alpha = edl6dof.load(SCENARIO).scenario.mission.phases, "parachute_total_alpha_deg"
     branch = [phase.hold_alpha for phase in phases].index(True)
-    changes = [_PERFECT, "faults=[{kind: wing_stuck, at: {time_s: 0}}]"]
-    return {
-        name: edl6dof.fly(SCENARIO, [*changes, f"mission.phases.{branch}.hold_alpha={str(held).lower()}"])
-        for name, held in WING.items()
-    }
-
-
-def wing_row(name: str, flight: Flight) -> Row:
-    """Total angle of attack at which the parachute opens."""
-    alpha = "parachute_total_alpha_deg"
+    holding = f"mission.phases.{branch}.hold_alpha={str(held).lower()}"
+    flight = edl6dof.fly(SCENARIO, [_PERFECT, "faults=[{kind: wing_stuck, at: {time_s: 0}}]", holding])
     return {**_head("trim wing", name, flight), alpha: flight.metrics[alpha]}
 
 
@@ -336,32 +302,29 @@ def _of_experiments(rows: list[Row]) -> Iterator[Finding]:
 #
 # Of its control the paper gives the estimator in place of the integral (eq. 9), two thrusters to a direction
 # and the selection by the size of the demand: the table of thrusters here.  It prints neither gains nor
-# lambda, and on them its argument rests: a dead thruster leaves the torque d of its partner, the estimator is
+# lambda, which its argument depends on: a dead thruster leaves the torque d of its partner, the estimator is
 # worth a proportional gain P + lambda D, and so roll errs by about d / (J (P + lambda D)).
 
 _TABLE = "flight_software.allocation.method=table"
-#: What controls attitude, and who shares its demand out: first what the paper tells of the real one.
+#: Attitude control and control allocation: first those that the paper describes.
 FLOWN = "eq. 9, table"
 CONTROL: dict[str, tuple[str, ...]] = {
     FLOWN: (_TABLE,),
     "PID, table": (_TABLE, *AGAINST_STEP["integral"], f"{LANDER}.roll.integral=0.4"),
     "eq. 9, least squares": (),
 }
-DIAGNOSED: dict[bool, tuple[str, ...]] = {True: (), False: ("flight_software.diagnosis.enabled=false",)}
-#: When the thruster dies, s into the phase: before its first push, and in it.
+#: Times of the failure, s into the phase: before the first push of the thruster, and in it.
 MOMENTS_S = (0.0, 1.0, 2.0)
-#: Way to the safe spot, in the direction in which the thruster pushes, m.
+#: Distance of the safe spot, in the direction in which the thruster pushes, m.
 WAY_M = 20.0
 #: Convergence speeds lambda of the estimator, rad/s: that of the scenario and slower ones.
 POLES_RAD_S = (8.0, 4.0, 2.0, 1.0, 0.5)
-#: Thruster of the paper's figure.
-SHOWN = "D7"
-#: Dispersed entries for each start of the avoidance.
-_ENTRIES_FOR_A_START = 33
+#: Thruster of the paper's figure; dispersed entries for each start of the avoidance.
+SHOWN, _ENTRIES_FOR_A_START = "D7", 33
 
 
 class Avoidance(NamedTuple):
-    """One avoidance: its start, its control, and the thruster that dies; none where it is empty."""
+    """One avoidance: its start, its control, and the thruster that fails, if any."""
 
     start: int
     control: str
@@ -381,15 +344,12 @@ def avoidance_starts(entries: int) -> list[State]:
     return found
 
 
-def avoidance_cases(states: list[State], scenario: Scenario) -> Iterator[Avoidance]:
-    """Every control with all thrusters sound, and each horizontal one dead; slower estimators."""
-    for start in range(len(states)):
-        for control in CONTROL:
-            yield Avoidance(start, control, True)
-            for name in pushes(scenario):
-                for moment in MOMENTS_S:
-                    for diagnosed in DIAGNOSED:
-                        yield Avoidance(start, control, diagnosed, name, moment)
+def avoidance_cases(starts: int, scenario: Scenario) -> Iterator[Avoidance]:
+    """Every control with all thrusters healthy, and each horizontal one dead; slower estimators."""
+    for start, control in product(range(starts), CONTROL):
+        yield Avoidance(start, control, True)
+        for name, moment, diagnosed in product(pushes(scenario), MOMENTS_S, (True, False)):
+            yield Avoidance(start, control, diagnosed, name, moment)
     for pole in POLES_RAD_S[1:]:
         yield Avoidance(0, FLOWN, False, SHOWN, 0.0, pole)
 
@@ -400,25 +360,19 @@ def pushes(scenario: Scenario) -> dict[str, tuple[float, float]]:
     return {one.name: (-one.direction[1], -one.direction[2]) for one in horizontal}
 
 
-def spot(scenario: Scenario, case: Avoidance) -> tuple[float, float]:
-    """Way north and east to the safe spot, m."""
-    north, east = pushes(scenario)[case.thruster or SHOWN]
-    return WAY_M * north, WAY_M * east
-
-
 def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
     """Fly an avoidance."""
-    north, east = spot(scenario, case)
+    north, east = pushes(scenario)[case.thruster or SHOWN]
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     when = f"{{phase: {phase}, plus_s: {case.moment_s}}}"
     dead = f"faults=[{{thruster: {case.thruster}, kind: stuck_off, at: {when}}}]"
     terminal = "flight_software.guidance.powered.terminal"
     changes = (
         *CONTROL[case.control],
-        *DIAGNOSED[case.diagnosed],
+        f"flight_software.diagnosis.enabled={str(case.diagnosed).lower()}",
         *((dead,) if case.thruster else ()),
-        f"{terminal}.safe_spot_north_m={north}",
-        f"{terminal}.safe_spot_east_m={east}",
+        f"{terminal}.safe_spot_north_m={WAY_M * north}",
+        f"{terminal}.safe_spot_east_m={WAY_M * east}",
         f"flight_software.estimation.first_order.torque_pole_rad_s={case.pole_rad_s}",
     )
     return carry_on(states[case.start], changes)
@@ -428,27 +382,24 @@ def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> R
     """Effect of an avoidance on the roll axis, and its distance from the safe spot at the end."""
     flight = avoid(states, scenario, case)
     table, rows = flight.telemetry, np.flatnonzero(flight.during(HAZARD_AVOIDANCE))
-    north, east = spot(scenario, case)
-    places = [table[f"truth.site_{axis}_m"] for axis in ("north", "east")]
-    way = [place[rows[-1]] - place[rows[0]] for place in places]
+    terminal = flight.scenario.flight_software.guidance.powered.terminal
+    off = []
+    for axis, wanted in (("north", terminal.safe_spot_north_m), ("east", terminal.safe_spot_east_m)):
+        place = table[f"truth.site_{axis}_m"]
+        off.append(place[rows[-1]] - place[rows[0]] - wanted)
     return {
         **_head("avoidance", case.control, flight, case.start),
         **{name: getattr(case, name) for name in ("thruster", "moment_s", "diagnosed", "pole_rad_s")},
         "named": [one.thruster for one in flight.isolated_faults] == [case.thruster],
         "peak_error_deg": float(np.max(np.abs(table["control.error_roll_deg"][rows]))),
         "peak_rate_deg_s": float(np.max(np.abs(table["truth.rate_p_deg_s"][rows]))),
-        "miss_m": float(np.hypot(way[0] - north, way[1] - east)),
+        "miss_m": float(np.hypot(*off)),
     }
 
 
 def foreseen_deg(scenario: Scenario, inertia: float, pole_rad_s: float) -> float:
-    """Roll error that a dead thruster is to cause under eq. 9, d / (J (P + lambda D)): d by its partner at
-    the largest lateral force.
-
-    Args:
-        scenario: the nominal one.
-        inertia: about roll, kg m2.
-        pole_rad_s: lambda; 0 for a PID law, whose integral is slow.
+    """Roll error by a dead thruster under eq. 9, d / (J (P + lambda D)), with d of its partner at the largest
+    lateral force, roll ``inertia`` J (kg m2), and lambda = 0 for a PID law, whose integral is slow.
     """
     partner = next(one for one in scenario.vehicle.rcs.thrusters if one.name == SHOWN)
     duty = scenario.flight_software.guidance.powered.terminal.lateral_force_n / (2.0 * partner.thrust_n)
@@ -460,7 +411,7 @@ def foreseen_deg(scenario: Scenario, inertia: float, pole_rad_s: float) -> float
 
 def _avoidance_grids(nominal: Flight, avoided: list[Row]) -> list[Grid]:
     """The argument of Fig. 7 as tables: roll errors foreseen and flown with the fault undiagnosed and
-    diagnosed, and how far from the safe spot that ends; and undiagnosed with slower estimators.
+    diagnosed, and the final distance from the safe spot; and undiagnosed with slower estimators.
     """
     scenario, inertia = nominal.scenario, float(nominal.outputs["inertia"][0, 0])
     what = ("mean (deg)", "worst (deg)", "miss (m)")
@@ -495,22 +446,18 @@ def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> lis
 def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
     """Fig. 7: roll with the paper's thruster dead from the start; Fig. 11: estimated torque."""
     roll, table = [], nominal.telemetry
-    for control in CONTROL:
-        for diagnosed in DIAGNOSED:
-            flight = avoid(states, nominal.scenario, Avoidance(0, control, diagnosed, SHOWN))
-            rows = flight.during(HAZARD_AVOIDANCE)
-            t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
-            roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
+    for control, diagnosed in product(CONTROL, (True, False)):
+        flight = avoid(states, nominal.scenario, Avoidance(0, control, diagnosed, SHOWN))
+        rows = flight.during(HAZARD_AVOIDANCE)
+        t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
+        roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
     after, before = (nominal.metrics[f"{one}_s"] for one in ("backshell", "touchdown"))
     powered = (table["t_s"] > after) & (table["t_s"] < before)
     torque = [Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz"]
-    return {
-        "fig7_fig11": [
-            Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll),
-            Panel("Estimated disturbance torque", "time (s)", "torque (N m)", torque),
-        ]
-    }
+    panels = [Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll)]
+    panels.append(Panel("Estimated disturbance torque", "time (s)", "torque (N m)", torque))
+    return {"fig7_fig11": panels}
 
 
 TITLE = "Attitude control of Tianwen-1 from entry to touchdown"
-STUDY = Study("hu2022", TITLE, "Hu et al. 2022", run, runs=100, quick_runs=6, counted=True)
+STUDY = Study("hu2022", TITLE, "Hu et al. 2022", run, runs=100, quick_runs=6)

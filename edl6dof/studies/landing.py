@@ -1,8 +1,8 @@
 """Every powered law from the same dispersed ignition states, on diverts of three lengths, and with the engine
 failing.
 
-No paper's experiment but this simulator's own.  The flights are those of ``tianwen1_mc``; until the engine
-lights they are the same for all laws, so that what laws need differs by the laws alone.
+This is an experiment of this simulator and of no paper.  The flights are those of ``tianwen1_mc``; they are
+the same for all laws until ignition, so that only the laws make a difference.
 """
 
 from __future__ import annotations
@@ -61,12 +61,12 @@ ENGINE_FAULTS: dict[str, tuple[float, str, dict[str, float]]] = {
 REFERENCE, OPTIMISERS = "polynomial", ("convex",)
 #: The law that plans nothing, and by how much (m/s) another may come down faster after a late release.
 UNPLANNED, FASTER_M_S = "gravity_turn", 0.5
-#: A law has reached the target within these: miss (m), speed (m/s) and height (m) off where hover begins; and
-#: it was out of its limits if it was saturated for longer (s).
+#: Largest miss (m), speed (m/s) and error of height (m) at the beginning of hover of a law that has reached
+#: the target; longest saturation (s) of a law within its limits.
 MISS_M, SPEED_M_S, HEIGHT_M, SATURATED_S = 5.0, 5.0, 10.0, 10.0
 #: Targets of this study: miss of the longest divert (m), time of a call (us), share of landings (%).
 DIVERT_MISS_M, CALL_US, OPTIMISER_CALL_US, LANDED_PCT = 2.0, 5.0, 5000.0, 99.0
-#: How near its limit (deg) a commanded tilt, and how near the band's end (N) a thrust, counts as saturated.
+#: Distances from the limit of tilt (deg) and from the end of the thrust band (N) that count as saturated.
 _AT_LIMIT_DEG, _AT_LIMIT_N = 0.1, 1.0
 #: Half the width of a 95 % interval, in standard errors.
 _TWO_SIDED = 1.96
@@ -88,7 +88,7 @@ def run(session: Session) -> Report:
     for law in session.parts:
         loaded = with_law(law)
         planned = cases(loaded.scenario, truths, law)
-        session.expect(len(session.parts) * len(planned))
+        session.total = len(session.parts) * len(planned)
         rows += session.fly(loaded, planned, of_flight)
         calls[law] = call_time(loaded)
     found, grids = list(_findings(rows, calls)), list(_grids(rows, calls))
@@ -103,8 +103,7 @@ def divert(metres: float) -> str:
     return f"divert {metres:g} m"
 
 
-def release(height: float) -> str:
-    """Condition of a late release."""
+def _release(height: float) -> str:
     return f"released at {height:g} m"
 
 
@@ -114,12 +113,12 @@ def with_law(law: str) -> LoadedScenario:
 
 
 def dispersed(flights: int) -> list[Case]:
-    """The first cases of the campaign, the same whatever law flies them."""
+    """The first cases of the campaign, the same for all laws."""
     return list(load_plan(SCENARIO).cases(0, flights))
 
 
 def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
-    """All that a law flies of the scenario."""
+    """All cases of a law."""
     names = {phase.role: phase.name for phase in reversed(scenario.mission.phases)}
     some = flights[: max(len(flights) // _PER_DIVERT, 1)]
     diverts = [(divert(m), one, {f"{POWERED}.target.divert_m": m}) for m in DIVERTS for one in some]
@@ -128,7 +127,7 @@ def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
         for condition, one, told in [*((DISPERSED, one, {}) for one in flights), *diverts]
     ]
     ends = f"mission.phases.{names[PARACHUTE]}.until.value"
-    planned += [(release(h), i, {}, {ends: h}, 0) for i, h in enumerate(LATE_RELEASES)]
+    planned += [(_release(h), i, {}, {ends: h}, 0) for i, h in enumerate(LATE_RELEASES)]
     for i, (name, (after, kind, values)) in enumerate(ENGINE_FAULTS.items()):
         at = {"phase": names[POWERED_DECELERATION], "plus_s": after}
         fault = {"engine": "main", "at": at, "kind": kind, **({kind: values} if values else {})}
@@ -143,20 +142,14 @@ def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
 
 
 def of_flight(flight: Flight) -> dict[str, float]:
-    """From ignition to hover, and to the ground.
+    """Figures from ignition to hover, and to the ground.
 
-    - ``came_down``: whether it landed, within limits or not.
-    - ``ignition_height_m``, ``ignition_descent_m_s``, ``ignition_drift_m_s``: true state where the engine
-      lights.
-    - ``hover_fuel_kg``, ``ground_fuel_kg``: propellant from there until hover begins, and until the end of a
-      flight that lands.
-    - ``target_miss_m``: true level distance from the target where hover begins; the target lies where
-      guidance has put it from the lander's place at ignition, however well that is known from the site.
-    - ``navigated_miss_m``: the same as navigation sees it.
-    - ``hover_off_m``, ``hover_speed_m_s``: height off the target's, and speed, there.
-    - ``peak_tilt_deg``: of the thrust axis while decelerating.
-    - ``saturated_s``: thrust at the upper end of the band or beyond, or commanded tilt at its limit, the
-      start at full level left out.
+    ``came_down``: landed, within limits or not.  ``ignition_*``: true state at ignition.  ``hover_fuel_kg``,
+    ``ground_fuel_kg``: propellant from ignition to hover, and to the ground.  ``target_miss_m``: true
+    horizontal distance at the beginning of hover from the target, which guidance has put relative to the
+    lander's place at ignition; ``navigated_miss_m``: the same as navigated.  ``hover_off_m``: height above
+    that of the target.  ``peak_tilt_deg``: of the thrust axis while decelerating.  ``saturated_s``: thrust at
+    or above the upper end of its band, or commanded tilt at its limit, without the start at full thrust.
     """
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
@@ -191,7 +184,7 @@ def _saturated(flight: Flight, burning: np.ndarray) -> float:
 
 
 def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
-    """Where hover begins, against the target."""
+    """State at the beginning of hover relative to the target."""
     rows, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
 
     def level(stem: str, row: int) -> np.ndarray:
@@ -234,8 +227,8 @@ def _repeat(law, onboards, states, navs, targets, memories, work, outs, repeats)
 
 
 def call_time(loaded: LoadedScenario) -> float:
-    """Longest processor time (us) of a guidance call over states of the nominal descent: what a law remembers
-    is one second old, so that one that plans now and then plans in the call.
+    """Longest processor time (us) of a guidance call over states of the nominal descent; the memory of the
+    law is one second old, so that a law that plans at intervals plans in the call.
     """
     onboard = build_records(loaded).onboard
     released = edl6dof.fly(loaded).metrics["backshell_s"]
@@ -272,8 +265,7 @@ def reached(row: Row) -> bool:
     )
 
 
-def came_down(rows: Sequence[Row]) -> list[bool]:
-    """Return whether each flight landed."""
+def _came_down(rows: Sequence[Row]) -> list[bool]:
     return [row.get("came_down", False) for row in rows]
 
 
@@ -287,8 +279,7 @@ def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
     return float(np.mean(pairs)), _TWO_SIDED * float(np.std(pairs, ddof=1)) / sqrt(len(pairs))
 
 
-def worst(rows: Sequence[Row], name: str, missing: float) -> float:
-    """Largest of a figure, ``missing`` for a flight that has none."""
+def _worst(rows: Sequence[Row], name: str, missing: float) -> float:
     return float(np.max(column(rows, name, missing)))
 
 
@@ -314,35 +305,31 @@ def _grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
     each = counted(len(of(rows, laws[0], divert(DIVERTS[0]))), "flight")
     words = "propellant to hover, largest miss as navigated, share not reached"
     yield Grid(f"diverts, {each} each: {words}", heads, lines)
-    late, speed = (
-        {f"{height:g} m": release(height) for height in LATE_RELEASES},
-        "descent rate at the ground, m/s",
-    )
+    speed, late = "descent rate at the ground, m/s", {f"{h:g} m": _release(h) for h in LATE_RELEASES}
     for title, conditions in (
         (f"backshell released late: {speed}", late),
         (f"engine fails, s after backshell release: {speed}; -: lost before", {n: n for n in ENGINE_FAULTS}),
     ):
-        lines = [(law, *(ground_speed(rows, law, one) for one in conditions.values())) for law in laws]
+        lines = [(law, *(_ground_speed(rows, law, one) for one in conditions.values())) for law in laws]
         yield Grid(title, ("law", *conditions), lines)
 
 
 def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
     return (
         mean(flown, "peak_tilt_deg"),
-        worst(flown, "peak_tilt_deg", 0.0),
+        _worst(flown, "peak_tilt_deg", 0.0),
         percentage(not reached(row) for row in flown),
         percentage(row.get("saturated_s", inf) > SATURATED_S for row in flown),
-        percentage(came_down(flown)),
+        percentage(_came_down(flown)),
     )
 
 
 def _diverted(flown: Sequence[Row]) -> tuple[float, float, float]:
     missed = percentage(not reached(row) for row in flown)
-    return mean(flown, "hover_fuel_kg"), worst(flown, "navigated_miss_m", inf), missed
+    return mean(flown, "hover_fuel_kg"), _worst(flown, "navigated_miss_m", inf), missed
 
 
-def ground_speed(rows: Sequence[Row], law: str, condition: str) -> float:
-    """Descent rate at the ground, m/s."""
+def _ground_speed(rows: Sequence[Row], law: str, condition: str) -> float:
     return mean(of(rows, law, condition), "touchdown_vertical_m_s")
 
 
@@ -350,21 +337,21 @@ def _findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findi
     """Landings, the longest divert, late releases, fuel against the reference, times of a call."""
     laws, longest = kinds(rows, "law"), divert(DIVERTS[-1])
     for law in laws:
-        share = percentage(came_down(of(rows, law)))
+        share = percentage(_came_down(of(rows, law)))
         yield Finding(f"{law}: dispersed landings", "%", share, LANDED_PCT, ">=")
-    misses = {law: worst(of(rows, law, longest), "navigated_miss_m", inf) for law in laws}
+    misses = {law: _worst(of(rows, law, longest), "navigated_miss_m", inf) for law in laws}
     best = min(misses, key=lambda law: misses[law])
     yield Finding(f"largest miss, {longest}, best law", "m", misses[best], DIVERT_MISS_M, "<=", best)
     for law in laws:
         if law != UNPLANNED and UNPLANNED in laws:
-            low = [release(height) for height in LATE_RELEASES]
-            faster = max(ground_speed(rows, law, one) - ground_speed(rows, UNPLANNED, one) for one in low)
+            low = [_release(height) for height in LATE_RELEASES]
+            faster = max(_ground_speed(rows, law, one) - _ground_speed(rows, UNPLANNED, one) for one in low)
             name = f"{law}: faster than {UNPLANNED} at the ground, late releases"
             yield Finding(name, "m/s", faster, FASTER_M_S, "<=")
     for name in ENGINE_FAULTS:
         flown = pick(rows, condition=name)
         causes = dict.fromkeys(row["cause"] for row in flown if not row.get("came_down", False))
-        down = float(sum(came_down(flown)))
+        down = float(sum(_came_down(flown)))
         yield Finding(f"{name}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
     for law in laws:
         saved, half = difference(rows, law, "hover_fuel_kg")
@@ -376,7 +363,7 @@ def _findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findi
 
 
 def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
-    """Fuel, miss, tilt, and what a divert costs."""
+    """Fuel, miss, tilt, and cost of a divert."""
     laws, panels = kinds(rows, "law"), []
     for name, title, label, options in (
         ("hover_fuel_kg", "fuel", "propellant from ignition to hover (kg)", {}),
@@ -392,6 +379,4 @@ def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
 
 
 TITLE = "Powered guidance laws from the same dispersed ignitions: fuel, miss, tilt, diverts, engine faults"
-STUDY = Study(
-    "landing", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, counted=True, parts=LAWS
-)
+STUDY = Study("landing", TITLE, "this simulator, 2026", run, runs=200, quick_runs=20, parts=LAWS)

@@ -1,8 +1,8 @@
-"""MSL's entry beside the published one: the deployment of its parachute, its bank history, and what the
-deployment hangs on.
+"""MSL's entry compared with the published one: parachute deployment, bank history, and influences on the
+deployment.
 
 Published figures and their sources: scenarios/msl.yaml.  Every figure is the mean over neighbouring flights.
-The table changes one thing of the scenario a line.
+Each line of the table changes the scenario in one respect.
 """
 
 from __future__ import annotations
@@ -16,18 +16,17 @@ import numpy as np
 import edl6dof
 from edl6dof.campaign.ensemble import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
 from edl6dof.campaign.executor import Row
-from edl6dof.metrics.published import published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.spatial.frames import great_circle
 from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
-from edl6dof.studies.samples import column, pick
+from edl6dof.studies.samples import beside_published, column, pick
 
 SCENARIO = "msl"
 ENTRY = "flight_software.guidance.entry"
 _BANK_80_30 = f"{ENTRY}.reference_bank={{points: [{{at: 1500, bank_deg: 30}}, {{at: 3500, bank_deg: 80}}]}}"
 
 
-#: What the deployment hangs on: overrides, by the name of a row.
+#: Overrides that change the deployment, by the name of a row.
 CHANGES = {
     "as it is": (),
     "no wind": ("wind.scale=0",),
@@ -43,14 +42,13 @@ def _figure(label: str, unit: str, published: float | None, note: str = "") -> F
     return Finding(label, unit, nan, published, note=note)
 
 
-#: Figures of this study's own by column, still to be computed; the reversals are the first ones of range
-#: control.
+#: Figures of this study by column, still to be computed; the reversals are the first ones of range control.
 COMPARED: Mapping[str, Finding] = {
     "peak_load_s": _figure("peak load", "s", 80.33),
     "reversals": _figure("reversals of range control", "", 3.0),
     **{
         f"reversal_{k}_s": _figure(f"reversal {k}, through zero bank", "s", middle, "middle of the turn")
-        for k, middle in ((1, 79.28), (2, 99.39), (3, 128.82))
+        for k, middle in enumerate((79.28, 99.39, 128.82), 1)
     },
     "heading_s": _figure("heading alignment", "s", 135.63),
     "navigated_mach": _figure("Mach at mortar fire, as navigated", "", None, "by ground speed"),
@@ -83,7 +81,7 @@ REMARKS = (
 
 
 def figures(flight: Flight) -> dict[str, float]:
-    """Figures of one flight that only this study looks at."""
+    """Figures of one flight that only this study has."""
     t, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     time, bank, slow = t["t_s"], t["truth.bank_deg"], t["truth.speed_m_s"] < entry.heading_below_m_s
     steered = (time > flight.metrics["lift_start_s"]) & ~slow
@@ -104,8 +102,8 @@ def figures(flight: Flight) -> dict[str, float]:
 
 
 def run(session: Session) -> Report:
-    """Fly neighbours of the scenario, and of it with each change."""
-    session.expect(session.flights * len(CHANGES))
+    """Fly neighbours of the scenario, as it is and with each change."""
+    session.total = session.flights * len(CHANGES)
     rows: list[Row] = []
     for change, overrides in CHANGES.items():
         loaded = edl6dof.load(SCENARIO, overrides)
@@ -114,30 +112,22 @@ def run(session: Session) -> Report:
     means = {change: means_of(pick(rows, change=change)) for change in CHANGES}
     lines = [(name, *(own[key].mean for _, key in COLUMNS)) for name, own in means.items()]
     grid = Grid("One change of the scenario", ("", *(head for head, _ in COLUMNS)), lines)
-    return Report(_beside(means["as it is"]), rows, len(rows), [grid], REMARKS, _pictures())
+    found, own = edl6dof.load(SCENARIO).scenario.published, means["as it is"]
+    nothing = SampleMean(nan, nan, 0)
+    findings = [*beside_published(found, own)]
+    for name, finding in COMPARED.items():
+        mean = own.get(name, nothing)
+        findings.append(replace(finding, computed=mean.mean, spread=mean.deviation))
+    return Report(findings, rows, len(rows), [grid], REMARKS, _pictures())
 
 
 def means_of(rows: list[Row]) -> dict[str, SampleMean]:
-    """Mean and spread of every figure over flights of one kind; what a flight did not come to is left out."""
+    """Mean and spread of every figure over the flights of one kind that have it."""
     found = sample_means(rows, {})
     for name in COMPARED:
         values = column(rows, name)
         if np.isfinite(values).any():
             found[name] = SampleMean.of(values[np.isfinite(values)])
-    return found
-
-
-def _beside(means: Mapping[str, SampleMean]) -> list[Finding]:
-    """The scenario as it is beside what is published of it."""
-    published = published_figures(edl6dof.load(SCENARIO).scenario.published)
-    wanted = {
-        figure.name: Finding(figure.meaning, figure.unit.label, nan, entry.number, entry.bound)
-        for figure, entry in published
-    }
-    found = []
-    for name, finding in [*wanted.items(), *COMPARED.items()]:
-        own = means.get(name, SampleMean(nan, nan, 0))
-        found.append(replace(finding, computed=own.mean, spread=own.deviation))
     return found
 
 
@@ -157,6 +147,4 @@ def _pictures() -> dict[str, list[Panel]]:
 
 
 TITLE = "Entry of MSL beside the published deployment"
-STUDY = Study(
-    "msl", TITLE, "Karlgaard et al. 2014; Way et al. 2013", run, runs=FLIGHTS, quick_runs=3, counted=True
-)
+STUDY = Study("msl", TITLE, "Karlgaard et al. 2014; Way et al. 2013", run, runs=FLIGHTS, quick_runs=3)

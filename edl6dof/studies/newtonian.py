@@ -1,8 +1,8 @@
-"""Coefficients of two capsules from their shapes alone beside published ones: the 70-degree Phoenix, over
-Mach number and angle, and the axial force of the 60-degree Stardust in hypersonic flow.
+"""Coefficients of two capsules from their shapes alone compared with published ones: the 70-degree Phoenix,
+over Mach number and angle, and the axial force of the 60-degree Stardust in hypersonic flow.
 
-Nothing is flown.  Newtonian flow knows the shape and the stagnation pressure: no shock that stands off, no
-sonic line, no separation.  What that costs is the table.
+Nothing is flown.  Newtonian flow has shape and stagnation pressure, but no detached shock, sonic line or
+separation; the table shows the resulting errors.
 """
 
 from __future__ import annotations
@@ -54,26 +54,18 @@ def run(session: Session) -> Report:
     for m, a in np.ndindex(both.shape[:2]):
         about = {"mach": float(mach[m]), "alpha_deg": float(alpha[a])}
         rows.append({**about, **dict(zip(names, both[m, a].tolist(), strict=True))})
-    findings = [*_phoenix(mach, published, own), *_stardust(axial)]
-    grids = [_grid(mach, alpha, published, own)]
-    return Report(findings, rows, 1, grids, REMARKS, _pictures(mach, alpha, published, own))
-
-
-def _phoenix(mach: np.ndarray, published: np.ndarray, own: np.ndarray) -> tuple[Finding, ...]:
-    """Largest error of CA in each regime, over all angles of the table, as shares of the published value."""
     error = np.abs(own[..., 0] / published[..., 0] - 1.0)
-    return tuple(
+    findings = [
         Finding(f"Phoenix, largest error of CA, {name}", "%", 100.0 * float(error[within].max()))
         for name, low, high in REGIMES
         if (within := (mach >= low) & (mach < high)).any()
-    )
-
-
-def _stardust(axial: np.ndarray) -> tuple[Finding, ...]:
-    return tuple(
-        Finding(f"Stardust, CA at Mach {mach:g}", "", float(own), value, within=0.1)
-        for (mach, value), own in zip(STARDUST_CA, axial, strict=True)
-    )
+    ]
+    findings += [
+        Finding(f"Stardust, CA at Mach {m:g}", "", float(computed), value, within=0.1)
+        for (m, value), computed in zip(STARDUST_CA, axial, strict=True)
+    ]
+    grids = [_grid(mach, alpha, published, own)]
+    return Report(findings, rows, 1, grids, REMARKS, _pictures(mach, alpha, published, own))
 
 
 def _grid(mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.ndarray) -> Grid:

@@ -1,8 +1,8 @@
-"""Rows of flights: draws, columns, statistics, and the tables and curves that are made of them."""
+"""Rows of flights: draws, columns, statistics, and the findings, tables and curves that are made of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf, isinf, nan
 from time import thread_time
@@ -10,13 +10,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from edl6dof.campaign.ensemble import SampleMean
 from edl6dof.campaign.executor import Row
 from edl6dof.campaign.statistics import flights_needed, percent, quantile
-from edl6dof.report.numbers import significant
+from edl6dof.config.base import stated
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.metrics.published import Published, published_figures
+from edl6dof.report.document import significant
+from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Grid
-
-#: Quantiles of a table, where its flights can bound them.
-SHARES = (0.5, 0.95, 0.99)
 
 
 class Spread(NamedTuple):
@@ -68,8 +70,27 @@ def percentage(kept: Iterable[bool]) -> float:
     return 100.0 * float(np.mean(list(kept)))
 
 
+def last_time(t: np.ndarray, holds: np.ndarray) -> float:
+    """Last time at which a condition holds; the first time if it never does."""
+    rows = np.flatnonzero(holds)
+    return float(t[rows[-1] if len(rows) else 0])
+
+
+def drag_dynamics_of(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarray:
+    """D' (m/s3), and a and b (m/s4) of D'' = b + a cos(bank), of a point mass as known on board, for rows of
+    its telemetry; shape (rows, 3).
+    """
+    planet, drag = flight.scenario.planet, rows["nav.drag_m_s2"]
+    lift = drag * flight.scenario.vehicle.aero.lift_drag.lift_to_drag
+    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
+    radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
+    gamma, gravity = np.radians(rows["truth.flight_path_angle_deg"]), planet.gravity.mu_m3_s2 / radius**2
+    state = zip(drag, rows["truth.speed_m_s"], gamma, radius, gravity, lift, strict=True)
+    return np.array([drag_dynamics(*values, scale_height) for values in state])
+
+
 def quickest_us(call: Callable[[], None], blocks: int) -> float:
-    """Processor time (us) of the quickest of some calls; the machine disturbed the others."""
+    """Processor time (us) of the quickest of some calls; others are disturbed by the machine."""
     call()
     times = []
     for _ in range(blocks):
@@ -79,9 +100,13 @@ def quickest_us(call: Callable[[], None], blocks: int) -> float:
     return 1e6 * min(times)
 
 
+#: Quantiles of a table, where its flights can bound them.
+SHARES = (0.5, 0.95, 0.99)
+
+
 def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> Grid:
     """A line for each sample, shape (flights,), infinite where one failed: how many flights, quantiles, and
-    beside each between which values it lies at 95 %.  Those that no sample bounds are named in the title.
+    their bounds at 95 % confidence.  Quantiles that no sample bounds are named in the title.
     """
     flights = {name: int(np.sum(~np.isnan(sample))) for name, sample in samples.items()}
     most = max(flights.values(), default=0)
@@ -103,16 +128,13 @@ def with_quantile(finding: Finding, sample: np.ndarray, share: float) -> Finding
     """A finding of which ``sample`` has the quantile, its bounds in the note; without number and result
     where the flights are too few to bound it.
     """
+    note = f"{finding.note}, " if finding.note else ""
     found = quantile(sample, share, flown=True)
     if found is None:
-        small = f"n = {len(sample)} too small: needs {flights_needed(share):,}"
-        return replace(finding, computed=nan, published=None, bound="", note=_joined(finding.note, small))
+        note += f"n = {len(sample)} too small: needs {flights_needed(share):,}"
+        return replace(finding, computed=nan, published=None, bound="", note=note)
     low, high = ("fails" if isinf(end) else significant(end, 3) for end in (found.low, found.high))
-    return replace(finding, computed=found.value, note=_joined(finding.note, f"{low} .. {high} at 95 %"))
-
-
-def _joined(note: str, more: str) -> str:
-    return f"{note}, {more}" if note else more
+    return replace(finding, computed=found.value, note=f"{note}{low} .. {high} at 95 %")
 
 
 def distribution(sample: np.ndarray, label: str) -> Curve:
@@ -121,3 +143,14 @@ def distribution(sample: np.ndarray, label: str) -> Curve:
     share = np.arange(1, len(ordered) + 1) / max(len(ordered), 1) * 100.0
     known = np.isfinite(ordered)
     return Curve(ordered[known], share[known], label)
+
+
+def beside_published(
+    published: Published, means: Mapping[str, SampleMean], notes: Mapping[str, str] | None = None
+) -> Iterator[Finding]:
+    """Mean and spread of every published figure, or of those with ``notes``, and the published value."""
+    for figure, entry in published_figures(published):
+        if notes is None or figure.name in notes:
+            own, note = means.get(figure.name, SampleMean(nan, nan, 0)), (notes or {}).get(figure.name, "")
+            about = (figure.meaning, figure.unit.label, entry.of(own.mean))
+            yield Finding(*about, entry.number, entry.bound, note, own.deviation)

@@ -30,16 +30,15 @@ _NAVIGATION, _GYROS = "flight_software.navigation", "sensors.inertial_unit.gyros
 PERSISTENCE = f"{_GYROS}.persistence_s"
 #: Time for which the flag of saturation stays on, s: what was believed, what was flown, and around them.
 PERSISTENCES = (0.015, 0.1, 0.2, 0.3, 0.5, 1.0, 1.5)
-#: Seconds after the mortar in which the canopy opens and the capsule swings.
-SWINGING_S = 15.0
-#: Height (m) of a release that is too early: twice the planned one.
-EARLY_M = 2400.0
-#: The figures that the chain is held to.
+#: Time (s) after mortar fire in which the canopy opens and the capsule swings; height (m) of a release that
+#: is too early: twice the planned one.
+SWINGING_S, EARLY_M = 15.0, 2400.0
+#: Figures that must be reproduced.
 HELD = ("backshell_height_m", "engine_burn_s", "touchdown_vertical_m_s")
 
 
 def _five_gyros() -> str:
-    """Three gyros along the axes and two between pitch and yaw: of five, one that is wrong can be named."""
+    """Three gyros along the axes and two between pitch and yaw: five allow to isolate a wrong one."""
     skew = (("gd", (0.0, 0.5**0.5, 0.5**0.5)), ("ge", (0.0, 0.5**0.5, -(0.5**0.5))))
     axes = [*zip(("gx", "gy", "gz"), np.eye(3).tolist(), strict=True), *skew]
     return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
@@ -65,8 +64,8 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly some phases of the nutation for each persistence, and with each guard."""
-    session.expect(session.flights * (len(PERSISTENCES) + len(GUARDS)))
+    """Fly some nutation phases for each persistence, and with each guard."""
+    session.total = session.flights * (len(PERSISTENCES) + len(GUARDS))
     sweeps = [("persistence", "nothing", x, [f"{PERSISTENCE}={x}"]) for x in PERSISTENCES]
     sweeps += [("guard", name, nan, list(overrides)) for name, overrides in GUARDS.items()]
     rows: list[Row] = []
@@ -89,8 +88,8 @@ def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
 
 
 def swing(flight: Flight) -> dict[str, float]:
-    """How the capsule swung under the opening canopy, what the gyros said, how the vertical was off after it,
-    and whether the flight neither landed nor only tipped over.
+    """Swing of the capsule under the opening canopy, time of the gyros' flag, error of the vertical after it,
+    time of the first failed check, and whether the flight neither landed nor only tipped over.
     """
     crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
@@ -101,46 +100,39 @@ def swing(flight: Flight) -> dict[str, float]:
     rates = [np.abs(flight.telemetry[f"truth.rate_{axis}_deg_s"][after]) for axis in "qr"]
     flagged = flight.telemetry["sensed.gyros_saturated"][after] > 0
     failed = min((event["t_s"] for event in flight.events if event["key"] == "guard"), default=nan)
+    axes, end = ("north", "east", "down"), int(np.flatnonzero(after)[-1])
+    error = np.radians([flight.telemetry[f"nav.error_attitude_{axis}_deg"][end] for axis in axes])
+    down = Rotation.from_rotvec(error).apply([0.0, 0.0, 1.0])  # the vertical on board, in the true frame
     return {
         "swing_deg_s": float(np.max(rates)),
         "flagged_s": float(np.count_nonzero(flagged)) * float(np.median(np.diff(t))),
-        "vertical_deg": vertical_error(flight, int(np.flatnonzero(after)[-1])),
+        "vertical_deg": degrees(np.arctan2(np.hypot(down[0], down[1]), down[2])),
         "check_fails_s": failed - fired,
         "crashed": crashed,
     }
-
-
-def vertical_error(flight: Flight, row: int) -> float:
-    """Angle (deg) between the true vertical and the one on board, of the rotation between both attitudes."""
-    names = (f"nav.error_attitude_{axis}_deg" for axis in ("north", "east", "down"))
-    error = np.radians([flight.telemetry[name][row] for name in names])
-    down = Rotation.from_rotvec(error).apply([0.0, 0.0, 1.0])
-    return degrees(np.arctan2(np.hypot(down[0], down[1]), down[2]))
 
 
 # ---- what came out -------------------------------------------------------------------------------------
 
 
 def _chain(flight: Flight) -> Iterator[Finding]:
-    """The scenario as it is, one flight, beside what is published."""
+    """One flight of the scenario compared with published figures."""
     for figure, entry in published_figures(flight.scenario.published):
         own, about = flight.metrics.get(figure.name, nan), (figure.meaning, figure.unit.label)
         within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None
         yield Finding(*about, own, entry.number, entry.bound, within=within)
 
 
-def saturated(rows: list[Row]) -> list[Row]:
-    """Flights in which a gyro met the end of its range."""
+def _saturated(rows: list[Row]) -> list[Row]:
+    """Flights in which a gyro reached the end of its range."""
     return [row for row in rows if row["flagged_s"] > 0.0]
 
 
-def landed(rows: list[Row]) -> int:
-    """How many landed within limits."""
+def _landed(rows: list[Row]) -> int:
     return sum(bool(row["success"]) for row in rows)
 
 
-def early(rows: list[Row]) -> int:
-    """How many released the parachute far too high."""
+def _early(rows: list[Row]) -> int:
     return int(np.sum(column(rows, "backshell_height_m", 0.0) > EARLY_M))
 
 
@@ -149,17 +141,11 @@ def _cliff(rows: list[Row]) -> Grid:
     lines: list[Line] = []
     for persistence in PERSISTENCES:
         own = pick(rows, persistence_s=persistence)
-        hit = saturated(own)
-        counts = (len(own), len(hit), landed(hit), early(hit))
+        hit = _saturated(own)
+        counts = (len(own), len(hit), _landed(hit), _early(hit))
         lines.append((f"{persistence:g} s", *counts, mean(hit, "vertical_deg")))
-    heads = (
-        "flag stays on",
-        "flights",
-        "beyond the range",
-        "of these landed",
-        "released early",
-        "vertical off deg",
-    )
+    heads = ("flag stays on", "flights", "beyond the range", "of these landed", "released early",
+             "vertical off deg")  # fmt: skip
     return Grid("How long the flag stays on", heads, lines)
 
 
@@ -168,9 +154,9 @@ def _guards(rows: list[Row]) -> Grid:
     lines: list[Line] = []
     for guard in GUARDS:
         own = pick(rows, guard=guard)
-        hit = saturated(own)
+        hit = _saturated(own)
         crashed = sum(bool(row["crashed"]) for row in hit)
-        counts = (len(own), landed(own), len(hit), landed(hit), crashed, early(hit))
+        counts = (len(own), _landed(own), len(hit), _landed(hit), crashed, _early(hit))
         lines.append((guard, *counts, mean(pick(own, success=True), "propellant_used_kg")))
     heads = ("", "flights", "landings", "beyond the range", "of these landed", "crashed", "released early",
              "propellant kg")  # fmt: skip
@@ -195,4 +181,4 @@ def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
 
 TITLE = "The landing of Schiaparelli: the chain, the cliff and the guards"
 SOURCE = "T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN, 2017"
-STUDY = Study(SCENARIO, TITLE, SOURCE, run, runs=40, quick_runs=3, counted=True)
+STUDY = Study(SCENARIO, TITLE, SOURCE, run, runs=40, quick_runs=3)

@@ -19,12 +19,10 @@ import numpy as np
 import edl6dof
 from edl6dof import Case
 from edl6dof.campaign.executor import Row
-from edl6dof.config.base import stated
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import SQUARE, Curve, Finding, Panel, Report, Session, Study, under
-from edl6dof.studies.samples import Spread, column, draw, pick
+from edl6dof.studies.samples import Spread, column, drag_dynamics_of, draw, pick
 
 SCENARIO, SEED = "wu2013", 2013
 MASS, DENSITY = "vehicle.mass.entry_kg", "atmosphere.density_factor"
@@ -58,12 +56,8 @@ POSITION_M, VELOCITY_M_S, SCALE, NOISE_M_S2 = (300.0, 500.0, 300.0), (0.4, 0.4, 
 Truth = dict[str, Any]
 
 
-def _no_error(truth: Truth, normal: np.ndarray) -> Truth:
-    return {}
-
-
 def _navigation(truth: Truth, normal: np.ndarray) -> Truth:
-    """A navigated state that is off, and an accelerometer with noise."""
+    """Errors of the navigated state and accelerometer noise."""
     return {
         f"{_ERROR}.position_m": [float(x) for x in normal[:3] * POSITION_M],
         f"{_ERROR}.velocity_m_s": [float(x) for x in normal[3:6] * VELOCITY_M_S],
@@ -73,7 +67,7 @@ def _navigation(truth: Truth, normal: np.ndarray) -> Truth:
 
 
 def _drag_of_the_model(truth: Truth, normal: np.ndarray) -> Truth:
-    """Drag is not measured: that of the mean density and ballistic coefficient is taken for it."""
+    """Drag of the mean density and ballistic coefficient in place of the measured one."""
     return {f"{_ERROR}.force_scale": truth[MASS] / 2804.0 / truth[DENSITY] - 1.0}
 
 
@@ -81,16 +75,15 @@ class Experiment(NamedTuple):
     """One way to fly the dispersed entries.
 
     Attributes:
-        name: as it heads its findings.
-        belief: what the flight computer is told otherwise than in the scenario.
+        belief: changes of the scenario.
         error: of navigation, from the truth of a flight and seven standard normals.
-        laws: which fly it.
+        laws: the laws that fly it.
         share: of the runs of the study.
     """
 
     name: str
     belief: Mapping[str, Any]
-    error: Callable[[Truth, np.ndarray], Truth] = _no_error
+    error: Callable[[Truth, np.ndarray], Truth] = lambda truth, normal: {}
     laws: tuple[str, ...] = tuple(LAWS)
     share: float = 1.0
 
@@ -160,9 +153,13 @@ REMARKS = (
 def run(session: Session) -> Report:
     """Fly the dispersed entries in every experiment, and some of them in full."""
     cases = all_cases(session.flights)
-    session.expect(len(cases))
+    session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO, AS_PRINTED), cases, figures)
-    starts = {share: history(_nominal(share)) for share in STARTS}
+    settings = [*AS_PRINTED, *(f"{path}={value}" for path, value in CONTINUOUS.items())]
+    starts = {
+        share: history(edl6dof.fly(SCENARIO, [*settings, f"{ENTRY}.ehgo_fl.start_share={share}"]))
+        for share in STARTS
+    }
     findings = under(PRINTED.name, _convergence(starts))
     for experiment in EXPERIMENTS:
         for law in experiment.laws:
@@ -187,14 +184,8 @@ def all_cases(runs: int) -> list[Case]:
 
 
 def count(experiment: Experiment, runs: int) -> int:
-    """How many entries an experiment flies under each of its laws."""
+    """Number of entries of an experiment with each of its laws."""
     return min(runs, max(FEWEST, round(experiment.share * runs)))
-
-
-def _nominal(share: float) -> Flight:
-    """The nominal entry, its observer started from a share of the drag."""
-    own = [f"{path}={value}" for path, value in CONTINUOUS.items()]
-    return edl6dof.fly(SCENARIO, [*AS_PRINTED, *own, f"{ENTRY}.ehgo_fl.start_share={share}"])
 
 
 # ---- one flight: how well drag is tracked, and how soon it is estimated --------------------------------
@@ -205,16 +196,11 @@ def history(flight: Flight) -> dict[str, np.ndarray]:
     every = flight.scenario.flight_software.rates.entry_guidance_every
     lift = flight.during(LIFT)[::every]
     rows = {name: values[::every][lift] for name, values in flight.telemetry.items()}
-    planet, drag = flight.scenario.planet, rows["nav.drag_m_s2"]
-    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
-    radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
-    gamma, gravity = np.radians(rows["truth.flight_path_angle_deg"]), planet.gravity.mu_m3_s2 / radius**2
-    state = zip(drag, rows["truth.speed_m_s"], gamma, radius, gravity, strict=True)
     return {
         "t_s": rows["t_s"],
-        "drag": drag,
+        "drag": rows["nav.drag_m_s2"],
         "drag_estimate": rows["guide.drag_estimate_m_s2"],
-        "rate": np.array([drag_dynamics(*values, 0.0, scale_height)[0] for values in state]),
+        "rate": drag_dynamics_of(flight, rows)[:, 0],
         "rate_estimate": rows["guide.drag_rate_m_s3"],
         "reference": rows["guide.reference_drag_m_s2"],
     }
@@ -239,7 +225,7 @@ def converged_s(h: dict[str, np.ndarray], name: str) -> float:
 
 
 def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Finding]:
-    """Largest miss of one law beside the published one, which is none of errors of navigation."""
+    """Largest miss of one law; the published one is without navigation errors."""
     miss, error = column(rows, "parachute_miss_m") / 1e3, column(rows, "rms_error_m_s2")
     published = None if experiment in (NAVIGATED, FLOWN) else MISS_KM[law]
     why = CAUSES.get((experiment.name, law)) if len(miss) >= ENOUGH else None
@@ -250,7 +236,7 @@ def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Fin
 
 
 def _convergence(starts: Mapping[float, dict[str, np.ndarray]]) -> Iterator[Finding]:
-    """Figure 3: when the estimates come to coincide with the truth; where they start is not printed."""
+    """Figure 3: time at which the estimates coincide with the truth; their start is not printed."""
     for share, h in starts.items():
         label = f"Fig. 3: within {100 * CLOSE:g} %, from {100 * share:g} % of the drag"
         converged = max(converged_s(h, name) for name in ("drag", "rate"))
@@ -273,4 +259,4 @@ def _pictures(start: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[P
 
 
 TITLE = "Extended high-gain observer with feedback linearisation"
-STUDY = Study(SCENARIO, TITLE, "Wu, Cui & Cui 2013", run, runs=2000, quick_runs=20, counted=True)
+STUDY = Study(SCENARIO, TITLE, "Wu, Cui & Cui 2013", run, runs=2000, quick_runs=20)

@@ -24,7 +24,7 @@ from edl6dof.campaign.executor import Row
 from edl6dof.interface.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Panel, Report, Session, Study, under
-from edl6dof.studies.samples import column, pick, rms
+from edl6dof.studies.samples import column, last_time, pick, rms
 
 SCENARIO = "yan2016"
 LAWS = {"ftc_dob": "FTC+DOB", "pd_dob": "PD+DOB"}
@@ -89,7 +89,7 @@ def run(session: Session) -> Report:
     loaded = edl6dof.load(SCENARIO)
     nominal = edl6dof.fly(loaded)
     cases = [case(number, *choice) for number, choice in enumerate(product(EXPERIMENTS, LAWS, CORNERS))]
-    session.expect(len(cases))
+    session.total = len(cases)
     rows = session.fly(loaded, cases, partial(figures, nominal=nominal))
     exponent = loaded.scenario.flight_software.guidance.entry.ftc_dob.exponent
     own = {one.name: _compared(rows, one, nominal) for one in (PRINTED, WITHIN)}
@@ -100,7 +100,7 @@ def run(session: Session) -> Report:
 
 
 def case(number: int, experiment: Experiment, law: str, signs: tuple[float, ...]) -> Case:
-    """One law from one corner; the flight computer is told of neither deviation nor disturbance."""
+    """One law from one corner; the flight computer knows neither deviation nor disturbance."""
     truth = {path: mean + sign * width for (path, mean, width), sign in zip(DEVIATIONS, signs, strict=True)}
     truth["point_mass.disturbance.amplitude_rad_s"] = experiment.amplitude_rad_s
     belief = {
@@ -129,17 +129,11 @@ def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
         "rms_range_error_km": rms((ranges[:shared] - nominal_ranges[:shared]) / 1e3),
         "final_altitude_error_km": abs(end) / 1e3,
         "final_range_error_km": abs(float(ranges[-1] - nominal_ranges[-1])) / 1e3,
-        "drag_settled_s": last_outside(rows["t_s"][:shared], drag, largest),
+        "drag_settled_s": last_time(rows["t_s"][:shared], np.abs(drag) > largest),
         "saturated_pct": 100.0 * float(np.mean((bank < SATURATED_DEG) | (bank > 180.0 - SATURATED_DEG))),
         "start_error_m_s2": abs(float(drag[0])),
         "estimate_error_pct": _estimate_error(flight),
     }
-
-
-def last_outside(t: np.ndarray, error: np.ndarray, limit: float) -> float:
-    """Last time (s) at which the error is outside its limit; the first time if it never is."""
-    outside = np.flatnonzero(np.abs(error) > limit)
-    return float(t[outside[-1]] if outside.size else t[0])
 
 
 def downrange_m(flight: Flight) -> np.ndarray:
@@ -160,8 +154,8 @@ def _estimate_error(flight: Flight) -> float:
 
 
 def _compared(rows: list[Row], experiment: Experiment, nominal: Flight) -> Iterator[Finding]:
-    """One disturbance: what lift can do against it, and both laws; the ratio of their errors the paper says
-    is below one, and PD, it says, brings drag to the nominal sooner.
+    """One disturbance: authority of lift against it, and both laws.  According to the paper, the ratio of
+    their errors is below one, and PD brings drag to the nominal sooner.
     """
     table, guided = nominal.telemetry, nominal.during(LIFT)
     lift_to_drag = nominal.scenario.vehicle.aero.lift_drag.lift_to_drag
@@ -220,12 +214,12 @@ def _ratio(rows: list[Row], experiment: Experiment, name: str) -> float:
 
 
 def _settled(rows: list[Row], experiment: Experiment, law: str) -> float:
-    """When drag has settled from every corner, s."""
+    """Time at which drag has settled from every corner, s."""
     return float(np.max(_of(rows, experiment, law, "drag_settled_s")))
 
 
 def _sooner(rows: list[Row], experiment: Experiment) -> float:
-    """How much later drag settles under PD than under FTC, s."""
+    """Settling time of drag with PD less that with FTC, s."""
     return _settled(rows, experiment, "pd_dob") - _settled(rows, experiment, "ftc_dob")
 
 
@@ -236,14 +230,14 @@ STEP_S, LENGTH_S = 1e-3, 120.0
 
 
 def settled_s(start: float, gains: tuple[float, float], exponent: float, share: float) -> float:
-    """When the error (m/s2), from ``start`` at rest, stays below ``share`` of it.
+    """Time at which the error (m/s2), from ``start`` at rest, stays below ``share`` of it.
 
     x_1' = x_2, x_2' = -k_1 |x_1|^alpha_1 sign(x_1) - k_2 |x_2|^alpha_2 sign(x_2), alpha_2 = 2 alpha_1/(1 +
     alpha_1), is zero after a finite time (lemma 2 and theorem 2); with both powers one, ``exponent`` 1, it is
     the proportional-derivative law, which only decays.
     """
     t = np.arange(0.0, LENGTH_S, STEP_S)
-    return last_outside(t, _errors(start, gains, exponent, len(t)), share * start)
+    return last_time(t, np.abs(_errors(start, gains, exponent, len(t))) > share * start)
 
 
 @lru_cache(maxsize=4)  # asked for several shares in turn
@@ -266,11 +260,11 @@ def _errors(start: float, gains: tuple[float, float], exponent: float, steps: in
 
 
 def _pictures(nominal: Flight) -> dict[str, list[Panel]]:
-    """Figures 4 and 6 of the paper: drag and altitude of one corner under each law beside the nominal."""
+    """Figures 4 and 6 of the paper: drag and altitude of one corner with each law, and of the nominal."""
     flights = {}
     for law, title in LAWS.items():
         own = case(0, PRINTED, law, CORNERS[0])
-        flights[title] = edl6dof.fly(SCENARIO, {**own.told, "truth": dict(own.truth)}).telemetry
+        flights[title] = edl6dof.fly(SCENARIO, {**own.overrides, "truth": dict(own.truth)}).telemetry
     panels = []
     for name, label in (("nav.drag_m_s2", "drag (m/s2)"), ("truth.altitude_m", "altitude (m)")):
         curves = [Curve(table["t_s"], table[name], title) for title, table in flights.items()]

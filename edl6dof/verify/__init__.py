@@ -1,3 +1,1 @@
-"""Check cases that ship with the package: each compares the simulator with something that does not come from
-it.
-"""
+"""Check cases that ship with the package: each compares the simulator with an independent source."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -38,8 +39,7 @@ WEIGHTLESS = ("planet.gravity.model=none",)
 FLAT = ("planet.equatorial_radius_m=1e9", "planet.gravity.model=central", "planet.gravity.mu_m3_s2=3.72e18")
 #: An atmosphere of the same density everywhere.
 UNIFORM = ("atmosphere.model=exponential", "atmosphere.exponential.scale_height_m=1e15")
-#: No part ever leaves and no propellant: the vehicle is one rigid body with the mass properties of the entry
-#: vehicle.
+#: No part ever leaves and no propellant: one rigid body with the mass properties of the entry vehicle.
 ONE_BODY = tuple(
     f"vehicle.{body}.{value}"
     for body in ("parts.heat_shield", "parts.backshell", "parts.parachute_pack", "tanks.main")
@@ -50,14 +50,12 @@ ENDLESS = ("limits.body_rate_deg_s=1e6", "limits.total_alpha_deg=181")
 #: One rigid body on which nothing acts.
 FREE = (*BARE, *VACUUM, *WEIGHTLESS, *ONE_BODY, *ENDLESS)
 NO_RATE = "initial.rate_deg_s=[0, 0, 0]"
+#: The body points along its velocity.
+ALIGNED = ("initial.alpha_deg=0", "initial.beta_deg=0", "initial.bank_deg=0")
 
 
 class NotInstalledError(RuntimeError):
     """A check case lacks its reference data."""
-
-
-class CutShortError(RuntimeError):
-    """A flight of a check case did not end as it should."""
 
 
 @dataclass(frozen=True)
@@ -97,37 +95,44 @@ class History:
     expected: np.ndarray
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """All comparisons of one case, and its history if it has one."""
+@dataclass(frozen=True, repr=False)
+class Report:
+    """Comparisons of one case, and its history if it has one; name and time are those of its run.
 
-    results: Sequence[Result]
+    Attributes:
+        note: why the case was skipped or broke; empty otherwise.
+        skipped: True if it cannot run on this installation, which fails nothing.
+    """
+
+    results: Sequence[Result] = ()
     history: History | None = None
+    name: str = ""
+    seconds: float = 0.0
+    note: str = ""
+    skipped: bool = False
+
+    def __repr__(self) -> str:
+        outcome = "skipped" if self.skipped else "within tolerance" if self.passed else "FAILED"
+        return f"<Report {self.name}: {len(self.results)} comparisons, {outcome}>"
 
     @property
     def passed(self) -> bool:
         """True if every comparison is within its tolerance; a case without any has proved nothing."""
-        return bool(self.results) and all(result.passed for result in self.results)
+        return self.skipped or (bool(self.results) and all(result.passed for result in self.results))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; an error that is not finite becomes null."""
+        rows = [
+            {**vars(one), "error": float(one.error) if isfinite(one.error) else None, "passed": one.passed}
+            for one in self.results
+        ]
+        state = {"passed": self.passed, "skipped": self.skipped, "note": self.note}
+        return {"case": self.name, **state, "seconds": round(self.seconds, 3), "results": rows}
 
 
 def largest(values: Any) -> float:
     """Largest size of some numbers."""
     return float(np.max(np.abs(values)))
-
-
-def gap(a: Any, b: Any) -> float:
-    """Largest difference of two sets of numbers."""
-    return largest(np.asarray(a) - np.asarray(b))
-
-
-def noted() -> tuple[dict[str, float], Callable[[str, float], None]]:
-    """The largest error of each quantity, and what notes one."""
-    worst: dict[str, float] = {}
-
-    def note(name: str, error: float) -> None:
-        worst[name] = max(worst.get(name, 0.0), error)
-
-    return worst, note
 
 
 def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
@@ -158,11 +163,11 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
     """Fly, from a state if one is given, to the named end.
 
     Raises:
-        CutShortError: the flight ended otherwise, so that it proves nothing.
+        RuntimeError: the flight ended otherwise, so that it proves nothing.
     """
     flight = fly(loaded, start=start)
     if OUTCOMES[flight.code] != ends:
-        raise CutShortError(f"the flight ended with {flight.outcome!r} at t = {flight.time_s:.2f} s")
+        raise RuntimeError(f"the flight ended with {flight.outcome!r} at t = {flight.time_s:.2f} s")
     return flight
 
 
@@ -180,11 +185,6 @@ def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.nda
     """Columns ``truth.<stem>_<axis>_<suffix>`` of the telemetry, shape (rows, axes)."""
     end = f"_{suffix}" if suffix else ""
     return np.stack([flight.telemetry[f"truth.{stem}_{axis}{end}"] for axis in axes], axis=1)
-
-
-def rates(flight: Flight) -> np.ndarray:
-    """Body rates p, q, r in rad/s, shape (rows, 3)."""
-    return np.radians(vectors(flight, "rate", "deg_s", "pqr"))
 
 
 def fit(t: np.ndarray, y: np.ndarray, guess: complex) -> tuple[complex, float]:

@@ -48,12 +48,10 @@ def golden_names() -> list[str]:
     """Names of the golden flights, and of the campaign; a campaign file flies as its scenario does, and a
     scenario with a plugin as its plugin declares.
     """
-    flights = [
-        name
-        for name in shipped_names("scenarios")
-        if not name.endswith("_mc") and not name.startswith("plugin/")
+    names = shipped_names("scenarios")
+    return [name for name in names if not name.endswith("_mc") and not name.startswith("plugin/")] + [
+        CAMPAIGN
     ]
-    return [*flights, CAMPAIGN]
 
 
 def traced(name: str) -> Trace:
@@ -120,8 +118,8 @@ def _flight(name: str) -> Trace:
     hashes = {part: found.hexdigest()[:12] for part, found in parts.items()}
     flight = fly(load_scenario(name))
     telemetry, rows = flight.telemetry, len(flight.telemetry["t_s"])
-    for channel in telemetry:
-        hashes[channel] = _digest(np.ascontiguousarray(telemetry[channel], dtype=float).tobytes())
+    for channel, values in telemetry.items():
+        hashes[channel] = _digest(np.ascontiguousarray(values, dtype=float).tobytes())
     hashes |= {f"figure {key}": float(value).hex() for key, value in flight.metrics.items()}
     hashes["outcome"] = flight.outcome
     kept = np.linspace(0, rows - 1, min(_SAMPLES, rows)).astype(int)

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from campaign_run import write_drop
 
-from edl6dof.campaign.documents import Info, Summary
+from edl6dof.campaign.store import Info, Summary
 from edl6dof.manifest import hash_of, read_sealed, write_sealed
 from edl6dof.report.campaign.campaign_results import Results
 

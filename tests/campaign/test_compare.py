@@ -7,7 +7,7 @@ import pyarrow as pa
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.compare import _differences
+from edl6dof.campaign.statistics import _differences, mcnemar
 
 PAIRS, FIGURES = 100, 60
 
@@ -41,3 +41,9 @@ def test_figures_that_never_differ_are_not_clear():
     same = pa.table({"figure": np.arange(10.0), "other": np.full(10, np.nan)})
     (found,) = _differences(same, same)
     assert found.figure == "figure" and not found.clear
+
+
+@pytest.mark.parametrize(("only_a", "only_b"), [(0, 0), (3, 3), (1, 9), (12, 2), (0, 40), (250, 310)])
+def test_uneven_single_successes_have_the_p_value_of_the_binomial_test(only_a, only_b):
+    expected = stats.binomtest(only_a, only_a + only_b).pvalue if only_a + only_b else 1.0
+    assert mcnemar(only_a, only_b) == pytest.approx(expected, rel=1e-12)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.variants import NotApplied
+from edl6dof.campaign.design.case import Case, NotApplied
 from edl6dof.campaign.executor import CaseRunner, fly_rows, in_threads, table_of
 
 GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed=7"]

@@ -9,10 +9,9 @@ import pytest
 from pydantic import BaseModel
 
 import edl6dof
-from edl6dof.campaign.design import variants
-from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design import case as cases
+from edl6dof.campaign.design.case import Case, Variants
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.campaign.design.variants import Variants
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
@@ -208,7 +207,7 @@ def test_a_case_is_refused_in_the_words_of_the_whole_check(base, changes):
     with pytest.raises(ConfigError) as quick:
         Variants(base).build(case)
     with pytest.raises(ConfigError) as whole:
-        variants.scenario_of(base, case)
+        cases.scenario_of(base, case)
     assert [(one.path, one.message) for one in quick.value.problems] == [
         (one.path, one.message) for one in whole.value.problems
     ]
@@ -232,7 +231,7 @@ def test_the_shipped_campaign_never_checks_a_whole_document_again(monkeypatch):
     """Its cases cost a few milliseconds only as overrides of the nominal."""
     plan = load_plan("tianwen1_mc")
     made = Variants(plan.loaded)
-    monkeypatch.setattr(variants, "check_document", None)
+    monkeypatch.setattr(cases, "check_document", None)
     for case in plan.cases(0, 3):
         truth = made.build(case).loaded.truth
         assert truth.vehicle.rcs.thrusters[3].thrust_n == case.truth["vehicle.rcs.thrusters.D4.thrust_n"]

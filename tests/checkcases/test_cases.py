@@ -9,7 +9,7 @@ from math import hypot, pi
 import pytest
 
 from edl6dof.spatial import frames, quaternion
-from edl6dof.verify.cases import point_motion
+from edl6dof.verify import free_motion
 from edl6dof.verify.check import CASES
 
 #: Their tolerances are below a millimetre.
@@ -163,9 +163,9 @@ def test_an_error_of_second_order_is_caught(monkeypatch):
     """1e-6 h^2 relative, in the end state: a changed weight of the Runge-Kutta formula leaves an error of at
     most third order, and would recompile the simulator.
     """
-    state = point_motion.end_state
-    monkeypatch.setattr(point_motion, "end_state", lambda h, planted: state(h, planted) * (1.0 + 1e-6 * h**2))
-    assert not point_motion.rk4_order().passed
+    state = free_motion.end_state
+    monkeypatch.setattr(free_motion, "end_state", lambda h, planted: state(h, planted) * (1.0 + 1e-6 * h**2))
+    assert not free_motion.rk4_order().passed
 
 
 def test_every_case_has_a_planted_error():

@@ -11,9 +11,9 @@ import pytest
 
 from edl6dof.cli.check_cases import run_cases
 from edl6dof.verify import check
-from edl6dof.verify.case import NotInstalledError, Outcome, Result
+from edl6dof.verify.case import NotInstalledError, Report, Result
 
-FAILING = Outcome((Result("quantity", math.nan, 1.0, "m", "model", "source", "why"),))
+FAILING = Report((Result("quantity", math.nan, 1.0, "m", "model", "source", "why"),))
 
 
 def broken():
@@ -34,7 +34,7 @@ def test_json_of_two_cases(capsys):
 
 
 @pytest.mark.parametrize(
-    ("case", "text"), [(lambda: FAILING, "FAIL"), (broken, "boom"), (lambda: Outcome(()), "FAILED")]
+    ("case", "text"), [(lambda: FAILING, "FAIL"), (broken, "boom"), (lambda: Report(()), "FAILED")]
 )
 def test_a_case_that_fails_or_breaks_or_proves_nothing_fails_the_command(monkeypatch, capsys, case, text):
     monkeypatch.setitem(check.CASES, "kepler", case)

@@ -2,7 +2,7 @@
 
 Verifies: equations of motion, quaternion, rotating ellipsoid, J2 and central gravity, US76, drag, rate
 damping, winds, initial state.
-Source and tolerances: see ``edl6dof/verify/cases/nesc.py``.  Planted errors: rotation rate, J2, inertia,
+Source and tolerances: see ``edl6dof/verify/nesc.py``.  Planted errors: rotation rate, J2, inertia,
 drag, attitude, radius, wind, damping.
 """
 
@@ -13,7 +13,7 @@ import pytest
 
 import edl6dof
 from edl6dof.export.nesc import COLUMNS
-from edl6dof.verify.cases.nesc import CASES, DATA, TOLERANCES, WHOLE, differences, flown, reference
+from edl6dof.verify.nesc import CASES, DATA, TOLERANCES, WHOLE, differences, flown, reference
 
 
 def require(number, found):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from edl6dof.export.nesc import COLUMNS
-from edl6dof.verify.cases.nesc import TOLERANCES, differences, reference
+from edl6dof.verify.nesc import TOLERANCES, differences, reference
 
 
 def run(capsys, monkeypatch, *words):

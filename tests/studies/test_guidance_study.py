@@ -9,8 +9,7 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
-from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.variants import Variants
+from edl6dof.campaign.design.case import Case, Variants
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.guidance_command import GUIDE
@@ -44,7 +43,7 @@ def named(chosen, *in_suite):
 )
 def test_dispersed_entries_are_those_of_the_campaign_about_the_nominal(vehicle):
     """Every case can be built on the vehicle, also where the parachute opens by another trigger."""
-    loaded, truths = vehicle.load(), guidance.entries(vehicle.dispersions, 200)
+    loaded, truths = vehicle.load(), guidance.entries(vehicle, 200)
     angle, mass = ([truth[path] for truth in truths] for path in (ANGLE, MASS))
     assert np.mean(angle) == pytest.approx(loaded.scenario.initial.flight_path_angle_deg, abs=0.01)
     assert np.std(angle) == pytest.approx(0.1, rel=0.06)
@@ -74,7 +73,7 @@ def with_lift_up():
     ]
     steep = {"initial.flight_path_angle_deg": -11.581 - 0.45}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(guidance, "entries", lambda scenario, flights: [{}, steep, {}][:flights])
+        patch.setattr(guidance, "entries", lambda vehicle, flights: [{}, steep, {}][:flights])
         return guidance.lift_up(guidance.VEHICLES[0], rows, 3)
 
 

@@ -8,7 +8,7 @@ from scipy.signal import lti, step
 
 from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
 from edl6dof.studies import hu2022
-from edl6dof.studies.samples import pick
+from edl6dof.studies.samples import last_time, pick
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 ENTRIES = 4
@@ -88,9 +88,7 @@ def test_torque_step_is_the_one_announced_and_the_integral_answers_like_its_line
     assert np.max(np.abs(error)) == pytest.approx(np.max(predicted), rel=0.1)
     assert t[np.argmax(np.abs(error))] == pytest.approx(t[np.argmax(predicted)], rel=0.15)
     # it settles later than the loop alone: the drift that the error caused makes guidance tilt the vehicle
-    assert hu2022.last_time(t, np.abs(error) > hu2022.SETTLED_DEG) > hu2022.last_time(
-        t, predicted > hu2022.SETTLED_DEG
-    )
+    assert last_time(t, np.abs(error) > hu2022.SETTLED_DEG) > last_time(t, predicted > hu2022.SETTLED_DEG)
 
 
 def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report, dead):

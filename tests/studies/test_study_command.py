@@ -21,7 +21,7 @@ def small(session):
     x = np.linspace(0.0, 1.0, 5)
     curves = [Curve(x, x), Curve(x, x, "goal", "reference"), Curve(x, x, "runs", "dots")]
     panels = [Panel(f"panel {k}", "x", "y", [curve], SQUARE) for k, curve in enumerate(curves)]
-    session.expect(session.flights)
+    session.total = session.flights
     session.step(session.flights)
     findings = (
         Finding("kept", "m", 1.0, 2.0, "<="),
@@ -32,7 +32,7 @@ def small(session):
     return Report(findings, rows, session.flights, (), ("A remark.",), {"figure": panels})
 
 
-SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6, counted=True)
+SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6)
 
 
 def of(*findings, grids=()):

@@ -11,7 +11,7 @@ With a campaign section, every cell is flown on all of its vehicles; without one
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import comb
@@ -43,11 +43,11 @@ class Target:
     """A parameter that differs from case to case.
 
     Attributes:
-        of: who knows of it: truth, belief or both.
+        of: truth, belief or both.
         path: dotted path, without wildcards.
         nominal: its value in the scenario.
         slot: its place in the parameter model.
-        place: where the file speaks of it.
+        place: place in the file that disperses it.
     """
 
     of: Of
@@ -77,11 +77,21 @@ class Draw:
         return list((mean + product(deviates(unit), cholesky(self.distribution.matrix).T)).T)
 
 
+def drawn(draws: Sequence[Draw], columns: np.ndarray) -> Iterator[tuple[Draw, np.ndarray]]:
+    """Each draw with its columns of shape (cases, all targets)."""
+    ends = np.cumsum([len(draw.targets) for draw in draws])[:-1]
+    return zip(draws, np.split(columns, ends, axis=1), strict=True) if draws else iter(())
+
+
 class Locator:
-    """Finds the parameters that the dotted paths of a campaign mean, and collects what is wrong with them."""
+    """Finds the parameters that the dotted paths of a campaign mean, and collects their problems.
+
+    Args:
+        loaded: the scenario.
+        document: its file with the campaign section, for the places of problems.
+    """
 
     def __init__(self, loaded: LoadedScenario, document: Document):
-        """``document``: the file with its campaign section, for places; ``loaded``: the scenario in it."""
         self.loaded, self.document = loaded, document
         self.problems: list[Problem] = []
         self._template = copy.deepcopy(loaded.document)
@@ -93,21 +103,19 @@ class Locator:
             if of == "truth" and (words := truth_problem(path)):
                 raise ValueError(words)
             for found in _expanded(model, path):
-                keys = ensure_path(self._template, found, Scenario)
-                yield Target(of, found, value_at(model, found), _slot(keys), place)
+                slot = root_slot(Scenario)
+                for key in ensure_path(self._template, found, Scenario):
+                    slot = stated(slot.child(key))
+                yield Target(of, found, value_at(model, found), slot, place)
         except (ValueError, AttributeError, LookupError) as error:
             self.refuse(place, str(error))
 
     def refuse(self, place: Keys, message: str) -> None:
-        """Record a problem at a place of the file; :meth:`finish` raises all of them."""
+        """Record a problem at a place of the file."""
         self.problems.append(self.document.problem(place, message))
 
     def finish(self) -> None:
-        """Raise what was found.
-
-        Raises:
-            ConfigError: there were problems.
-        """
+        """Raise a ``ConfigError`` if there were problems."""
         if self.problems:
             raise ConfigError(self.problems)
 
@@ -118,21 +126,11 @@ def _expanded(model: BaseModel, path: str) -> list[str]:
     if not star:
         return [path]
     parent = value_at(model, before.rstrip(".")) if before else model
-    if (
-        not isinstance(parent, list | tuple)
-        or not before.endswith(".")
-        or (after and not after.startswith("."))
-    ):
+    between_dots = before.endswith(".") and after[:1] in ("", ".")
+    if not between_dots or not isinstance(parent, list | tuple):
         raise ValueError("* must stand for the items of a list, between dots")
     keys = [getattr(item, "name", None) or str(index) for index, item in enumerate(parent)]
     return [found for key in keys for found in _expanded(model, f"{before}{key}{after}")]
-
-
-def _slot(keys: Keys) -> Slot:
-    slot = root_slot(Scenario)
-    for key in keys:
-        slot = stated(slot.child(key))
-    return slot
 
 
 def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
@@ -152,22 +150,18 @@ def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
             draws.append(Draw(tuple(targets[0] for targets in found), group))
         elif all(found):
             locator.refuse(place, "a correlated group cannot hold wildcards")
-    _check_twice(draws, locator)
-    return [draw for draw in draws if _check_kind(draw, locator)]
-
-
-def _check_twice(draws: list[Draw], locator: Locator) -> None:
-    seen: dict[str, Target] = {}
+    seen: set[str] = set()
     for target in (target for draw in draws for target in draw.targets):
         if target.path in seen:
             locator.refuse(target.place, f"{target.path} is dispersed twice")
-        seen[target.path] = target
+        seen.add(target.path)
+    return [draw for draw in draws if _check_kind(draw, locator)]
 
 
 def _check_kind(draw: Draw, locator: Locator) -> bool:
     """Return whether the distribution can be drawn from at all."""
     for target in draw.targets:
-        if getattr(draw.distribution, "alternatives", []):
+        if getattr(draw.distribution, "choices", []):
             continue
         if target.slot.options and float not in target.slot.options:
             locator.refuse(target.place, f"{target.path} is not a number with a fraction: use kind discrete")
@@ -224,8 +218,7 @@ def check_faults(params: CampaignParams, locator: Locator) -> None:
 
 #: Between the names of components that fail together.
 AND = " + "
-
-#: More cells, or flights in all of them, are a slip of the pen.
+#: More cells, or flights in all of them, are taken for an input error.
 _MOST_CELLS, _MOST_FLIGHTS = 100_000, 10_000_000
 
 

@@ -1,10 +1,7 @@
 """Distributions of a dispersed parameter that a campaign file may name after ``kind:``.
 
 Each turns numbers in 0..1 into values by its inverse distribution function, so that every sampling plan
-(random, Latin hypercube, Sobol) serves every distribution.
-Source: normal, log-normal, truncated normal: Johnson, Kotz and Balakrishnan, Continuous Univariate
-Distributions 1 (1994), chapters 13 and 14; uniform: the same, 2 (1995), chapter 26; discrete, by inversion of
-the cumulative weights: Devroye, Non-Uniform Random Variate Generation (1986), section III.2.1.
+(random, Latin hypercube, Sobol) serves every distribution.  Their sources are part of their declarations.
 """
 
 from __future__ import annotations
@@ -21,15 +18,11 @@ from edl6dof.spatial.arrays import normal_quantile, normal_share
 
 #: Unit numbers are kept this far from 0 and 1, where a normal deviate is infinite: beyond 7 sigma.
 _EDGE = 1e-12
+_BOOK = "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions"
 
 
 class DistributionParams(Params):
     """Base of the parameters of a distribution; a field ``kind`` holds its name."""
-
-    @property
-    def alternatives(self) -> list[Any]:
-        """The values, where there are a few that need not be numbers."""
-        return []
 
     def values(self, unit: np.ndarray, nominal: Any) -> np.ndarray:
         """Values of numbers in 0..1, shape (n,), in the parameter's unit.
@@ -42,11 +35,10 @@ class DistributionParams(Params):
 
 def deviates(unit: np.ndarray) -> np.ndarray:
     """Standard normal deviates of numbers in 0..1, finite at both ends."""
-    return normal_quantile(inside(unit))
+    return normal_quantile(_inside(unit))
 
 
-def inside(unit: np.ndarray) -> np.ndarray:
-    """Numbers in 0..1 as near to both ends as every quantile function is finite."""
+def _inside(unit: np.ndarray) -> np.ndarray:
     return np.clip(unit, _EDGE, 1.0 - _EDGE)
 
 
@@ -84,12 +76,7 @@ class Normal(Spread):
         return mean + self.deviation(nominal) * deviates(unit)
 
 
-NORMAL = Member(
-    "normal",
-    Normal,
-    {},
-    "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1 (1994), chapter 13",
-)
+NORMAL = Member("normal", Normal, {}, f"{_BOOK} 1 (1994), chapter 13")
 
 
 class TruncatedNormal(Spread):
@@ -121,17 +108,12 @@ class TruncatedNormal(Spread):
         first, last = normal_share(below), normal_share(above)
         if not last - first > 1e-9:
             raise ValueError("low and high leave nothing of the distribution")
-        share = inside(unit if side > 0.0 else 1.0 - unit)
+        share = _inside(unit if side > 0.0 else 1.0 - unit)
         values = mean + sigma * side * normal_quantile(first + share * (last - first))
         return np.clip(values, self.low, self.high)  # the last bit may be outside
 
 
-TRUNCATED_NORMAL = Member(
-    "truncated_normal",
-    TruncatedNormal,
-    {},
-    "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1 (1994), section 13.10.1",
-)
+TRUNCATED_NORMAL = Member("truncated_normal", TruncatedNormal, {}, f"{_BOOK} 1 (1994), section 13.10.1")
 
 
 class Uniform(DistributionParams):
@@ -162,12 +144,7 @@ class Uniform(DistributionParams):
         return low + unit * (high - low)
 
 
-UNIFORM = Member(
-    "uniform",
-    Uniform,
-    {},
-    "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 2 (1995), chapter 26",
-)
+UNIFORM = Member("uniform", Uniform, {}, f"{_BOOK} 2 (1995), chapter 26")
 
 
 class LogNormal(DistributionParams):
@@ -185,12 +162,7 @@ class LogNormal(DistributionParams):
         return median * arrays.exp(self.sigma_ln * deviates(unit))
 
 
-LOG_NORMAL = Member(
-    "log_normal",
-    LogNormal,
-    {},
-    "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1 (1994), chapter 14",
-)
+LOG_NORMAL = Member("log_normal", LogNormal, {}, f"{_BOOK} 1 (1994), chapter 14")
 
 
 class Discrete(DistributionParams):
@@ -210,11 +182,6 @@ class Discrete(DistributionParams):
         ):
             raise ValueError(f"weights must be {len(self.choices)} numbers, none negative and not all zero")
         return self
-
-    @property
-    def alternatives(self) -> list[Any]:
-        """The values."""
-        return self.choices
 
     def values(self, unit: np.ndarray, nominal: Any) -> np.ndarray:
         """Values of unit numbers."""

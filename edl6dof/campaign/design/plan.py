@@ -22,12 +22,14 @@ from edl6dof.campaign.design.dispersions import (
     check_matrix,
     check_values,
     dispersions,
+    drawn,
 )
 from edl6dof.campaign.design.sampling import SaltelliDesign, saltelli_design, unit_numbers
 from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Mark, parse_document, read_document, resolve_scenario
+from edl6dof.config.dump import dump_resolved
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.validate import validate
@@ -47,10 +49,9 @@ class Plan:
     Attributes:
         loaded: the scenario that the cases change.
         campaign: number of cases, seed, sampling plan and faults; one nominal flight at each point of a sweep
-            when ``None``.
+            if ``None``.
         draws: the dispersions.
         axes: the parameters of the sweep, with their values.
-        fault_matrix: what fails and when, if cases are cells of such a matrix.
     """
 
     loaded: LoadedScenario
@@ -69,9 +70,8 @@ class Plan:
     @property
     def per_point(self) -> int:
         """Cases at each point of the sweep and in each cell of the fault matrix; all cases without one."""
-        if self.campaign is None:
-            return 1
-        return self.campaign.cases * (self.saltelli.width if self.saltelli is not None else 1)
+        cases = 1 if self.campaign is None else self.campaign.cases
+        return cases * (self.saltelli.width if self.saltelli is not None else 1)
 
     @cached_property
     def saltelli(self) -> SaltelliDesign | None:
@@ -87,14 +87,14 @@ class Plan:
     @property
     def columns(self) -> list[str]:
         """Columns of the results that were drawn or swept, in the order of the file."""
-        drawn = [target for draw in self.draws for target in draw.targets]
-        return [_column(target) for target in (*drawn, *(target for target, _ in self.axes))]
+        dispersed = [target for draw in self.draws for target in draw.targets]
+        return [_column(target) for target in (*dispersed, *(target for target, _ in self.axes))]
 
     @cached_property
     def text(self) -> str:
         """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
         file = CampaignFile(campaign=self.campaign, sweep=self.sweep, fault_matrix=self.fault_matrix)
-        return resolved_text(self.loaded) + file.text
+        return resolved_text(self.loaded) + dump_resolved(file.model_dump(mode="json", exclude_none=True))
 
     def cases(self, first: int = 0, last: int | None = None) -> Iterator[Case]:
         """Cases ``first .. last - 1``."""
@@ -106,26 +106,26 @@ class Plan:
             first += stop - start
 
     def _at_point(self, point: int, start: int, stop: int) -> Iterator[Case]:
-        cell, values = self._points[point]
-        swept = list(zip((target for target, _ in self.axes), values, strict=True))
-        drawn = list(self.values(start, stop))
-        faults = self._faults(start, stop)
-        for offset in range(stop - start):
+        cell, place = self._points[point]
+        swept = list(zip((target for target, _ in self.axes), place, strict=True))
+        values, profiles = (
+            list(self.values(start, stop)),
+            self.campaign is not None and self.campaign.profiles,
+        )
+        own = cell.faults if cell else [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
+        for number, faults in enumerate(self._faults(start, stop), start):
             changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
-            for target, value in [*((target, every[offset]) for target, every in drawn), *swept]:
+            for target, value in [*((target, every[number - start]) for target, every in values), *swept]:
                 changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
-            if cell or faults[offset]:
-                own = cell.faults if cell else self._base_faults
-                changes["truth"]["faults"] = [*own, *faults[offset]]
-            profile = start + offset if self.campaign is not None and self.campaign.profiles else None
-            label: dict[str, Any] = dict(cell.label) if cell else {}
+            if cell or faults:
+                changes["truth"]["faults"] = [*own, *faults]
+            profile = number
+            label: dict[str, Any] = {**cell.label} if cell else {}
             if self.saltelli is not None:
-                label |= {
-                    MATRIX: self.saltelli.matrix(start + offset),
-                    ROW: (start + offset) // self.saltelli.width,
-                }
-                profile = self.saltelli.profile(start + offset) if profile is not None else None
-            yield Case(point * self.per_point + start + offset, **changes, profile=profile, label=label)
+                profile = self.saltelli.profile(number)
+                label |= {MATRIX: self.saltelli.matrix(number), ROW: number // self.saltelli.width}
+            index = point * self.per_point + number
+            yield Case(index, **changes, profile=profile if profiles else None, label=label)
 
     def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
         """Values drawn for cases ``start .. stop - 1`` of a point."""
@@ -137,18 +137,11 @@ class Plan:
             names = [name for draw in self.draws for name in draw.names]
             sampling, seed = self.campaign.sampling, self.campaign.seed
             unit = unit_numbers(sampling, seed, names, self.campaign.cases, start, stop)
-        column = 0
-        for draw in self.draws:
-            width = len(draw.targets)
-            yield from zip(draw.targets, draw.values(unit[:, column : column + width]), strict=True)
-            column += width
-
-    @property
-    def _base_faults(self) -> list[dict[str, Any]]:
-        return [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
+        for draw, own in drawn(self.draws, unit):
+            yield from zip(draw.targets, draw.values(own), strict=True)
 
     def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
-        """Faults that happen in each case; independent of the sampling plan, as they are rare."""
+        """Drawn faults of each case; they are rare, and so independent of the sampling plan."""
         found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
         if self.campaign is None:
             return found
@@ -169,7 +162,7 @@ def _column(target: Target) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A number of Python's own, which JSON and Arrow know."""
+    """A number of Python, for JSON and Arrow."""
     return value.item() if isinstance(value, np.generic) else value
 
 
@@ -207,9 +200,8 @@ def plan_of(
     """
     own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
     if not own:
-        raise ConfigError(
-            [document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")]
-        )
+        words = "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc"
+        raise ConfigError([document.problem((), words)])
     marks = dict(document.marks)
     for key, value in (("cases", cases), ("seed", seed), ("sampling", sampling)):
         if value is not None and isinstance(section := own.get("campaign"), dict):
@@ -251,8 +243,8 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
 def _with_pins(
     loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]
 ) -> LoadedScenario:
-    """Write out the true values of those parameters of which only the belief will differ."""
-    targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
+    """Write out the true values of those parameters of which only the belief differs."""
+    targets = [*(target for draw in draws for target in draw.targets), *(target for target, _ in axes)]
     believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:
         return loaded
@@ -261,7 +253,7 @@ def _with_pins(
 
 
 def _check_draws(plan: Plan, locator: Locator) -> None:
-    """Every value of every case against the bounds of its parameter, before the first flight."""
+    """Check every value of every case against the bounds of its parameter, before the first flight."""
     refused: set[str] = set()
     for first in range(0, plan.per_point, _CHECKED_AT_ONCE):
         for target, values in plan.values(first, min(first + _CHECKED_AT_ONCE, plan.per_point)):

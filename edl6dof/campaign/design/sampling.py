@@ -20,10 +20,8 @@ from edl6dof.campaign.design.case import A, B, Of, group_of
 from edl6dof.campaign.design.sections import CampaignParams
 from edl6dof.spatial.random_numbers import Stream
 
-#: Third number of the seed of every generator here; 1 and 2 are the random profiles of
-#: ``edl6dof.environment.profiles``.
+#: Third number of the seed of every generator here; the random profiles have 1 and 2.
 _STREAM = 3
-
 #: Random numbers are drawn for this many cases at a time.
 _BLOCK = 1024
 
@@ -50,17 +48,15 @@ def _generator(seed: int, name: str, block: int = 0) -> Stream:
 
 @lru_cache(maxsize=1024)
 def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
-    """Make a Latin hypercube whole, 8 bytes for each case and quantity; its columns are independent."""
+    """Make a whole column of a Latin hypercube, 8 bytes for each case; columns are independent."""
     numbers = _generator(seed, name)
     stratum = np.argsort(numbers.uniform(cases), kind="stable")
     return (stratum + numbers.uniform(cases)) / cases
 
 
 def _random(seed: int, name: str, first: int, last: int) -> np.ndarray:
-    start = first // _BLOCK
-    blocks = [
-        _generator(seed, name, block).uniform(_BLOCK) for block in range(start, (last - 1) // _BLOCK + 1)
-    ]
+    start, end = first // _BLOCK, (last - 1) // _BLOCK + 1
+    blocks = [_generator(seed, name, block).uniform(_BLOCK) for block in range(start, end)]
     return np.concatenate(blocks)[first - start * _BLOCK : last - start * _BLOCK]
 
 
@@ -72,7 +68,7 @@ def sobol_numbers(seed: int, dimensions: int, first: int, last: int) -> np.ndarr
     if first:
         engine.fast_forward(first)
         return engine.random(last - first)
-    # one point alone: scipy warns of a first draw that is no power of two, which a campaign of any length is
+    # one point alone: scipy warns of a first draw whose length is no power of two
     start = engine.random(1)
     return np.concatenate([start, engine.random(last - 1)]) if last > 1 else start
 

@@ -17,24 +17,20 @@ from edl6dof.campaign.design.distributions import (
     DistributionParams,
 )
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
-from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.config.errors import refusal
 from edl6dof.registry import Family, Member
 from edl6dof.spatial.arrays import cholesky
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultStart
 
-DISTRIBUTIONS = Family(
-    "distribution",
-    (NORMAL, TRUNCATED_NORMAL, UNIFORM, LOG_NORMAL, DISCRETE),
-)
+DISTRIBUTIONS = Family("distribution", (NORMAL, TRUNCATED_NORMAL, UNIFORM, LOG_NORMAL, DISCRETE))
 
 
 def _params(member: Member) -> type[DistributionParams]:
-    """Parameter model of a distribution, which a plugin may have got wrong.
+    """Parameter model of a distribution.
 
     Raises:
-        ConfigError: it is no distribution that can be chosen by its name.
+        ConfigError: a plugin's distribution cannot be chosen by its name.
     """
     field = member.params.model_fields.get("kind")
     named = field is not None and get_origin(field.annotation) is Literal and get_args(field.annotation)
@@ -46,7 +42,7 @@ def _params(member: Member) -> type[DistributionParams]:
 
 if TYPE_CHECKING:
     Distribution = DistributionParams
-else:  # which members there are, plugins included, is known only when it runs
+else:  # the members, plugins included, are known only at run time
     Distribution = Annotated[
         Union[tuple(_params(member) for member in DISTRIBUTIONS.members)],  # noqa: UP007  as many as there are
         Field(discriminator="kind"),
@@ -212,20 +208,3 @@ class CampaignFile(Params):
     campaign: CampaignParams | None = param(None, "dispersed flights")
     sweep: SweepParams | None = param(None, "flights on a grid")
     fault_matrix: FaultMatrixParams | None = param(None, "flights with faults, one for each cell")
-
-    @property
-    def text(self) -> str:
-        """The sections as YAML: one line for each distribution, axis, group and fault draw."""
-        lines = []
-        for name, given in self.model_dump(mode="json", exclude_none=True).items():
-            lines.append(f"{name}:")
-            for key, value in given.items():
-                if not value or not isinstance(value, dict | list):
-                    lines.append(f"  {key}: {write_flow(value)}")
-                    continue
-                lines.append(f"  {key}:")
-                if isinstance(value, dict):
-                    lines += [f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()]
-                else:
-                    lines += [f"    - {write_flow(item)}" for item in value]
-        return "\n".join(lines) + "\n"

@@ -22,8 +22,8 @@ from edl6dof.verify.case import (
     state_of,
     to_the_end,
 )
-from edl6dof.verify.cases.planet import potential
-from edl6dof.verify.cases.propulsion import _BURN_SCENE, ENGINE_ISP
+from edl6dof.verify.planet import potential
+from edl6dof.verify.propulsion import BURN, ENGINE_ISP
 
 AT_REST = ("initial.speed_m_s=0", "initial.rate_deg_s=[0, 0, 0]")
 
@@ -57,7 +57,7 @@ def test_free_fall_gives_gravity_times_time_and_no_work():
 
 
 def test_a_burn_gives_what_its_propellant_gives_by_tsiolkovsky():
-    _, loaded = scenes([*_BURN_SCENE, "simulation.time_limit_s=20"])
+    _, loaded = scenes([*BURN, "simulation.time_limit_s=20"])
     state = state_of(loaded)
     state.plant["running"][0, 0], state.fsw["command"]["thrust"][0, 0] = 1, 7500.0
     state.fsw["command"]["engine_mode"] = 2

@@ -9,8 +9,8 @@ import pytest
 
 import edl6dof
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.vehicle.aerodynamics.constant_coefficients import LiftDragParams, lift_drag_aero
-from edl6dof.verify.cases.point_mass import integrated
+from edl6dof.vehicle.aerodynamics.wrench import LiftDragParams, lift_drag_aero
+from edl6dof.verify.entries import integrated
 
 RADIUS = 3394500.0
 LIFT_TO_DRAG, BALLISTIC = 0.24, 3300.0 / (15.9 * 1.45)

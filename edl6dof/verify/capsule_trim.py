@@ -1,0 +1,219 @@
+"""Check cases of the trimmed capsule: trim, frequency and damping in pitch, and its equilibrium glide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import exp, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+import edl6dof
+from edl6dof.config.base import stated
+from edl6dof.scenario.schema import Scenario
+from edl6dof.verify import case
+from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, History, Report, Result, fit, flown, largest
+
+_TABLE = Path(edl6dof.__file__).parent / "data" / "aerodynamics" / "phoenix_70deg_static_aero.csv"
+DIAMETER = 3.4
+STATION = -0.85
+REFERENCE = -0.253 * DIAMETER
+TRIM_DEG = 11.0
+
+
+class Published:
+    """CA, CN, Cm of one Mach number against alpha (deg)."""
+
+    def __init__(self, mach: float) -> None:
+        rows = np.genfromtxt(_TABLE, delimiter=",", skip_header=3)
+        angle, drag, lift, moment = rows[rows[:, 0] == mach][:, 1:5].T
+        a = np.radians(angle)
+        axial, normal = drag * np.cos(a) - lift * np.sin(a), drag * np.sin(a) + lift * np.cos(a)
+        mirrored = np.concatenate([-angle[:0:-1], angle])
+        both = [np.concatenate([s * y[:0:-1], y]) for s, y in ((1, axial), (-1, normal), (-1, moment))]
+        self.axial, self.normal, self.moment = (PchipInterpolator(mirrored, y) for y in both)
+        self.lift = float(-lift[angle == TRIM_DEG][0])
+        self.lift_to_drag = self.lift / float(drag[angle == TRIM_DEG][0])
+
+    def offset(self) -> float:
+        """Station z (m) of the centre of mass that trims the capsule at alpha = -``TRIM_DEG``: lift up."""
+        ca, cn, cm = self.axial(TRIM_DEG), self.normal(TRIM_DEG), self.moment(TRIM_DEG)
+        return float((DIAMETER * cm + (REFERENCE - STATION) * cn) / ca)
+
+    def pitching(self, alpha_deg: float, z: float) -> float:
+        """Moment about the centre of mass at station ``z`` over dynamic pressure and area, m."""
+        ca, cn, cm = self.axial(alpha_deg), self.normal(alpha_deg), self.moment(alpha_deg)
+        return float(DIAMETER * cm + z * ca + (REFERENCE - STATION) * cn)
+
+
+#: A capsule of the published table as it stands, in a gas whose ratio of specific heats is one number.
+HEAT_CAPACITY_RATIO = 1.29
+_CAPSULE = (
+    *(*BARE, *ONE_BODY, *ENDLESS, NO_RATE),
+    "vehicle.aero.capsule.axial_factor=1",
+    f"planet.gas.heat_capacity_ratio={HEAT_CAPACITY_RATIO}",
+    "planet.gas.vibrations=[]",
+    "initial.beta_deg=0",
+    "initial.bank_deg=0",
+)
+
+
+def _scene(mach: float, density: float, extra: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Overrides for a capsule at one Mach number that trims at alpha = -11 deg.
+
+    The vehicle weighs a million tonnes with the inertia of the real one: it turns like the capsule and
+    neither slows down nor turns its path, so the linearised pitch equation alone governs it.
+    """
+    sound = sqrt(HEAT_CAPACITY_RATIO * 191.0 * 214.0)
+    return (
+        *(*_CAPSULE, *case.WEIGHTLESS, *case.UNIFORM),
+        "vehicle.mass.entry_kg=1e9",
+        f"vehicle.mass.entry_centre_m=[{STATION}, 0, {Published(mach).offset()!r}]",
+        "vehicle.aero.capsule.damping_factor=0",
+        f"atmosphere.exponential.density_kg_m3={density}",
+        f"initial.speed_m_s={mach * sound!r}",
+        "initial.altitude_m=1000000",
+        "initial.flight_path_angle_deg=0",
+        f"initial.alpha_deg={-TRIM_DEG + 0.05}",
+        "simulation.time_limit_s=20",
+        *extra,
+    )
+
+
+def _stiffness(scenario: Scenario, mach: float) -> tuple[float, float]:
+    """Natural frequency (rad/s) of the linearised pitch equation about trim, and qbar A D^2 / (2 V Iyy)
+    (1/s), without the simulator.
+    """
+    table = Published(mach)
+    speed, inertia = scenario.initial.speed, stated(scenario.vehicle.mass.entry_inertia_kg_m2)[1]
+    density = stated(scenario.atmosphere.exponential).density_kg_m3
+    push = 0.5 * density * speed**2 * pi / 4.0 * DIAMETER**2
+    z, h = table.offset(), 0.01
+    slope = (table.pitching(-TRIM_DEG + h, z) - table.pitching(-TRIM_DEG - h, z)) / np.radians(2.0 * h)
+    return sqrt(-push * slope / inertia), push * DIAMETER**2 / (2.0 * speed * inertia)
+
+
+def capsule_trim(planted: Sequence[str] = ()) -> Report:
+    """Verifies: trim angle and pitch frequency of the capsule with an offset centre of mass, at Mach 2 and
+    Mach 15.
+
+    gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source:
+    moment balance and slope of the published coefficients (Phoenix, AIAA 2008-7219) read and interpolated by
+    scipy's PCHIP, linearised pitch equation | tolerance: 1e-3 deg of trim (a swing of 0.05 deg shifts its
+    middle by its square) and 1e-3 of the frequency (the slope of the moment changes by that within the
+    swing).
+
+    Swing 0.05 deg about trim and measure the middle and the frequency.
+    """
+    results, result = [], partial(Result, source="published table by PCHIP, linearised")
+    for mach, density in ((2.0, 1e-2), (15.0, 1e-3)):
+        nominal, flight = flown(_scene(mach, density), planted)
+        t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
+        expected, _ = _stiffness(nominal, mach)
+        found, middle = fit(t, alpha, complex(0.0, expected))
+        trim, off = abs(middle + TRIM_DEG), abs(found.imag / expected - 1.0)
+        about = {"verifies": "static moment, CG offset", "why": "square of the swing"}
+        results.append(result(f"trim angle, Mach {mach:g}", trim, 1e-3, "deg", **about))
+        about = {"verifies": "static stability", "why": "slope changes within the swing"}
+        results.append(result(f"pitch frequency, Mach {mach:g}", off, 1e-3, **about))
+    curve = -TRIM_DEG + (alpha[0] + TRIM_DEG) * np.cos(expected * t)
+    return Report(results, History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, alpha, curve))
+
+
+def damping(planted: Sequence[str] = ()) -> Report:
+    """Verifies: growth and decay of the pitch oscillation by the damping derivative.
+
+    gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source:
+    linearised pitch equation, the envelope grows with sigma = qbar A D^2 Cmq / (4 V Iyy) | tolerance 1e-3 of
+    sigma: curvature of the static moment within the swing of 0.05 deg leaks into the envelope.
+
+    Swing with Cmq = -1 and +1 and measure the growth of the envelope.
+    """
+    results, mach = [], 15.0
+    about = ("pitch damping", "linearised pitch equation", "curvature of the moment")
+    for cmq in (-1.0, 1.0):
+        table = (
+            "vehicle.aero.capsule.damping_factor=1",
+            "vehicle.aero.capsule.damping_mach=[6]",
+            "vehicle.aero.capsule.damping_angle_deg=[0]",
+            f"vehicle.aero.capsule.damping_table=[[{cmq}]]",
+        )
+        nominal, flight = flown(_scene(mach, 1e-3, table), planted)
+        t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
+        frequency, unit = _stiffness(nominal, mach)
+        sigma = 0.5 * unit * cmq
+        found, _ = fit(t, alpha, complex(sigma, frequency))
+        error = abs(found.real / sigma - 1.0)
+        results.append(Result(f"growth rate, Cmq {cmq:+g}", error, 1e-3, "-", *about))
+    envelope, swing = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t), alpha + TRIM_DEG
+    labels = ("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)")
+    return Report(results, History(*labels, t, swing, envelope))
+
+
+_MASS, _ALTITUDE, _SCALE, _RADIUS, _MU = 1285.0, 10e3, 200.0, 3396190.0, 4.282837285418775e13
+_R, _START = _RADIUS + _ALTITUDE, 0.8
+_G = _MU / _R**2
+
+
+def _glide(table: Published) -> tuple[str, ...]:
+    """Overrides for a glide that begins at 80 % of circular energy with lift equal to what it must carry."""
+    speed2 = _START * _G * _R
+    short = 4.0 * _SCALE / (_R * table.lift_to_drag**2 * _START)
+    weight = _MASS * _G * (1.0 - _START) * (1.0 - short)
+    density = 2.0 * weight / (table.lift * pi / 4.0 * DIAMETER**2 * speed2)
+    slope = -np.degrees(2.0 * _SCALE / (_R * table.lift_to_drag * _START))
+    return (
+        *_CAPSULE,
+        f"planet.equatorial_radius_m={_RADIUS}",
+        "planet.gravity.model=central",
+        f"planet.gravity.mu_m3_s2={_MU}",
+        "planet.gas.molecular_diameter_m=1e-8",
+        "atmosphere.model=exponential",
+        f"atmosphere.exponential={{density_kg_m3: {density * exp(_ALTITUDE / _SCALE)!r}, "
+        f"scale_height_m: {_SCALE}, temperature_k: 5}}",
+        f"vehicle.mass.entry_kg={_MASS}",
+        f"vehicle.mass.entry_centre_m=[{STATION}, 0, {table.offset()!r}]",
+        f"initial.altitude_m={_ALTITUDE}",
+        f"initial.speed_m_s={float(np.sqrt(speed2))!r}",
+        f"initial.flight_path_angle_deg={float(slope)!r}",
+        "initial.latitude_deg=0",
+        "initial.azimuth_deg=90",
+        f"initial.alpha_deg={-TRIM_DEG}",
+        "simulation.time_limit_s=130",
+    )
+
+
+def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
+    """Verifies: lift, drag and the curvature of the planet together, on a glide from 80 % to 35 % of circular
+    energy.
+
+    gravity central | atmosphere exponential, 200 m scale height (makes the glide's own approximation good) |
+    winds none | vehicle capsule trimmed at alpha = -11 deg beyond Mach 30, where its table is constant |
+    source: Eggers, Allen & Neice, NACA report 1382 (1957): lift carries what the centrifugal force does not,
+    L = m (g - V^2/r), and the range is r/2 L/D ln((1 - u1) / (1 - u0)), u = V^2 / g r | tolerance 1 %: the
+    glide steepens, which takes 4 H / (r (L/D)^2 u) off the lift (1 to 2.5 %, counted in the expected value);
+    the range counts that and the weight along the path; their squares, the slow phugoid from the start and
+    the change of weight with altitude remain.
+
+    Glide for 130 s; compare lift and weight at each speed, and the range.
+    """
+    table = Published(30.0)
+    rows = flown(_glide(table), planted)[1].telemetry
+    t, v, r = rows["t_s"], rows["truth.speed_m_s"], _RADIUS + rows["truth.altitude_m"]
+    u = v**2 * r / _MU
+    short = 4.0 * _SCALE / (r * table.lift_to_drag**2 * u)
+    lift = 0.5 * rows["truth.density_kg_m3"] * v**2 * table.lift * pi / 4.0 * DIAMETER**2 / _MASS
+    ratio = lift / ((1.0 - u) * (1.0 - short) * _MU / r**2)
+    east = np.radians(rows["truth.longitude_deg"])
+    flown_range = float(np.mod(east[-1] - east[0], 2.0 * pi) * r.mean())
+    steeper = 1.0 - short - 2.0 * _SCALE / (r * u * (1.0 - u))
+    expected = float(-0.5 * r.mean() * table.lift_to_drag * np.trapezoid(1.0 / ((1.0 - u) * steeper), u))
+    off, why = abs(flown_range / expected - 1.0), "second order of the glide's approximation"
+    result = partial(Result, source="Eggers, Allen & Neice, NACA 1382", why=why)
+    results = (
+        result("lift against weight", largest(ratio - 1.0), 1e-2, verifies="lift over a curved planet"),
+        result("range", off, 1e-2, verifies="lift-to-drag ratio"),
+    )
+    return Report(results, History("Equilibrium glide", "time (s)", "lift (m/s2)", t, lift, lift / ratio))
