@@ -22,6 +22,15 @@ def whole(low: int, high: int, of: str = "", kind: str = "i8") -> np.dtype:
     return np.dtype(kind, metadata={"low": low, "high": high, "of": of})
 
 
+def record(*fields: tuple[Any, ...]) -> np.dtype:
+    """Layout of a record with these fields, each aligned as compiled code reads it.
+
+    Args:
+        fields: name, type and, for an array, shape of each.
+    """
+    return np.dtype(list(fields), align=True)
+
+
 #: Yes or no; how many of something that goes on all through a flight; the time of something that need not
 #: have happened: NaN until then.
 FLAG, COUNT, TIME_IF_EVER = whole(0, 1), whole(0, 2**31), np.dtype("f8", metadata={"if_ever": True})

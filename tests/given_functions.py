@@ -4,7 +4,7 @@ from edl6dof.fsw.allocation.registry import allocate as shared_out
 from edl6dof.fsw.functions import PLACES as SOFTWARE
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry import registry as entry
-from edl6dof.fsw.guidance.entry import steering
+from edl6dof.fsw.guidance.entry.reversal import registry as steering
 from edl6dof.fsw.hazard import detection as hazard
 from edl6dof.fsw.hazard.registry import GIVEN
 from edl6dof.kernels import kernel
@@ -51,7 +51,7 @@ def allocate(params, vehicle, health, effectiveness, demand, out):
 
 
 def steer_bank(onboard, *given):
-    """:func:`edl6dof.fsw.guidance.entry.steering.steer_bank`."""
+    """:func:`edl6dof.fsw.guidance.entry.reversal.registry.steer_bank`."""
     steering.steer_bank(chosen("bank_side", onboard), onboard, *given)
 
 

@@ -20,8 +20,7 @@ import yaml
 from edl6dof.config.document.source import read_document
 from edl6dof.config.validate import validate
 from edl6dof.environment.gravity import MAX_DEGREE, read_coefficients
-from edl6dof.environment.height_map import SHAPE
-from edl6dof.environment.map_file import DATA
+from edl6dof.environment.height_map import DATA, SHAPE
 from edl6dof.environment.planet import PlanetParams
 
 #: Below this change (m) the height stands.

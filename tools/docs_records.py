@@ -26,7 +26,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "Attitude control and allocation": (
         ("edl6dof.fsw.control.registry", "CONTROL_INPUTS", "`inputs` of a controller"),
-        ("edl6dof.fsw.allocation.demand", "DEMAND", "demand on the thrusters"),
+        ("edl6dof.fsw.allocation.registry", "DEMAND", "demand on the thrusters"),
     ),
     "Disturbance estimation": (
         ("edl6dof.fsw.estimation.registry", "MEASURED", "`measured` of an estimator"),
@@ -131,7 +131,7 @@ def _kind(one: np.dtype) -> str:
 
 
 def _declaration(module: str, name: str) -> dict[str, Any]:
-    """Comment at each field of ``name = np.dtype([...])``; a dict for a record declared in place."""
+    """Comment at each field of ``name = record(...)``; a dict for a record declared in place."""
     source = inspect.getsource(import_module(module))
     comments = _comments(source)
     for statement in ast.parse(source).body:
@@ -141,13 +141,13 @@ def _declaration(module: str, name: str) -> dict[str, Any]:
 
 
 def _entries(call: Any, comments: dict[int, tuple[str, bool]]) -> dict[str, Any]:
-    """Comment and record name of each field in the list of a ``np.dtype`` call."""
+    """Comment and record name of each field of a ``record`` call, or of one of ``np.dtype`` with a list."""
     found: dict[str, Any] = {}
-    for entry in call.args[0].elts:
+    for entry in call.args[0].elts if _is_list(call) else call.args:
         if not isinstance(entry, ast.Tuple):
             continue
         name, kind = ast.literal_eval(entry.elts[0]), entry.elts[1]
-        if isinstance(kind, ast.Call) and getattr(kind.func, "attr", "") == "dtype" and _is_list(kind):
+        if isinstance(kind, ast.Call) and (getattr(kind.func, "id", "") == "record" or _is_list(kind)):
             found[name] = _entries(kind, comments)
         elif not (isinstance(kind, ast.Call) and getattr(kind.func, "id", "") == "dtype_of"):
             record = kind.id if isinstance(kind, ast.Name) and kind.id not in ("FLAG", "COUNT") else ""

@@ -136,7 +136,7 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
         rotation = planet_rotation(planet, t)
         # held over a step by the simulator's own method, and not part of the right-hand side
         plant["inputs"]["noncentral_I"] = noncentral_I(planet, rotation, tuple(full[POSITION : POSITION + 3]))
-        evaluate_at(*seen[:3], rotation, *seen[3:])  # as flights call it: compiled for them already
+        evaluate_at(*seen, rotation)  # as flights call it: compiled for them already
         return slopes[:count].copy()
 
     begin = full[:count].copy()

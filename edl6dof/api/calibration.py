@@ -12,7 +12,7 @@ from edl6dof.calibration.problem import Calibration
 from edl6dof.campaign.ensemble import FLIGHTS
 from edl6dof.config.dump import json_text
 from edl6dof.config.errors import refusal
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 
 
 def found_by(

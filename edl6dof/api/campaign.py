@@ -26,8 +26,8 @@ from edl6dof.campaign.store import Store, Summary
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.config.wording import unknown
 from edl6dof.metrics.figures import DECLARED, figure_of_merit
-from edl6dof.sim.compile_ahead import is_compiled
 from edl6dof.sim.flight import fly
+from edl6dof.sim.functions import is_compiled
 
 if TYPE_CHECKING:
     import pandas

@@ -14,9 +14,8 @@ from edl6dof.api.flight_results import FlightResults
 from edl6dof.config.errors import Named
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
-from edl6dof.runs.folder import atomic_folder
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.files import atomic_folder
+from edl6dof.runs.run import Run, write_run
 from edl6dof.scenario.loading import viewed_scenario
 from edl6dof.sim import flight as sim
 from edl6dof.sim.flight import attitude_at

@@ -111,13 +111,14 @@ class FlightResults(ABC):
             ConfigError: there is no such channel, or no data between these times.
             TypeError: a channel is not a name.
         """
-        from edl6dof.report.matplotlib_figure import styled
+        from edl6dof.report.matplotlib_figure import matplotlib_figure
 
         if wrong := [one for one in channels if not isinstance(one, str)]:
             raise TypeError(f"channels are names, one after the other: plot('truth.mach') (got {wrong[0]!r})")
         if not channels:
             raise refusal("plot", "name a channel, such as truth.mach; flight.telemetry has them all")
-        return Plot(styled(channels_figure(self, self.name, channels, against, since_s, until_s)))
+        figure = channels_figure(self, self.name, channels, against, since_s, until_s)
+        return Plot(matplotlib_figure(figure))
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the telemetry as a data frame indexed by time.

@@ -437,7 +437,7 @@ def calibrate(
     activate(name)
     from edl6dof.api.calibration import found_by, write_findings
     from edl6dof.calibration.problem import load_calibration
-    from edl6dof.runs.folder import atomic_folder
+    from edl6dof.runs.files import atomic_folder
 
     calibration = load_calibration(name, sets, flights)
     if out is None:

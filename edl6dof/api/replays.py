@@ -22,13 +22,12 @@ from edl6dof.campaign.run import resumed_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import did_you_mean
-from edl6dof.replay import browser, film, viewer
+from edl6dof.replay import browser, viewer
 from edl6dof.replay.history import thin, vector
+from edl6dof.replay.pages import TITLES
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.tracks import Ensemble, Trajectory
-from edl6dof.replay.views.pages import TITLES
-from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.runs.folder import distinct_names
+from edl6dof.runs.files import atomic_file, distinct_names, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
 
@@ -69,13 +68,13 @@ class Film(NamedTuple):
         if self.file.suffix.lower() != ".mp4":
             raise refusal(self.file, "is no name of a film; films are written as .mp4")
 
-    def cut(self, recording: Path) -> film.Cut:
+    def cut(self, recording: Path) -> viewer.Cut:
         """Return the part of the flight to film: by default the whole flight, in at most a minute."""
         first = recorded_span(recording)[0] if self.start_s is None else self.start_s
         first, last = _time(recording, "--from", first), _time(recording, "--to", self.end_s)
         if first >= last:
             raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
-        return film.Cut(first, last, self.length_s or min(last - first, film.LENGTH_S), self.fps)
+        return viewer.Cut(first, last, self.length_s or min(last - first, viewer.LENGTH_S), self.fps)
 
 
 def show_replay(
@@ -110,7 +109,7 @@ def show_replay(
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
     if video.file is not None:
-        film.encoder()  # or the flight would be drawn in vain
+        viewer.encoder()  # or the flight would be drawn in vain
     with _ended_by_signals(), _recording(runs, page) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
@@ -119,7 +118,7 @@ def show_replay(
         if video.file is not None:
             cut = video.cut(recording)
             with atomic_file(video.file, force, runs[0]) as partial, _frames() as progress:
-                film.film(recording, partial, cut, progress)
+                viewer.film(recording, partial, cut, progress)
         if html is not None:
             with atomic_file(html, force, runs[0]) as partial:
                 partial.write_bytes(browser.page(recording, title))

@@ -18,7 +18,7 @@ from edl6dof.metrics.out_of_use import failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.fault import FaultParams, failure_of
+from edl6dof.vehicle.faults.fault import FaultParams, about
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 #: Until backshell release, and from then on; a fault that did not begin before touchdown.
@@ -86,7 +86,7 @@ def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
 def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
     """Every thruster that a fault makes fail."""
     names = failed_thrusters(fault, truth.components, truth.branches)
-    return [Failure("thruster", name, failure_of(fault.kind)) for name in names]
+    return [Failure("thruster", name, about(fault.kind).failure) for name in names]
 
 
 #: Columns of :func:`fault_response`, in their order.

@@ -31,14 +31,14 @@ from edl6dof.interface.roles import (
 )
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.fault import FAULT_KINDS, components_of, happens_in
+from edl6dof.vehicle.faults.fault import FAULT_KINDS, about
 
 #: Kinds of fault of instruments; other kinds of fault of one kind of component; of these, of thrusters.
-OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(components_of(kind)) <= set(INSTRUMENTS))
+OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(about(kind).components) <= set(INSTRUMENTS))
 KINDS = tuple(
-    kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(components_of(kind)) == 1
+    kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(about(kind).components) == 1
 )
-OF_THRUSTERS = tuple(kind for kind in KINDS if components_of(kind) == ("thruster",))
+OF_THRUSTERS = tuple(kind for kind in KINDS if about(kind).components == ("thruster",))
 
 #: Roles of the phases (the first of each) in which a fault begins by default: one of each kind of attitude
 #: control; for instruments, all phases of flight.
@@ -49,7 +49,7 @@ FLYING_ROLES = (*USUAL_ROLES[:4], HOVER_IMAGING, HAZARD_AVOIDANCE, SLOW_DESCENT)
 def usual_phases_of(scenario: Scenario, kind: str) -> list[str]:
     """The phases in which a kind of fault begins by default."""
     usual = FLYING_ROLES if kind in OF_INSTRUMENTS else USUAL_ROLES
-    return phases_of(scenario, happens_in(kind) or usual)
+    return phases_of(scenario, about(kind).happens_in or usual)
 
 
 def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[str]:
@@ -61,7 +61,7 @@ def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[s
 
 def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
     """Names of the components on this vehicle that a kind of fault can affect, by kind of component."""
-    return {component: list(scenario.components.get(component, ())) for component in components_of(kind)}
+    return {component: list(scenario.components.get(component, ())) for component in about(kind).components}
 
 
 def matrix_plan(

@@ -24,7 +24,7 @@ from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.plugin_scan import VARIABLE
-from edl6dof.environment.profile_file import profile_path
+from edl6dof.environment.atmosphere_table import profile_path
 from edl6dof.environment.terrain import MAP
 from edl6dof.kernels.cache import received
 from edl6dof.manifest import digest, sha256

@@ -27,7 +27,7 @@ from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import open_table
 
 

@@ -120,8 +120,8 @@ def refly(
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.store import Store
     from edl6dof.metrics.figures import figure_of_merit
-    from edl6dof.report.numbers import significant
-    from edl6dof.runs.folder import default_folder
+    from edl6dof.report.document import significant
+    from edl6dof.runs.files import default_folder
 
     if (case is None) == (worst is None):
         raise refusal(folder, "name one case: its number, or --worst FIGURE")

@@ -16,7 +16,7 @@ from edl6dof.campaign.covariance_estimate import Alone, Covariance, Sampled, Spr
 from edl6dof.campaign.covariance_flights import EventFigures
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import open_table, print_whole
 
 #: Figures in a row of the budget on a terminal, letters in a line of their headings, and of a figure's name.

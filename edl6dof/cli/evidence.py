@@ -97,7 +97,7 @@ def validate(
     from edl6dof.cli.progress import count_runs
     from edl6dof.missions.mission import compare, load_mission, reached_goal, shipped_missions
     from edl6dof.missions.write import to_json, write_validation
-    from edl6dof.runs.folder import atomic_folder, default_folder
+    from edl6dof.runs.files import atomic_folder, default_folder
 
     count = 200 if flights is None else flights
     if not 2 <= count <= MOST_OF_A_MISSION:
@@ -142,7 +142,7 @@ def calibrate(
     from edl6dof.calibration.problem import load_calibration
     from edl6dof.cli.evidence_tables import show_calibration
     from edl6dof.cli.progress import count_runs
-    from edl6dof.runs.folder import atomic_folder, default_folder
+    from edl6dof.runs.files import atomic_folder, default_folder
 
     calibration = load_calibration(scenario, tuple(sets or ()), flights)
     name = calibration.loaded.scenario.name

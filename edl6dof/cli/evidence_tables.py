@@ -22,7 +22,7 @@ from edl6dof.manifest import listed
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.missions.mission import Compared, inside, reached_goal
 from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import comparison, open_table, print_whole, published_table
 from edl6dof.scenario.loaded import LoadedScenario
 

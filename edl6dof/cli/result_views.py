@@ -24,7 +24,7 @@ from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.catalogue import chosen
-from edl6dof.report.document import Report, Section, Table, Text, as_cell
+from edl6dof.report.document import Report, Section, Table, Text, as_cell, significant
 from edl6dof.report.figure import Figure
 from edl6dof.report.flight.flight_report import headline, mood
 from edl6dof.report.flight.overlay import (
@@ -36,7 +36,6 @@ from edl6dof.report.flight.overlay import (
     outcomes,
     together,
 )
-from edl6dof.report.numbers import significant
 from edl6dof.report.page import page
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file

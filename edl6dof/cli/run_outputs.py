@@ -60,8 +60,7 @@ def replay(
         raise refusal("--tour", f"is the page Tour; --page names {page}")
     if runs[0].is_dir():  # the plugins of a campaign, before anything that they must join
         functions.activate(runs[0])
-    from edl6dof.replay.film import NoFilm
-    from edl6dof.replay.viewer import ViewerFailed
+    from edl6dof.replay.viewer import NoFilm, ViewerFailed
 
     with refusing_damage(*runs):
         try:

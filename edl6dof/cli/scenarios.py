@@ -59,7 +59,7 @@ def fly(
     from edl6dof.cli.progress import flight_progress
     from edl6dof.manifest import listed
     from edl6dof.report.terminal import headline, show_flight
-    from edl6dof.runs.folder import default_folder
+    from edl6dof.runs.files import default_folder
     from edl6dof.scenario.loading import load_scenario
     from edl6dof.sim import flight as sim
     from edl6dof.sim.checkpoint import State

@@ -19,9 +19,9 @@ from edl6dof.cli.exit_status import refuse
 from edl6dof.cli.progress import count_runs
 from edl6dof.config.wording import counted, did_you_mean
 from edl6dof.manifest import listed
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.report.terminal import open_table
-from edl6dof.runs.folder import atomic_folder, default_folder
+from edl6dof.runs.files import atomic_folder, default_folder
 from edl6dof.studies import STUDIES
 from edl6dof.studies.frame import Finding, Grid, Report, Study, to_json, write_study
 

@@ -17,7 +17,7 @@ from math import degrees, hypot, pi, radians
 from typing import NamedTuple
 
 from edl6dof.config.errors import refusal
-from edl6dof.environment.height_map import map_height
+from edl6dof.environment.areoid import map_height
 from edl6dof.environment.terrain import ground_arrays, ground_inputs
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.places import start_of

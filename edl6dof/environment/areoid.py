@@ -10,15 +10,25 @@ metres (35 m rms by Kaula's rule with 1.3e-4 / n^2 [E]).
 
 from __future__ import annotations
 
+from math import pi
 from pathlib import Path
 
 import numpy as np
 
-from edl6dof.environment.height_map import HEIGHT_MAP, map_height
-from edl6dof.environment.map_file import DATA, MapFile, map_file, mapped_planet, read_map, require_map_of
+from edl6dof.environment.height_map import (
+    DATA,
+    HEIGHT_MAP,
+    MapFile,
+    map_file,
+    mapped_planet,
+    read_map,
+    require_map_of,
+)
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
+from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import ned_to_fixed
+from edl6dof.spatial.table_index import cell, held_cell, wrapped
 from edl6dof.spatial.vector import dot, norm, put3
 
 #: Largest difference (m) of a semi-axis of the ellipsoid that a map counts from and of the planet's.
@@ -81,10 +91,26 @@ def require_areoid_of(planet: PlanetParams) -> None:
 
 
 @kernel
+def map_height(grid, lat, lon):
+    """Height (m) and rise per metre towards north and east on a map, bilinear; angles in rad."""
+    centric = lat - grid.centric * sin(2.0 * lat)
+    row, u = held_cell(89.5 - centric * (180.0 / pi), 179)
+    column, t = cell(wrapped(lon * (180.0 / pi) + 179.5, 360.0), 360)
+    right = (column + 1) % 360
+    nw = float(grid.height[row, column])
+    ne = float(grid.height[row, right])
+    sw = float(grid.height[row + 1, column])
+    se = float(grid.height[row + 1, right])
+    top = nw + t * (ne - nw)
+    bottom = sw + t * (se - sw)
+    per_degree = 180.0 / (pi * grid.radius)
+    east = ((ne - nw) * (1.0 - u) + (se - sw) * u) * per_degree / max(cos(lat), 0.01)
+    return top + u * (bottom - top), (top - bottom) * per_degree, east
+
+
+@kernel
 def areoid_at(grid, lat, lon):
-    """Height (m) of the areoid above the ellipsoid at geodetic ``lat`` and east ``lon``, rad, and its rise
-    per metre of ground towards north and east.
-    """
+    """Height (m) of the areoid above the ellipsoid and its rise per metre north and east; angles in rad."""
     if grid.radius > 0.0:
         return map_height(grid, lat, lon)
     return 0.0, 0.0, 0.0

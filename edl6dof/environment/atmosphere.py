@@ -13,10 +13,9 @@ from edl6dof.config.base import Key, Params, group, param, stated
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.dtype import extended, fill
 from edl6dof.environment.atmosphere_models import ATMOSPHERES, AtmosphereChoice, air_of_model
-from edl6dof.environment.atmosphere_table import AirInputs, row_at
+from edl6dof.environment.atmosphere_table import AirInputs, profile_path, row_at
 from edl6dof.environment.hydrostatic import COLUMN, fill_column
 from edl6dof.environment.planet import PlanetParams
-from edl6dof.environment.profile_file import profile_path
 from edl6dof.environment.profiles import (
     DENSITY_STREAM,
     MAX_ROWS,
@@ -37,9 +36,7 @@ _LEAST = 0.05
 
 
 class PerturbationParams(Params):
-    """Random density profile of a case: relative sigma of the table times a Gauss-Markov sequence of
-    altitude.
-    """
+    """Random density profile of a case: sigma of the table times a Gauss-Markov sequence of altitude."""
 
     enabled: bool = param(False, "whether density is perturbed")
     sigma_scale: float = param(1.0, "factor on the sigma of the table", ge=0.0, le=5.0)
@@ -120,9 +117,8 @@ ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4))
 
 @kernel
 def air(atm, gas, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid.
-
-    ``gas``: the ``GAS`` record of the planet.
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid, in the
+    air of a planet with this ``GAS`` record.
     """
     rho, pressure, temperature, sound = air_of_model(atm.model, atm, gas, table, alt)
     factor = atm.density_factor

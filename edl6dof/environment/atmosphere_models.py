@@ -108,9 +108,7 @@ class Us76Params(Params):
 
 @kernel
 def us76_air(atm, gas, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at the geometric altitude ``alt``,
-    m.
-    """
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at geometric altitude ``alt``, m."""
     height = _RADIUS * alt / (_RADIUS + alt)
     layer = 0
     while layer < 6 and height >= _BASE[layer + 1]:

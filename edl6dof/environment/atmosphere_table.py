@@ -1,5 +1,5 @@
-"""Shared table of the atmosphere against altitude: uniform grid, Hermite slopes, extended below and above its
-file.
+"""Table of the atmosphere against altitude that all cases share: profiles of the air in csv files, on a
+uniform grid with Hermite slopes, extended below and above the file.
 
 Uniform, so that a lookup is one multiplication; Hermite, so that ln density, temperature and winds have
 continuous slopes and the integrator sees no kinks; Fritsch-Carlson slopes, so that nothing overshoots between
@@ -11,19 +11,127 @@ mean).
 
 from __future__ import annotations
 
+import csv
 from functools import lru_cache
+from math import isfinite, nan
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.environment.hydrostatic import CLIMATE, Ground, Warmth, fill_climate
-from edl6dof.environment.planet import PlanetParams
-from edl6dof.environment.profile_file import read_profile
+from edl6dof.environment.height_map import DATA
+from edl6dof.environment.hydrostatic import CLIMATE, ClimateInputs, fill_climate
 from edl6dof.environment.profiles import MAX_ROWS, cubic_coefficients, monotone_slopes
 from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
 from edl6dof.spatial.table_index import cell
+
+#: Beginning of the heading, by which a column is known, and factor to SI; other columns are left unread.
+_COLUMNS = {
+    "altitude": ("h_", 1e3),
+    "density": ("rho", 1.0),
+    "pressure": ("P_Pa", 1.0),
+    "temperature": ("T_K", 1.0),
+    "east": ("EWind", 1.0),
+    "north": ("NWind", 1.0),
+    "sigma": ("sigma", 0.01),
+}
+#: Wrong cells of a file that are named one by one.
+_NAMED = 5
+
+
+class Profile(NamedTuple):
+    """The air of a csv, SI units, each shape (n,), read-only."""
+
+    altitude: np.ndarray  # m above the areoid, rising
+    density: np.ndarray  # kg/m3
+    temperature: np.ndarray  # K
+    east: np.ndarray  # mean wind towards east, m/s; zero where the file has none, as the next two
+    north: np.ndarray  # mean wind towards north, m/s
+    sigma: np.ndarray  # relative 1-sigma of density
+
+
+def profile_path(name: str) -> Path:
+    """The csv that a name means: one of edl6dof/data/atmosphere, or an absolute path."""
+    return DATA / "atmosphere" / name
+
+
+@lru_cache(maxsize=32)
+def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
+    """The profile of a csv; where it gives pressure in place of density, that is p / (R T).
+
+    Args:
+        name: of the file, for messages.
+        content: of the file.
+        gas_constant: R, J/(kg K).
+
+    Raises:
+        ValueError: it is no such table; every wrong cell, row and missing column is named.
+        LookupError: it is empty.
+    """
+    columns = _columns(name, content.decode())
+    found = {
+        # altitudes may be in metres too: their heading says so
+        key: values * (1.0 if key == "altitude" and heading.endswith("_m") else to_si)
+        for key, (prefix, to_si) in _COLUMNS.items()
+        for heading, values in reversed(columns.items())
+        if heading.startswith(prefix)
+    }
+    if "density" not in found:
+        found["density"] = found["pressure"] / (gas_constant * found["temperature"])
+    positive = all(np.all(found[key] > 0.0) for key in ("density", "temperature"))
+    if np.any(np.diff(found["altitude"]) <= 0.0) or not positive:
+        raise ValueError(f"{name}: altitudes must rise, temperatures and densities be positive")
+    nothing = np.zeros(len(found["altitude"]))
+    return Profile(*(found.get(key, nothing) for key in Profile._fields))
+
+
+def _missing(headings: list[str]) -> list[str]:
+    """Name the columns that are missing in these headings."""
+    missing = [
+        f"no column that begins with {_COLUMNS[key][0]!r}"
+        for key in ("altitude", "temperature")
+        if not any(heading.startswith(_COLUMNS[key][0]) for heading in headings)
+    ]
+    if not any(heading.startswith(("rho", "P_Pa")) for heading in headings):
+        missing.append("no column that begins with 'rho' (density, kg/m3) or 'P_Pa' (pressure)")
+    return missing
+
+
+def _columns(name: str, text: str) -> dict[str, np.ndarray]:
+    """Numbers by heading of the columns whose headings are known."""
+    lines = [(line, row) for line, row in enumerate(csv.reader(text.splitlines()), 1) if row]
+    headings = [heading.strip() for heading in lines[0][1]]
+    if missing := _missing(headings):
+        raise ValueError(f"{name}: {'; '.join(missing)}")
+    if len(lines) < 3:
+        raise ValueError(f"{name}: must have a heading and two rows at least")
+    known = [k for k, h in enumerate(headings) if h.startswith(tuple(p for p, _ in _COLUMNS.values()))]
+    wrong = [
+        f"line {line} has {len(row)} of {len(headings)} columns"
+        for line, row in lines[1:]
+        if len(row) < len(headings)
+    ]
+    wrong += [
+        f"line {line}, {headings[k]}: must be a number (got {row[k]!r})"
+        for line, row in lines[1:]
+        for k in known
+        if k < len(row) and not isfinite(_number(row[k]))
+    ]
+    if wrong:
+        more = f"; and {len(wrong) - _NAMED} more" if len(wrong) > _NAMED else ""
+        raise ValueError(f"{name}: {'; '.join(wrong[:_NAMED])}{more}")
+    return {headings[k]: np.array([_number(row[k]) for _, row in lines[1:]]) for k in known}
+
+
+def _number(cell: str) -> float:
+    """The number in a cell; not a number where there is none."""
+    try:
+        return float(cell)
+    except ValueError:
+        return nan
+
 
 _CURVES = ("ln_density", "temperature", "east", "north")
 
@@ -47,36 +155,17 @@ def row_at(table, alt):
     return cell((alt - table.bottom) * table.per_step, table.rows - 1)
 
 
-class ClimateInputs(NamedTuple):
-    """Further inputs of the table for the climate of a place."""
-
-    planet: PlanetParams
-    ground: Ground
-    warmth: Warmth
-
-
 class AirInputs(NamedTuple):
-    """Inputs of the table.
+    """Inputs of the table."""
 
-    Attributes:
-        name: of the csv; empty for none.
-        content: of the csv.
-        bottom_m: altitude down to which it is extended, m.
-        top_m: altitude that the grid without a csv reaches, m.
-        gas_constant: J/(kg K).
-        gravity: of the extension, m/s2.
-        sigma: relative sigma of density where the csv has none.
-        climate: of the place, for model seasonal.
-    """
-
-    name: str
-    content: bytes
-    bottom_m: float
-    top_m: float
-    gas_constant: float
-    gravity: float
-    sigma: float
-    climate: ClimateInputs | None = None
+    name: str  # of the csv; empty for none
+    content: bytes  # of the csv
+    bottom_m: float  # altitude down to which it is extended, m
+    top_m: float  # altitude that the grid without a csv reaches, m
+    gas_constant: float  # J/(kg K)
+    gravity: float  # of the extension, m/s2
+    sigma: float  # relative sigma of density where the csv has none
+    climate: ClimateInputs | None = None  # of the place, for model seasonal
 
 
 @lru_cache(maxsize=8)
@@ -123,6 +212,6 @@ def build_table(inputs: AirInputs) -> np.ndarray:
         )
     if climate is not None:
         temperature = arrays.interpolate(grid, data["altitude"], data["temperature"])
-        fill_climate(record["climate"], grid, temperature, first, *climate)
+        fill_climate(record["climate"], grid, temperature, first, climate)
     require_finite(table)
     return table

@@ -26,9 +26,7 @@ _HOURS_PER_DEGREE = 24.0 / 360.0
 
 
 class CalendarParams(Params):
-    """Mean motion of a planet about the sun and about itself; days are of 86,400 s since J2000 (terrestrial
-    time).
-    """
+    """Motion of a planet about the sun and itself; days of 86,400 s since J2000 (terrestrial time)."""
 
     mean_anomaly_deg: float = param(REQUIRED, "mean anomaly at J2000", record=False)
     mean_anomaly_rate_deg_day: float = param(REQUIRED, "its growth", record=False, gt=0.0)
@@ -90,9 +88,7 @@ def _equation_of_centre(calendar: CalendarParams, days: float) -> float:
 
 
 def solar_longitude(calendar: CalendarParams, days: float) -> float:
-    """Season ``days`` after J2000: planetocentric longitude of the sun, rad in 0 .. 2 pi; 0 where northern
-    spring begins.
-    """
+    """Planetocentric longitude of the sun (rad, 0 .. 2 pi) ``days`` after J2000; 0 at northern spring."""
     mean_sun = calendar.mean_sun_deg + calendar.mean_sun_rate_deg_day * days
     return radians(mean_sun + _equation_of_centre(calendar, days)) % tau
 

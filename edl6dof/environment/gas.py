@@ -137,8 +137,8 @@ def _ratio_in_rows(gas, temperature):
 
 @kernel
 def ratio_of_specific_heats(gas, temperature):
-    """Ratio of specific heats at ``temperature`` (K): each vibration, a harmonic oscillator of characteristic
-    temperature theta, adds (x / 2 sinh(x/2))^2, x = theta / T, to the heat capacity c_v / R.
+    """Ratio of specific heats at ``temperature`` (K): each vibration, an oscillator of temperature theta,
+    adds (x / 2 sinh(x/2))^2, x = theta / T, to c_v / R.
     """
     if gas.n_vibrations == 0:
         return gas.heat_capacity_ratio
@@ -151,16 +151,11 @@ def ratio_of_specific_heats(gas, temperature):
 
 @kernel
 def inverse_knudsen_number(gas, rho, length):
-    """``length`` (m) in mean free paths of hard spheres, lambda = m / (sqrt(2) pi d^2 rho), at ``rho``
-    (kg/m3).
-    """
+    """``length`` (m) over the mean free path m / (sqrt(2) pi d^2 rho) of hard spheres; ``rho`` in kg/m3."""
     return sqrt(2.0) * pi * gas.molecular_diameter**2 * rho * length / gas.molecular_mass
 
 
 @kernel
 def stagnation_heat_flux(gas, rho, nose_radius, speed):
-    """Convective heat flux (W/m2) at the stagnation point.
-
-    Source: Sutton and Graves, NASA TR R-376 (1971).
-    """
+    """Convective heat flux (W/m2) at the stagnation point (Sutton and Graves, NASA TR R-376, 1971)."""
     return gas.sutton_graves_constant * sqrt(rho / nose_radius) * speed * speed * speed

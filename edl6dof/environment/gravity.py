@@ -23,6 +23,7 @@ from pydantic import model_validator
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.document.regular import read_regular, read_regular_text
 from edl6dof.config.dtype import extended, fill
+from edl6dof.environment.height_map import DATA
 from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial.vector import add, norm, scale
@@ -30,7 +31,6 @@ from edl6dof.spatial.vector import add, norm, scale
 MAX_DEGREE = 12
 HARMONICS, J2, CENTRAL, NONE = range(4)
 
-_DATA = Path(__file__).resolve().parents[1] / "data" / "gravity"
 _ROWS = (MAX_DEGREE + 2) * (MAX_DEGREE + 3) // 2
 
 
@@ -80,10 +80,7 @@ GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 7)))
 
 @kernel
 def gravity_F(g, r_F):
-    """Gravitational (not centrifugal) acceleration, m/s2, in ``F`` at the position ``r_F``, m.
-
-    Source: see the module.
-    """
+    """Gravitational (not centrifugal) acceleration, m/s2, in ``F`` at the position ``r_F``, m."""
     return add(central(g, r_F), noncentral_F(g, r_F))
 
 
@@ -98,10 +95,7 @@ def central(g, r):
 
 @kernel
 def noncentral_F(g, r_F):
-    """Noncentral part of the gravity field at ``r_F`` (m), m/s2.
-
-    J2 in closed form, Montenbruck and Gill, Satellite Orbits, section 3.2.
-    """
+    """Noncentral part of gravitation (m/s2) at ``r_F`` (m); J2: Montenbruck and Gill, section 3.2."""
     if g.model == HARMONICS:
         return _harmonics_F(g, r_F)
     if g.model != J2:
@@ -188,7 +182,7 @@ def potential_F(g, r_F):
 
 def coefficients_path(name: str) -> Path:
     """The harmonics file that a name means: one of edl6dof/data/gravity, or an absolute path."""
-    return _DATA / name
+    return DATA / "gravity" / name
 
 
 def read_coefficients(name: str) -> tuple[float, float, np.ndarray, np.ndarray]:
@@ -237,9 +231,7 @@ def _terms(params: GravityParams, content: bytes) -> np.ndarray:
 
 def fill_terms(record: np.void, C: np.ndarray, S: np.ndarray) -> None:
     """Weights and recursion factors for normalised coefficients ``C[n, m]``, ``S[n, m]`` up to
-    ``record["degree"]``.
-
-    ``C[0, 0]`` counts as one and is left to the closed form.
+    ``record["degree"]``; ``C[0, 0]`` counts as one and is left to the closed form.
     """
     degree = int(record["degree"])
     if np.any(C[1]) or np.any(S[1]):
@@ -260,9 +252,7 @@ def fill_terms(record: np.void, C: np.ndarray, S: np.ndarray) -> None:
 
 
 def _gradient_weights(C: np.ndarray, S: np.ndarray, degree: int) -> np.ndarray:
-    """Weights (n, m, [ax of V, ax of W, ay of V, ay of W, az of V, az of W]): Montenbruck and Gill eq. 3.33,
-    transposed.
-    """
+    """Weights (n, m, [ax of V, W, ay of V, W, az of V, W]): Montenbruck and Gill eq. 3.33, transposed."""
     out = np.zeros((degree + 2, degree + 2, 6))
     for n in range(degree + 1):
         for m in range(n + 1):

@@ -9,14 +9,13 @@ temperature with the hour, one wave that dies out upwards, is an estimate [E].
 
 from __future__ import annotations
 
-from math import tau
 from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.environment.areoid import areoid_at, areoid_map
 from edl6dof.environment.gravity import gravity_F
-from edl6dof.environment.map_file import MapFile
+from edl6dof.environment.height_map import MapFile
 from edl6dof.environment.planet import PLANET, PlanetParams, fill_planet
 from edl6dof.environment.profiles import MAX_ROWS, cubic_coefficients, integral, monotone_slopes
 from edl6dof.spatial import arrays
@@ -46,52 +45,27 @@ COLUMN = np.dtype(
 _COLDEST = 30.0
 
 
-class Ground(NamedTuple):
-    """The place that a column stands on.
+class ClimateInputs(NamedTuple):
+    """Climate of a place at a moment, further inputs of the table."""
 
-    Attributes:
-        latitude: geodetic, rad.
-        longitude: rad.
-        elevation: of the ground, m above the areoid.
-        pressure: there, Pa.
-        areoid: map of the areoid, from which heights count; ``None``: from the ellipsoid.
-    """
-
-    latitude: float
-    longitude: float
-    elevation: float
-    pressure: float
-    areoid: MapFile | None = None
+    planet: PlanetParams  # its gravity and gas
+    latitude: float  # geodetic, rad
+    longitude: float  # rad
+    elevation: float  # of the ground, m above the areoid
+    pressure: float  # at the ground, Pa
+    areoid: MapFile | None  # map of the areoid, from which heights count; ``None``: from the ellipsoid
+    lapse_rate: float  # by which the air gets warmer downwards below the table, K/m
+    near_ground: float  # by which the air at the ground is warmer at this hour than the table, K
+    depth: float  # height above ground over which that falls by e, m
 
 
-class Warmth(NamedTuple):
-    """Temperature that a column adds to its table.
-
-    Attributes:
-        lapse_rate: by which it gets warmer downwards below the table, K/m.
-        near_ground: at the ground at this hour, K.
-        depth: height above ground over which that falls by e, m.
-    """
-
-    lapse_rate: float
-    near_ground: float
-    depth: float
-
-
-def warming_at(hour: float, amplitude: float, warmest_hour: float) -> float:
-    """By how much (K) the air at the ground is warmer than in the mean of the day."""
-    return amplitude * cos(tau * (hour - warmest_hour) / 24.0)
-
-
-def gravity_along(planet: PlanetParams, ground: Ground, heights: np.ndarray) -> np.ndarray:
-    """Gravity (m/s2) with rotation, downwards along the vertical of the ground, at ``heights`` (m)
-    above the areoid.
-    """
-    record = np.zeros(1, PLANET)[0]
+def _gravity_along(place: ClimateInputs, heights: np.ndarray) -> np.ndarray:
+    """Gravity (m/s2) with rotation, downwards along the vertical, at ``heights`` (m) above the areoid."""
+    planet, record = place.planet, np.zeros(1, PLANET)[0]
     fill_planet(record, planet)
-    lat, lon, spin = ground.latitude, ground.longitude, planet.rotation_rate_rad_s
+    lat, lon, spin = place.latitude, place.longitude, planet.rotation_rate_rad_s
     up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
-    base, found = areoid_at(areoid_map(ground.areoid), lat, lon)[0], np.empty(len(heights))
+    base, found = areoid_at(areoid_map(place.areoid), lat, lon)[0], np.empty(len(heights))
     for i, height in enumerate(heights):
         r = from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, height + base)
         pull = gravity_F(record["gravity"], tuple(r))
@@ -100,37 +74,21 @@ def gravity_along(planet: PlanetParams, ground: Ground, heights: np.ndarray) -> 
 
 
 def fill_climate(
-    record: np.void,
-    grid: np.ndarray,
-    temperature: np.ndarray,
-    first: float,
-    planet: PlanetParams,
-    ground: Ground,
-    warmth: Warmth,
+    record: np.void, grid: np.ndarray, temperature: np.ndarray, first: float, place: ClimateInputs
 ) -> None:
-    """Fill a ``CLIMATE`` record.
-
-    Args:
-        record: to be filled.
-        grid: height of the rows above the areoid, m, evenly spaced.
-        temperature: in the rows, K, as the table has it; below it held.
-        first: height at which the table begins, m.
-        planet: its gravity and gas.
-        ground: the place.
-        warmth: what comes to the temperature of the table.
+    """Fill a ``CLIMATE`` record from the evenly spaced rows of a table: heights above the areoid ``grid``
+    (m), ``temperature`` (K), which is held below the ``first`` height of the table (m).
     """
     rows = len(grid)
-    below, above_ground = np.maximum(first - grid, 0.0), np.maximum(grid - ground.elevation, 0.0)
+    below, above_ground = np.maximum(first - grid, 0.0), np.maximum(grid - place.elevation, 0.0)
     warmed = (
-        temperature
-        + warmth.lapse_rate * below
-        + warmth.near_ground * arrays.exp(-above_ground / warmth.depth)
+        temperature + place.lapse_rate * below + place.near_ground * arrays.exp(-above_ground / place.depth)
     )
     record["temperature"][:rows] = warmed
-    record["gravity"][:rows] = gravity_along(planet, ground, grid)
-    record["gas_constant"] = planet.gas.gas_constant_j_kg_k
-    record["ground"] = (ground.elevation - grid[0]) / (grid[1] - grid[0])
-    record["ln_ground_pressure"] = log(ground.pressure)
+    record["gravity"][:rows] = _gravity_along(place, grid)
+    record["gas_constant"] = place.planet.gas.gas_constant_j_kg_k
+    record["ground"] = (place.elevation - grid[0]) / (grid[1] - grid[0])
+    record["ln_ground_pressure"] = log(place.pressure)
 
 
 def fill_column(

@@ -57,9 +57,7 @@ class OrientationParams(Params):
 
 
 class PlanetParams(Params):
-    """Reference ellipsoid, rotation, gravity field and gas of the atmosphere; one file each in
-    edl6dof/data/planets.
-    """
+    """Ellipsoid, rotation, gravity field and gas of the atmosphere; a file each in edl6dof/data/planets."""
 
     name: Title = param(REQUIRED, "name of the planet", record=False)
     equatorial_radius_m: float = param(

@@ -45,9 +45,7 @@ def straight_beyond(curve, row, t):
 
 
 def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """The (n-1, 4) coefficients of the cubics through n rows with these slopes per row; :func:`cubic` reads
-    them.
-    """
+    """Coefficients (n-1, 4) for :func:`cubic` of the cubics through n rows with these slopes per row."""
     s0, s1, rise = slope[:-1], slope[1:], np.diff(curve)
     out = np.empty((len(rise), 4))
     out[:, 0], out[:, 1], out[:, 2], out[:, 3] = (
@@ -60,9 +58,7 @@ def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:
 
 
 def monotone_slopes(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:
-    """Slopes per row: harmonic mean of the two neighbouring rises, zero at extremes; at the ends the rise or
-    zero.
-    """
+    """Slopes per row: harmonic mean of both rises, zero at extremes; at the ends the rise or zero."""
     rise = np.diff(curve)
     product = rise[:-1] * rise[1:]
     inner = np.zeros(len(curve) - 2)
@@ -79,18 +75,14 @@ SENSOR_STREAM = 100
 
 
 def gauss_markov(rng: Stream, count: int, spacing: float) -> np.ndarray:
-    """Standard normals with correlation exp(-distance); ``spacing``: distance of neighbours in correlation
-    lengths.
-    """
+    """Standard normals with correlation exp(-distance); ``spacing`` of neighbours in correlation lengths."""
     out = rng.standard_normal(count)
     _correlate(out, exp(-spacing))
     return out
 
 
 def central_slopes(profile: np.ndarray) -> np.ndarray:
-    """Slopes per row of a profile: half the rise between its two neighbours (Catmull-Rom), at an end half of
-    the one rise.
-    """
+    """Slopes per row (Catmull-Rom): half the rise between both neighbours, at an end half the one rise."""
     padded = np.concatenate([profile[:1], profile, profile[-1:]])
     return 0.5 * (padded[2:] - padded[:-2])
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from math import tau
 from typing import NamedTuple
 
 from edl6dof.config.errors import Inconsistent
 from edl6dof.environment.areoid import areoid_file
 from edl6dof.environment.atmosphere_models import SeasonalParams
-from edl6dof.environment.atmosphere_table import ClimateInputs
 from edl6dof.environment.climate import (
     days_since_j2000,
     local_true_solar_time,
@@ -15,24 +15,18 @@ from edl6dof.environment.climate import (
     surface_pressure,
     utc,
 )
-from edl6dof.environment.hydrostatic import Ground, Warmth, warming_at
+from edl6dof.environment.hydrostatic import ClimateInputs
 from edl6dof.environment.planet import PlanetParams
+from edl6dof.spatial.elementary import cos
 
 
 class Place(NamedTuple):
-    """A place on the ground, and a moment.
+    """A place on the ground, and a moment."""
 
-    Attributes:
-        epoch_utc: date and time; empty when it is not known.
-        latitude: geodetic, rad.
-        longitude: rad.
-        elevation: m above the areoid.
-    """
-
-    epoch_utc: str
-    latitude: float
-    longitude: float
-    elevation: float
+    epoch_utc: str  # date and time; empty when it is not known
+    latitude: float  # geodetic, rad
+    longitude: float  # rad
+    elevation: float  # m above the areoid
 
 
 def climate_inputs(params: SeasonalParams, planet: PlanetParams, place: Place) -> ClimateInputs:
@@ -59,9 +53,10 @@ def climate_inputs(params: SeasonalParams, planet: PlanetParams, place: Place) -
     season = solar_longitude(climate.calendar, days)
     hour = local_true_solar_time(climate.calendar, days, place.longitude)
     pressure = surface_pressure(climate.surface_pressure, season, place.elevation)
-    warmer = warming_at(hour, params.diurnal_amplitude_k, params.warmest_hour)
+    warmest = params.warmest_hour
     return ClimateInputs(
-        planet,
-        Ground(place.latitude, place.longitude, place.elevation, pressure, areoid_file(planet)),
-        Warmth(params.lapse_rate_k_m, warmer, params.diurnal_depth_m),
+        *(planet, place.latitude, place.longitude, place.elevation, pressure, areoid_file(planet)),
+        lapse_rate=params.lapse_rate_k_m,
+        near_ground=params.diurnal_amplitude_k * cos(tau * (hour - warmest) / 24.0),
+        depth=params.diurnal_depth_m,
     )

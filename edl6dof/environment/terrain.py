@@ -11,24 +11,31 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import pi, radians, sqrt
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import extended, fill
-from edl6dof.environment.areoid import areoid_at, areoid_height
-from edl6dof.environment.height_map import HEIGHT_MAP, map_height
-from edl6dof.environment.landing_area.dtm import DTM, DtmFile, Square, dtm_path, read_dtm, with_dtm
+from edl6dof.environment.areoid import areoid_at, areoid_height, map_height
+from edl6dof.environment.height_map import (
+    DATA,
+    HEIGHT_MAP,
+    MapFile,
+    map_file,
+    read_map,
+    require_map_of,
+)
+from edl6dof.environment.landing_area.dtm import DTM, DtmFile, Square, read_dtm, with_dtm
 from edl6dof.environment.landing_area.fractal import TILES, fractal_tiles
-from edl6dof.environment.landing_area.params import (
+from edl6dof.environment.landing_area.relief import (
     GENERATED,
     LANDING_AREA,
     LandingAreaParams,
     fill_landing_area,
+    relief,
 )
-from edl6dof.environment.landing_area.surface import relief
-from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, require_map_of
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import cos, sin, tan
@@ -49,17 +56,6 @@ def geodetic_of(terrain, north, east):
         terrain.site_latitude + north / terrain.metres_north,
         terrain.site_longitude + east / terrain.metres_east,
     )
-
-
-def metres_per_radian(planet: PlanetParams, latitude: float, altitude_m: float) -> tuple[float, float]:
-    """Metres per radian of latitude and longitude at a geodetic latitude (rad) and altitude above the
-    ellipsoid.
-    """
-    e2 = planet.flattening * (2.0 - planet.flattening)
-    sine = sin(latitude)
-    w = sqrt(1.0 - e2 * sine * sine)
-    north = planet.equatorial_radius_m * (1.0 - e2) / (w * w * w) + altitude_m
-    return north, (planet.equatorial_radius_m / w + altitude_m) * cos(latitude)
 
 
 MOLA, PLANE, NONE = range(3)
@@ -116,9 +112,7 @@ GROUND = np.dtype([("map", HEIGHT_MAP), ("dtm", DTM), ("tiles", TILES)], align=T
 
 @kernel
 def ground(terrain, grid, lat, lon):
-    """Elevation (m above the areoid), and its rise per metre towards north and east, at geodetic ``lat`` and
-    east ``lon``, rad.
-    """
+    """Elevation (m above the areoid), and its rise per metre towards north and east; angles in rad."""
     elevation, north, east = regional(terrain, grid, lat, lon)
     if terrain.landing_area.model == GENERATED:
         y, x = place_of(terrain, lat, lon)
@@ -156,9 +150,7 @@ def _mapped(terrain, grid, lat, lon):
 
 @kernel
 def ground_heights(terrain, grid, areoid, lat, lon, elevation, altitude):
-    """Elevation (m) of the ground at each of some places (rad), and its altitude with the map of the areoid's
-    height, into the last two.
-    """
+    """Write elevation and altitude (m) of the ground at several places (rad)."""
     for i in range(len(elevation)):
         elevation[i] = ground(terrain, grid, lat[i], lon[i])[0]
         altitude[i] = elevation[i] + areoid_at(areoid, lat[i], lon[i])[0]
@@ -166,9 +158,7 @@ def ground_heights(terrain, grid, areoid, lat, lon, elevation, altitude):
 
 @kernel
 def _site_plane(terrain, lat, lon):
-    """The tilt around the site; beyond ``slope_radius`` the height stays what it is on the rim in that
-    direction.
-    """
+    """Tilt around the site; beyond ``slope_radius`` the height of the rim in that direction."""
     tilt_north = terrain.tilt_north
     tilt_east = terrain.tilt_east
     if tilt_north == 0.0 and tilt_east == 0.0:
@@ -186,9 +176,7 @@ def _site_plane(terrain, lat, lon):
 
 
 class GroundInputs(NamedTuple):
-    """Inputs of the arrays of the ground: the map, the digital terrain model, and the Hurst exponent of the
-    generated relief.
-    """
+    """Inputs of the arrays of the ground: map, terrain model, Hurst exponent of the generated relief."""
 
     map: MapFile | None = None
     dtm: DtmFile | None = None
@@ -201,24 +189,26 @@ def ground_inputs(params: TerrainParams, planet: PlanetParams) -> GroundInputs:
     Raises:
         OSError: a file cannot be read.
     """
-    area = params.landing_area
+    area, dtm = params.landing_area, None
+    if area.dtm.file:
+        square = Square(*_site(params, planet), area.dtm.reach_m)
+        dtm = DtmFile(map_file(Path(area.dtm.file)), area.dtm.coordinates, square)
     return GroundInputs(
         map_file(MAP) if params.model == "mola" else None,
-        _dtm(params, planet) if area.dtm.file else None,
+        dtm,
         area.hurst if area.model == "generated" else None,
     )
 
 
-def _dtm(params: TerrainParams, planet: PlanetParams) -> DtmFile:
-    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
-    dtm, metres = params.landing_area.dtm, _metres(params, planet)
-    return DtmFile(map_file(dtm_path(dtm.file)), dtm.coordinates, Square(*place, *metres, dtm.reach_m))
-
-
-def _metres(params: TerrainParams, planet: PlanetParams) -> tuple[float, float]:
-    """Metres per radian of latitude and longitude at the site."""
-    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
-    return metres_per_radian(planet, place[0], params.site_elevation_m + areoid_height(planet, *place))
+def _site(params: TerrainParams, planet: PlanetParams) -> tuple[float, float, float, float]:
+    """Latitude and longitude of the site (rad), and metres per radian of either there."""
+    lat, lon = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    altitude = params.site_elevation_m + areoid_height(planet, lat, lon)
+    e2 = planet.flattening * (2.0 - planet.flattening)
+    sine = sin(lat)
+    w = sqrt(1.0 - e2 * sine * sine)
+    north = planet.equatorial_radius_m * (1.0 - e2) / (w * w * w) + altitude
+    return lat, lon, north, (planet.equatorial_radius_m / w + altitude) * cos(lat)
 
 
 @lru_cache(maxsize=4)
@@ -259,14 +249,13 @@ def fill_terrain(
         ValueError: the map is of another planet.
     """
     fill(record, params)
-    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    lat, lon, record["metres_north"], record["metres_east"] = _site(params, planet)
     record["radius"] = planet.mean_radius_m
     record["offset"] = 0.0
     if params.model == "mola":
         require_topography_of(planet.mean_radius_m)
-        record["offset"] = params.site_elevation_m - map_height(grid["map"], *place)[0]
+        record["offset"] = params.site_elevation_m - map_height(grid["map"], lat, lon)[0]
     steepness = -tan(radians(params.slope_deg))
     record["tilt_north"] = steepness * cos(radians(params.slope_azimuth_deg))
     record["tilt_east"] = steepness * sin(radians(params.slope_azimuth_deg))
-    record["metres_north"], record["metres_east"] = _metres(params, planet)
     fill_landing_area(record["landing_area"], params.landing_area, grid["tiles"], seed, case)

@@ -122,10 +122,8 @@ def wind(w, table, alt):
 
 @kernel
 def gust_coordinate(alt, bottom, length, growth):
-    """Altitude in scale lengths above the gust's bottom: the integral of dh / L, L = length + growth * max(h,
-    0).
-
-    Evenly spaced rows in it resolve 300 m near the ground and kilometres higher up with one short array.
+    """Altitude in scale lengths above the gust's bottom: the integral of dh / L, L = length + growth max(h,
+    0). Rows evenly spaced in it resolve 300 m near the ground and kilometres higher up.
     """
     if alt <= 0.0:
         return (alt - bottom) / length
@@ -180,9 +178,7 @@ def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0
 
 @lru_cache(maxsize=8)
 def _gust_rows(gust: GustParams) -> tuple[float, np.ndarray]:
-    """Distance of the rows of the random gust in :func:`gust_coordinate`, and the sigma (m/s) at each: the
-    same for most cases.
-    """
+    """Spacing of the rows of the random gust in :func:`gust_coordinate`, and the sigma (m/s) at each."""
     top = gust_coordinate(gust.top_m, gust.bottom_m, gust.scale_length_m, gust.scale_growth)
     return top / (MAX_ROWS - 1), gust.sigma_scale * arrays.interpolate(
         gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s

@@ -160,7 +160,7 @@ def _write(stream: TextIO, kind: str, about: About, t: np.ndarray, numbers: Sequ
 
 
 def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
-    """Times of the rows as UTC to the microsecond, and their rows; a time that does not rise is left out."""
+    """Times as UTC to the microsecond, and their rows, without times that do not rise."""
     stamps: list[str] = []
     rows: list[int] = []
     for row, seconds in enumerate(t):

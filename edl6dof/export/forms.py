@@ -58,7 +58,9 @@ def _write(run: Run, form: str, path: Path) -> int:
     if form in ("oem", "aem"):
         return _write_message(run, form, path)
     if form == "nesc":
-        table = nesc_table(run)
+        truth = viewed_scenario(run.scenario_text, str(run.folder / "scenario.yaml")).truth
+        tables = build_tables(truth)
+        table = check_case_table(run, build_case(truth, tables)[0], tables[0]["atmosphere"])
         with path.open("w", encoding="utf-8", newline="") as stream:
             write_table(table, stream)
         return len(table["time"])
@@ -84,6 +86,7 @@ def _write_message(run: Run, form: str, path: Path) -> int:
 
 
 def _about(run: Run) -> Description:
+    """Units, meanings and attributes of a run."""
     words = {
         "title": run.name,
         "source": f"edl6dof {run.summary['edl6dof_version']}",
@@ -91,16 +94,8 @@ def _about(run: Run) -> Description:
         "epoch_utc": str(run.scenario["initial"].get("epoch_utc") or ""),
         "scenario_sha256": str(run.summary["scenario_sha256"]),
     }
-    return Description(
-        {name: run.unit(name) for name in run}, {name: run.meaning(name) for name in run}, words
-    )
-
-
-def nesc_table(run: Run) -> dict[str, np.ndarray]:
-    """Return the check-case columns of a run."""
-    truth = viewed_scenario(run.scenario_text, str(run.folder / "scenario.yaml")).truth
-    tables = build_tables(truth)
-    return check_case_table(run, build_case(truth, tables)[0], tables[0]["atmosphere"])
+    units, meanings = ({name: of(name) for name in run} for of in (run.unit, run.meaning))
+    return Description(units, meanings, words)
 
 
 class Description(NamedTuple):

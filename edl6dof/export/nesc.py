@@ -24,22 +24,26 @@ POUND = 0.45359237 * 9.80665  # N
 SLUG = POUND / FOOT  # kg
 RANKINE = 5.0 / 9.0  # K
 
-#: Column, telemetry channel, metric units in one English unit.
-_DIRECT: tuple[tuple[str, str, float], ...] = (
+#: Columns in the order of the check cases: name, source (a telemetry channel, or a name of :func:`_derived`),
+#: and metric units in one English unit.
+_COLUMNS: tuple[tuple[str, str, float], ...] = (
+    ("time", "time", 1.0),
     *((f"eiPosition_ft_{a.upper()}", f"truth.r_I_{a}_m", FOOT) for a in "xyz"),
     *((f"eiVelocity_ft_s_{a.upper()}", f"truth.v_I_{a}_m_s", FOOT) for a in "xyz"),
-    *(
-        (f"feVelocity_ft_s_{a}", f"truth.v_{way}_m_s", FOOT)
-        for a, way in zip("XYZ", ("north", "east", "down"), strict=True)
-    ),
+    ("feVelocity_ft_s_X", "truth.v_north_m_s", FOOT),
+    ("feVelocity_ft_s_Y", "truth.v_east_m_s", FOOT),
+    ("feVelocity_ft_s_Z", "truth.v_down_m_s", FOOT),
     ("altitudeMsl_ft", "truth.height_above_areoid_m", FOOT),
     ("longitude_deg", "truth.longitude_deg", 1.0),
     ("latitude_deg", "truth.latitude_deg", 1.0),
-    *(
-        (f"bodyAngularRateWrtEi_deg_s_{a}", f"truth.rate_{c}_deg_s", 1.0)
-        for a, c in zip(("Roll", "Pitch", "Yaw"), "pqr", strict=True)
-    ),
+    ("localGravity_ft_s2", "gravity", FOOT),
+    *((f"eulerAngle_deg_{angle}", angle, 1.0) for angle in ("Yaw", "Pitch", "Roll")),
+    ("bodyAngularRateWrtEi_deg_s_Roll", "truth.rate_p_deg_s", 1.0),
+    ("bodyAngularRateWrtEi_deg_s_Pitch", "truth.rate_q_deg_s", 1.0),
+    ("bodyAngularRateWrtEi_deg_s_Yaw", "truth.rate_r_deg_s", 1.0),
+    ("speedOfSound_ft_s", "speed of sound", FOOT),
     ("airDensity_slug_ft3", "truth.density_kg_m3", SLUG / FOOT**3),
+    ("ambientPressure_lbf_ft2", "pressure", POUND / FOOT**2),
     ("ambientTemperature_dgR", "truth.temperature_k", RANKINE),
     *((f"aero_bodyForce_lbf_{a.upper()}", f"truth.aero_force_{a}_n", POUND) for a in "xyz"),
     *(
@@ -49,20 +53,7 @@ _DIRECT: tuple[tuple[str, str, float], ...] = (
     ("mach", "truth.mach", 1.0),
     ("dynamicPressure_lbf_ft2", "truth.dynamic_pressure_pa", POUND / FOOT**2),
 )
-
-#: Columns in the order of the check cases.
-COLUMNS = [
-    "time", "eiPosition_ft_X", "eiPosition_ft_Y", "eiPosition_ft_Z", "eiVelocity_ft_s_X", "eiVelocity_ft_s_Y",
-    "eiVelocity_ft_s_Z", "feVelocity_ft_s_X", "feVelocity_ft_s_Y", "feVelocity_ft_s_Z", "altitudeMsl_ft",
-    "longitude_deg",
-    "latitude_deg", "localGravity_ft_s2", "eulerAngle_deg_Yaw", "eulerAngle_deg_Pitch", "eulerAngle_deg_Roll",
-    "bodyAngularRateWrtEi_deg_s_Roll", "bodyAngularRateWrtEi_deg_s_Pitch", "bodyAngularRateWrtEi_deg_s_Yaw",
-    "speedOfSound_ft_s", "airDensity_slug_ft3", "ambientPressure_lbf_ft2", "ambientTemperature_dgR",
-    "aero_bodyForce_lbf_X",
-    "aero_bodyForce_lbf_Y", "aero_bodyForce_lbf_Z", "aero_bodyMoment_ftlbf_L", "aero_bodyMoment_ftlbf_M",
-    "aero_bodyMoment_ftlbf_N", "mach", "dynamicPressure_lbf_ft2",
-]  # fmt: skip
-
+COLUMNS = [column for column, _, _ in _COLUMNS]
 INTERVAL_S = 0.1
 
 
@@ -84,13 +75,13 @@ def check_case_table(
         for name, values in telemetry.items()
         if name == "t_s" or name.startswith("truth.")
     }
-    table = {column: rows[channel] / unit for column, channel, unit in _DIRECT}
-    table["time"] = np.round(rows["t_s"], 9)  # 0.1, 0.2, ... as the check cases print it
-    table.update(_derived(rows, case, atmosphere))
-    return {column: table[column] for column in COLUMNS}
+    rows["time"] = np.round(rows["t_s"], 9)  # 0.1, 0.2, ... as the check cases print it
+    rows |= _derived(rows, case, atmosphere)
+    return {column: rows[source] / unit for column, source, unit in _COLUMNS}
 
 
 def _derived(rows: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void) -> dict[str, np.ndarray]:
+    """Quantities that telemetry lacks, in SI units and degrees."""
     spin = float(case["planet"]["rotation_rate"])
     found = np.empty((len(rows["t_s"]), 6))
     position = np.column_stack([rows[f"truth.r_I_{a}_m"] for a in "xyz"])
@@ -108,14 +99,8 @@ def _derived(rows: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void)
         )
         found[i] = sqrt(gx * gx + gy * gy + gz * gz), yaw, pitch, roll, pressure, sound
     gravity, yaw, pitch, roll, pressure, sound = found.T
-    return {
-        "localGravity_ft_s2": gravity / FOOT,
-        "eulerAngle_deg_Yaw": np.degrees(yaw),
-        "eulerAngle_deg_Pitch": np.degrees(pitch),
-        "eulerAngle_deg_Roll": np.degrees(roll),
-        "ambientPressure_lbf_ft2": pressure / (POUND / FOOT**2),
-        "speedOfSound_ft_s": sound / FOOT,
-    }
+    angles = {"Yaw": np.degrees(yaw), "Pitch": np.degrees(pitch), "Roll": np.degrees(roll)}
+    return {"gravity": gravity, "pressure": pressure, "speed of sound": sound, **angles}
 
 
 def write_table(table: Mapping[str, np.ndarray], stream: TextIO) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 from edl6dof.spatial.vector import dot, put3, sub, take3
 
 MAX_CHECKED = 8
@@ -25,39 +25,26 @@ class CheckOutParams(Params):
     """Pulses at the start of the first phase that show which thrusters work."""
 
     thrusters: list[str] = param(
-        None,
-        "thrusters that are tried, in order; none for no check-out",
-        record=False,
-        factory=list,
-        max_length=MAX_CHECKED,
+        None, "thrusters to try, in order; may be none", record=False, factory=list, max_length=MAX_CHECKED
     )
     pulse_s: float = param(0.08, "length of the trial pulse", status="estimate", ge=0.02, le=1.0)
     settle_s: float = param(
-        0.08,
-        "time after the pulse at which the gyros are read: valve decay and sensor delay",
-        ge=0.0,
-        le=1.0,
+        0.08, "time after the pulse at which the gyros are read: valve decay, sensor delay", ge=0.0, le=1.0
     )
     share: float = param(
         0.5, "share of the expected rate change below which a thruster counts as dead", gt=0.0, lt=1.0
     )
 
 
-CHECK_OUT = np.dtype(
-    [("setting", dtype_of(CheckOutParams)), ("thruster", "i8", (MAX_CHECKED,)), ("count", "i8")],
-    align=True,
-)
+CHECK_OUT = record(("setting", dtype_of(CheckOutParams)), ("thruster", "i8", (MAX_CHECKED,)), ("count", "i8"))
 
 #: ``next`` counts the thrusters done; ``response`` is the rate change of each over the expected one.
-CHECK_OUT_MEMORY = np.dtype(
-    [
-        ("next", whole(0, MAX_CHECKED)),
-        ("under_way", FLAG),
-        ("since", "f8"),
-        ("rate", "f8", (3,)),
-        ("response", "f8", (MAX_CHECKED,)),
-    ],
-    align=True,
+CHECK_OUT_MEMORY = record(
+    ("next", whole(0, MAX_CHECKED)),
+    ("under_way", FLAG),
+    ("since", "f8"),
+    ("rate", "f8", (3,)),
+    ("response", "f8", (MAX_CHECKED,)),
 )
 
 
@@ -80,14 +67,13 @@ def fill_check_out(record: np.void, params: CheckOutParams, thrusters: Sequence[
 
 @kernel
 def response(wrench, inertia, pulse, before, after):
-    """Rate change over a pulse along the expected one, in units of it: 1 for full thrust, 0 for none.
+    """Rate change over a pulse along the expected one, relative to it: 1 for full thrust, 0 for none.
 
     Args:
-        wrench: force and torque of the thruster at full thrust, 6 values.
+        wrench: force and torque of the thruster at full thrust, 6 values (N, N m).
         inertia: believed principal moments, kg m2.
         pulse: its length, s.
-        before: rate before it, rad/s.
-        after: rate after it, rad/s.
+        before, after: body rate, rad/s.
     """
     expected = (
         wrench[3] * pulse / inertia[0],
@@ -111,17 +97,11 @@ def put_off(memory):
 
 @kernel
 def check_out(params, effectiveness, inertia, t, rate, dt, memory):
-    """One control cycle of check-out: (thruster, on-time, loss), the valve to open from now, for how long,
-    and the fraction of thrust that it lacks once that is known, 0 for one that responds.
+    """One control cycle of check-out at time ``t`` with the measured body ``rate`` (rad/s).
 
-    Args:
-        params: ``CHECK_OUT`` record.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        inertia: believed principal moments, kg m2.
-        t: present time, s.
-        rate: measured body rate, rad/s.
-        dt: control cycle, s.
-        memory: ``CHECK_OUT_MEMORY`` record, updated.
+    Returns:
+        the valve to open from now, for how long (s), and the fraction of thrust that it lacks once that is
+        known, 0 for one that responds.
     """
     thruster, pulse = params.thruster[memory.next], params.setting.pulse
     if memory.under_way == 0:

@@ -4,21 +4,27 @@ from outside may replace its result.
 
 The cycle alone sees the memories of all modules.  It hands each step its own, and the others that its
 signature names.
+
+Arguments have the same names in all kernels of the flight software: ``onboard`` is the ``ONBOARD`` record,
+``vehicle``, ``planet``, ``atmosphere`` and ``instruments`` its parts of these names, and ``params`` or ``p``
+the kernel's own settings in it.  ``sensed``, ``nav``, ``state`` and ``goal`` (``out`` in guidance) are the
+records ``SENSED``, ``NAV``, ``VEHICLE_STATE`` and ``GUIDE``.  ``effectiveness`` holds force and torque of
+each thruster at full thrust, rows of 6 (N, N m), ``healthy`` is 0 for a thruster out of use, ``t`` is flight
+time and ``dt`` the time since the last call (s).  ``memory`` is updated, ``out`` is written.  A docstring
+says what differs from this.
 """
 
 from __future__ import annotations
 
-from edl6dof.fsw.allocation.demand import compose_demand, no_demand
 from edl6dof.fsw.allocation.effectiveness import update_effectiveness
-from edl6dof.fsw.allocation.registry import allocate
+from edl6dof.fsw.allocation.registry import allocate, compose_demand, no_demand
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.registry import gather_inputs
 from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
 from edl6dof.fsw.diagnosis.flow_evidence import NONE
-from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
+from edl6dof.fsw.estimation.engine_thrust import engine_shortfall, stuck_throttle
 from edl6dof.fsw.estimation.registry import estimate_disturbance, force_angle, remember_valves
-from edl6dof.fsw.estimation.stuck_throttle_detection import stuck_throttle
 from edl6dof.fsw.external import (
     replace_bank,
     replace_duties,
@@ -29,11 +35,9 @@ from edl6dof.fsw.external import (
     replace_torque,
 )
 from edl6dof.fsw.guidance.phase_guidance import guide, switch_engine
-from edl6dof.fsw.mission.phases import G_AVOID
-from edl6dof.fsw.mission.sequencer import sequence
+from edl6dof.fsw.mission import G_AVOID, sequence
 from edl6dof.fsw.modulation import command_valves, excess_torque, modulate, open_alone, open_for_test
-from edl6dof.fsw.navigation.derived import derive
-from edl6dof.fsw.navigation.drag_filter import filter_drag
+from edl6dof.fsw.navigation.derived import derive, filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.effectors import ENGINE_OFF
@@ -88,9 +92,7 @@ def commanded_thrust(vehicle, t, state, command):
 
 @kernel
 def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state):
-    """Update the belief in a loss of thrust, or in a stuck throttle, from the axial force that the thrusters
-    do not explain.
-    """
+    """Update the belief in a loss of thrust, or in a stuck throttle, from the unexplained axial force."""
     commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
     full, weight = state.engine.full_thrust, state.mass * nav.gravity
     state.held_thrust = stuck_throttle(
@@ -109,9 +111,7 @@ def axial_load(unexplained, goal, state):
 
 @kernel
 def run(functions, onboard, sensed, k, fsw):
-    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``; ``functions``: of the members that fly
-    (:mod:`edl6dof.fsw.functions`).
-    """
+    """Run base cycle ``k``, from ``sensed`` to ``fsw.command``, with the kernels of :mod:`.functions`."""
     laws, control, share_out, estimate, filters, classify, detect_hazards = functions
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command
@@ -125,14 +125,7 @@ def run(functions, onboard, sensed, k, fsw):
     # navigation
     estimate_state(filters, onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
-    derive(
-        onboard.planet,
-        onboard.atmosphere,
-        vehicle,
-        site_frame=onboard.site.frame,
-        estimate=fsw.navigation.estimate,
-        nav=nav,
-    )
+    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav=nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
         return
@@ -298,14 +291,7 @@ def run(functions, onboard, sensed, k, fsw):
         replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation
-        modulate(
-            onboard.modulation,
-            vehicle,
-            fsw.allocation.duty,
-            nav.t,
-            cycle=control_dt,
-            memory=fsw.modulation,
-        )
+        modulate(onboard.modulation, vehicle, fsw.allocation.duty, nav.t, control_dt, memory=fsw.modulation)
         resting = ExerciseSignals(
             vehicle=vehicle,
             effectiveness=effectiveness,

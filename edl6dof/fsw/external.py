@@ -10,22 +10,18 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.fsw.guidance.powered.terminal_descent import start_or_throttle
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.spatial.vector import clamp, put3, take3
+from edl6dof.records import record
+from edl6dof.spatial.vector import clamp, put3, put4, take3
 
 #: Last results of the flight software itself, whatever was commanded.
-OWN = np.dtype(
-    [
-        ("bank", "f8"),  # rad: of entry guidance
-        ("thrust_N", "f8", (3,)),  # N, north, east, down: thrust vector of powered guidance
-        ("torque_B", "f8", (3,)),  # N m, B: of attitude control
-        ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster: of allocation
-    ],
-    align=True,
+OWN = record(
+    ("bank", "f8"),  # rad: of entry guidance
+    ("thrust_N", "f8", (3,)),  # N, north, east, down: thrust vector of powered guidance
+    ("torque_B", "f8", (3,)),  # N m, B: of attitude control
+    ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster: of allocation
 )
 
 
@@ -37,8 +33,7 @@ def replace_estimate(external, estimate):
     put3(estimate.r_I, 0, take3(external.r_I, 0))
     put3(estimate.v_I, 0, take3(external.v_I, 0))
     put3(estimate.w_B, 0, take3(external.w_B, 0))
-    for i in range(4):
-        estimate.q_I2B[i] = external.q_I2B[i]
+    put4(estimate.q_I2B, external.q_I2B)
     estimate.height_above_ground = external.height_above_ground
 
 
@@ -55,14 +50,8 @@ def replace_landing_point(external, point):
 
 @kernel
 def replace_bank(external, limit, before, dt, goal):
-    """Put the commanded bank angle into the ``GUIDE`` record, or move it at the commanded rate.
-
-    Args:
-        external: ``EXTERNAL`` record.
-        limit: largest rate of the commanded bank angle, rad/s.
-        before: commanded in the last cycle, rad.
-        dt: base cycle, s.
-        goal: ``GUIDE`` record, written.
+    """Put the commanded bank angle into ``goal``, or move it at the commanded rate from ``before`` (rad), the
+    last cycle's, in both cases at no more than ``limit`` (rad/s).
     """
     if external.given.bank != 0:
         goal.bank = clamp(external.bank, before - limit * dt, before + limit * dt)
@@ -72,15 +61,8 @@ def replace_bank(external, limit, before, dt, goal):
 
 @kernel
 def replace_thrust(external, powered, state, t, goal):
-    """Put the commanded thrust, or the size of it, into the ``GUIDE`` record while the engine burns; lateral
-    force then comes from the tilt alone.
-
-    Args:
-        external: ``EXTERNAL`` record.
-        powered: parameters of powered guidance: the start of the engine.
-        state: ``VEHICLE_STATE`` record: what the engines can do.
-        t: present time, s.
-        goal: ``GUIDE`` record, written.
+    """Put the commanded thrust, or the size of it, into ``goal`` while the engine burns; lateral force then
+    comes from the tilt alone.  ``powered``: parameters of powered guidance (start of the engine).
     """
     given = external.given
     if state.ignited == 0 or (given.thrust == 0 and given.throttle == 0):
@@ -110,18 +92,14 @@ def replace_health(external, count, healthy):
 
 @kernel
 def replace_torque(external, torque, own):
-    """Return the torque (N m, B) that is demanded: the commanded one, or that of attitude control, which is
-    kept in ``own``.
-    """
+    """Return the commanded torque (N m, B), or that of attitude control, which is kept in ``own``."""
     put3(own.torque_B, 0, torque)
     return take3(external.torque_B, 0) if external.given.torque != 0 else torque
 
 
 @kernel
 def replace_duties(external, count, duty, own):
-    """Put the commanded duties of ``count`` thrusters in the place of those of allocation, which are kept in
-    ``own``.
-    """
+    """Replace the duties of ``count`` thrusters by the commanded ones; ``own`` keeps those of allocation."""
     for i in range(count):
         own.duty[i] = duty[i]
     if external.given.duties != 0:

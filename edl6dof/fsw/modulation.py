@@ -20,11 +20,10 @@ pulses); pulses whose width and spacing both follow the demand: Wie, Space Vehic
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 
 
 class ModulationParams(Params):
@@ -37,10 +36,7 @@ class ModulationParams(Params):
         lt=1.0,
     )
     opening_share: float = param(
-        0.65,
-        "on-time due, over the shortest pulse, from which a valve opens",
-        ge=0.5,
-        le=1.0,
+        0.65, "on-time due, over the shortest pulse, from which a valve opens", ge=0.5, le=1.0
     )
     shortest_gap_s: float = param(
         0.012,
@@ -52,29 +48,19 @@ class ModulationParams(Params):
     )
 
 
-MODULATION = np.dtype(
-    [
-        ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
-        ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
-        ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
-        ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
-        ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
-    ],
-    align=True,
+MODULATION = record(
+    ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
+    ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
+    ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
+    ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
+    ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
 )
 
 
 @kernel
 def modulate(params, vehicle, duty, t, cycle, memory):
-    """Turn duties into the valve intervals of the cycle that starts at ``t``.
-
-    Args:
-        params: modulation record.
-        vehicle: believed vehicle (thrusters: minimum pulse).
-        duty: demanded duty of each, 0..1.
-        t: start of the cycle, s.
-        cycle: its length, s.
-        memory: ``MODULATION`` record, updated.
+    """Turn duties (0..1) into the valve intervals of the cycle that starts at ``t`` and lasts ``cycle`` (s);
+    ``memory``: ``MODULATION`` record, updated.
     """
     open_time, close_time = memory.open_time, memory.close_time
     for i in range(vehicle.n_thrusters):
@@ -104,9 +90,7 @@ def open_alone(thruster, on, count, t, memory):
 
 @kernel
 def open_for_test(i, vehicle, t, cycle, memory):
-    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for
-    it.
-    """
+    """Open valve ``i`` for the shortest pulse, at least a cycle; no demand is charged for it."""
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
     memory.open_time[i], memory.close_time[i] = t, t + cycle
     memory.busy_until[i] = end

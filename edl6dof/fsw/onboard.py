@@ -8,13 +8,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import numpy as np
-
 from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
-from edl6dof.fsw.allocation.registry import ALLOCATION, AllocationParams
+from edl6dof.fsw.allocation.registry import ALLOCATION, DEMAND, AllocationParams
 from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
 from edl6dof.fsw.control.registry import CONTROL, CONTROLLERS
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
@@ -23,26 +20,24 @@ from edl6dof.fsw.external import OWN
 from edl6dof.fsw.guidance.entry.aim_point import HeadingAlignmentParams
 from edl6dof.fsw.guidance.entry.air_data import AirDataParams, ExpectedWindParams
 from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
-from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
+from edl6dof.fsw.guidance.entry.drag_velocity import EntryLimitParams
 from edl6dof.fsw.guidance.entry.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.guidance.entry.steering import ReversalParams
+from edl6dof.fsw.guidance.entry.reversal.registry import ReversalParams
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.phase_guidance import GUIDANCE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.fsw.guidance.powered.stuck_throttle_descent import StuckThrottleDescentParams
+from edl6dof.fsw.guidance.powered.stopping import StuckThrottleDescentParams
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal_descent import TerminalParams
-from edl6dof.fsw.hazard.backshell_drift import DRIFTER
+from edl6dof.fsw.hazard.coarse_avoidance import DRIFTER
 from edl6dof.fsw.hazard.detection import HAZARD
 from edl6dof.fsw.hazard.registry import HazardParams
 from edl6dof.fsw.hazard.site_selection import LANDING_POINT
-from edl6dof.fsw.mission.phases import MISSION
-from edl6dof.fsw.mission.sequencer import SEQUENCE
+from edl6dof.fsw.mission import MISSION, SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
-from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.fsw.navigation.drag_filter import DRAG_FILTER
+from edl6dof.fsw.navigation.derived import DRAG_FILTER, NAV
 from edl6dof.fsw.navigation.filters.registry import NavigationParams
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.update import NAVIGATION
@@ -50,7 +45,7 @@ from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND, EXTERNAL
 from edl6dof.interface.effectors import BRANCHES
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
@@ -66,12 +61,7 @@ class EntryGuidanceParams(_EntryLaws):
         55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0
     )
     trim_alpha_deg: float = param(
-        -10.0,
-        "angle of attack commanded before and during lift control",
-        status="published",
-        source="S1",
-        ge=-90.0,
-        le=90.0,
+        -10.0, "angle of attack until lift control ends", status="published", source="S1", ge=-90.0, le=90.0
     )
     bank_min_deg: float = param(
         15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0
@@ -104,10 +94,7 @@ class EntryGuidanceParams(_EntryLaws):
         0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0
     )
     expected_wind: ExpectedWindParams = group(
-        ExpectedWindParams,
-        "mean wind that the angle of attack and the drift under the parachute are worked out with; the true "
-        "one is the section wind",
-        record=False,
+        ExpectedWindParams, "mean wind that is expected; the true one is the section wind", record=False
     )
 
     @property
@@ -122,11 +109,7 @@ class PoweredGuidanceParams(_PoweredLaws):
 
     full_time_s: float = param(1.0, "shortest time at full thrust after ignition", status="estimate", ge=0.0)
     full_again: float = param(
-        1.5,
-        "demand, over the upper end of the throttle band, beyond which full thrust comes back",
-        status="estimate",
-        ge=1.0,
-        le=100.0,
+        1.5, "demand, over the band, beyond which full thrust comes back", status="estimate", ge=1.0, le=100.0
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
@@ -186,128 +169,107 @@ class _Thrusters(Params):
     thrusters: Annotated[list[BelievedThruster], Capacity(MAX_THRUSTERS)] = param(..., "believed thrusters")
 
 
-CONFIGURATION = np.dtype(
-    [
-        ("mass", "f8"),  # kg: believed
-        ("centre", "f8", (3,)),  # m, B: centre of mass, from the nose
-        ("inertia", "f8", (3,)),  # kg m2, B: principal moments about the centre of mass
-        ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
-    ],
-    align=True,
+CONFIGURATION = record(
+    ("mass", "f8"),  # kg: believed
+    ("centre", "f8", (3,)),  # m, B: centre of mass, from the nose
+    ("inertia", "f8", (3,)),  # kg m2, B: principal moments about the centre of mass
+    ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
 )
 
-ONBOARD = np.dtype(
-    [
-        (
-            "planet",
-            np.dtype(
-                [
-                    ("mu", "f8"),  # m3/s2: gravitational parameter
-                    ("equatorial_radius", "f8"),  # m: of the reference ellipsoid
-                    ("flattening", "f8"),  # of the reference ellipsoid
-                    ("rotation_rate", "f8"),  # rad/s: about z of I and F, positive eastward
-                    ("j2", "f8"),  # oblateness, not normalised
-                    ("gravity_radius", "f8"),  # m: radius that the oblateness refers to
-                    ("sutton_graves_constant", "f8"),  # kg^0.5/m: of the convective heat flux
-                ],
-                align=True,
-            ),
+ONBOARD = record(
+    (
+        "planet",
+        record(
+            ("mu", "f8"),  # m3/s2: gravitational parameter
+            ("equatorial_radius", "f8"),  # m: of the reference ellipsoid
+            ("flattening", "f8"),  # of the reference ellipsoid
+            ("rotation_rate", "f8"),  # rad/s: about z of I and F, positive eastward
+            ("j2", "f8"),  # oblateness, not normalised
+            ("gravity_radius", "f8"),  # m: radius that the oblateness refers to
+            ("sutton_graves_constant", "f8"),  # kg^0.5/m: of the convective heat flux
         ),
-        (
-            "atmosphere",
-            np.dtype(
-                [
-                    ("bottom", "f8"),  # m: altitude of the first node
-                    ("top", "f8"),  # m: altitude of the last node
-                    ("spacing", "f8"),  # m: between nodes
-                    ("ln_density", "f8", (NODES,)),  # natural logarithm of the density in kg/m3
-                    ("speed_of_sound", "f8", (NODES,)),  # m/s: believed
-                    ("wind_north", "f8", (NODES,)),  # m/s: expected mean wind, towards north
-                    ("wind_east", "f8", (NODES,)),  # m/s: expected mean wind, towards east
-                ],
-                align=True,
-            ),
+    ),
+    (
+        "atmosphere",
+        record(
+            ("bottom", "f8"),  # m: altitude of the first node
+            ("top", "f8"),  # m: altitude of the last node
+            ("spacing", "f8"),  # m: between nodes
+            ("ln_density", "f8", (NODES,)),  # natural logarithm of the density in kg/m3
+            ("speed_of_sound", "f8", (NODES,)),  # m/s: believed
+            ("wind_north", "f8", (NODES,)),  # m/s: expected mean wind, towards north
+            ("wind_east", "f8", (NODES,)),  # m/s: expected mean wind, towards east
         ),
-        (
-            "site",
-            np.dtype(
-                [
-                    ("latitude", "f8"),  # rad: geodetic, of the landing site
-                    ("longitude", "f8"),  # rad: of the landing site, positive east
-                    ("altitude", "f8"),  # m: of the landing site, above the reference ellipsoid
-                    ("aim_latitude", "f8"),  # rad: geodetic, of the aim point of entry guidance
-                    ("aim_longitude", "f8"),  # rad: of the aim point, positive east
-                    ("frame", LOCAL_FRAME),  # frame L of the landing site
-                ],
-                align=True,
-            ),
+    ),
+    (
+        "site",
+        record(
+            ("latitude", "f8"),  # rad: geodetic, of the landing site
+            ("longitude", "f8"),  # rad: of the landing site, positive east
+            ("altitude", "f8"),  # m: of the landing site, above the reference ellipsoid
+            ("aim_latitude", "f8"),  # rad: geodetic, of the aim point of entry guidance
+            ("aim_longitude", "f8"),  # rad: of the aim point, positive east
+            ("frame", LOCAL_FRAME),  # frame L of the landing site
         ),
-        (
-            "vehicle",
-            np.dtype(
-                [
-                    ("entry_mass", "f8"),  # kg: at entry
-                    ("drag_area", "f8"),  # m2: drag coefficient times reference area
-                    ("lift_to_drag", "f8"),  # lift-to-drag ratio at trim
-                    ("airframe", AIRFRAME),  # trim, drag and lift against the Mach number
-                    # by the set of the parts that are gone, a bit for each
-                    ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
-                    ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
-                    ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),  # each engine by itself
-                    ("n_engines", "i8"),  # engines that the vehicle has
-                    *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
-                    ("branches", BRANCHES),  # propellant branches
-                ],
-                align=True,
-            ),
+    ),
+    (
+        "vehicle",
+        record(
+            ("entry_mass", "f8"),  # kg: at entry
+            ("drag_area", "f8"),  # m2: drag coefficient times reference area
+            ("lift_to_drag", "f8"),  # lift-to-drag ratio at trim
+            ("airframe", AIRFRAME),  # trim, drag and lift against the Mach number
+            # by the set of the parts that are gone, a bit for each
+            ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
+            ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
+            ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),  # each engine by itself
+            ("n_engines", "i8"),  # engines that the vehicle has
+            *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
+            ("branches", BRANCHES),  # propellant branches
         ),
-        ("rates", dtype_of(RateParams)),
-        ("instruments", INSTRUMENTS),
-        ("flow_meters", FLAG),  # propellant branches are metered
-        ("navigation", dtype_of(NavigationParams)),
-        ("hazard", dtype_of(HazardParams)),
-        ("drifter", DRIFTER),
-        ("guidance", dtype_of(GuidanceParams)),
-        ("check_out", CHECK_OUT),
-        ("control", dtype_of(ControlParams)),
-        ("estimation", dtype_of(EstimationParams)),
-        ("imu_delay", "f8"),  # s: age of a reading of the inertial unit when it arrives
-        ("diagnosis", dtype_of(DiagnosisParams)),
-        ("allocation", dtype_of(AllocationParams)),
-        ("modulation", dtype_of(ModulationParams)),
-        ("mission", MISSION),
-        ("reference", REFERENCE),
-        ("plan", ENTRY_LAWS.tables),
-    ],
-    align=True,
+    ),
+    ("rates", dtype_of(RateParams)),
+    ("instruments", INSTRUMENTS),
+    ("flow_meters", FLAG),  # propellant branches are metered
+    ("navigation", dtype_of(NavigationParams)),
+    ("hazard", dtype_of(HazardParams)),
+    ("drifter", DRIFTER),
+    ("guidance", dtype_of(GuidanceParams)),
+    ("check_out", CHECK_OUT),
+    ("control", dtype_of(ControlParams)),
+    ("estimation", dtype_of(EstimationParams)),
+    ("imu_delay", "f8"),  # s: age of a reading of the inertial unit when it arrives
+    ("diagnosis", dtype_of(DiagnosisParams)),
+    ("allocation", dtype_of(AllocationParams)),
+    ("modulation", dtype_of(ModulationParams)),
+    ("mission", MISSION),
+    ("reference", REFERENCE),
+    ("plan", ENTRY_LAWS.tables),
 )
 
 #: The memories of the modules of the flight software.  Only the cycle sees all of them; each module gets its
 #: own, and of the others what its signature says.
-FSW = np.dtype(
-    [
-        ("mission", SEQUENCE),
-        ("landing_point", LANDING_POINT),
-        ("guidance", GUIDANCE),
-        ("control", CONTROL),
-        ("health", HEALTH),
-        ("vehicle", VEHICLE_STATE),
-        ("nav", NAV),
-        ("guide", GUIDE),
-        ("disturbance", DISTURBANCE),
-        ("demand", DEMAND),
-        ("estimation", ESTIMATION),
-        ("diagnosis", DIAGNOSIS),
-        ("check_out", CHECK_OUT_MEMORY),
-        ("navigation", NAVIGATION),
-        ("drag_filter", DRAG_FILTER),
-        ("effectiveness", EFFECTIVENESS),
-        ("allocation", ALLOCATION),
-        ("modulation", MODULATION),
-        ("command", COMMAND),
-        ("external", EXTERNAL),
-        ("own", OWN),
-        ("hazard", HAZARD),  # by far the largest
-    ],
-    align=True,
+FSW = record(
+    ("mission", SEQUENCE),
+    ("landing_point", LANDING_POINT),
+    ("guidance", GUIDANCE),
+    ("control", CONTROL),
+    ("health", HEALTH),
+    ("vehicle", VEHICLE_STATE),
+    ("nav", NAV),
+    ("guide", GUIDE),
+    ("disturbance", DISTURBANCE),
+    ("demand", DEMAND),
+    ("estimation", ESTIMATION),
+    ("diagnosis", DIAGNOSIS),
+    ("check_out", CHECK_OUT_MEMORY),
+    ("navigation", NAVIGATION),
+    ("drag_filter", DRAG_FILTER),
+    ("effectiveness", EFFECTIVENESS),
+    ("allocation", ALLOCATION),
+    ("modulation", MODULATION),
+    ("command", COMMAND),
+    ("external", EXTERNAL),
+    ("own", OWN),
+    ("hazard", HAZARD),  # by far the largest
 )

@@ -4,48 +4,39 @@ concluded from the commands it gives itself; and the thrusters that may be used.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR, is_done_to
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 
 #: Thrusters that may be used: 0 once one is found to have failed.
-HEALTH = np.dtype([("thruster", FLAG, (MAX_THRUSTERS,))], align=True)
+HEALTH = record(("thruster", FLAG, (MAX_THRUSTERS,)))
 
 
 #: Ability of an engine, or of those that burn taken together.
-ENGINE_ABILITY = np.dtype(
-    [
-        ("full_thrust", "f8"),  # N: at the full level
-        ("throttle_min", "f8"),  # N: lower end of the throttle band
-        ("throttle_max", "f8"),  # N: upper end of the throttle band
-        ("specific_impulse", "f8"),  # s: at full thrust
-        ("by_thrusters", "f8"),  # share of the thrust that the axial thrusters give
-        # share of an engine's thrust along -x of B, which the others count; 1 of those together
-        ("axial", "f8"),
-    ],
-    align=True,
+ENGINE_ABILITY = record(
+    ("full_thrust", "f8"),  # N: at the full level
+    ("throttle_min", "f8"),  # N: lower end of the throttle band
+    ("throttle_max", "f8"),  # N: upper end of the throttle band
+    ("specific_impulse", "f8"),  # s: at full thrust
+    ("by_thrusters", "f8"),  # share of the thrust that the axial thrusters give
+    ("axial", "f8"),  # share of an engine's thrust along -x of B, which the others count; 1 of those together
 )
 
-VEHICLE_STATE = np.dtype(
-    [
-        ("requested", FLAG, (MAX_EVENTS,)),  # events that it has requested
-        ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
-        ("mass", "f8"),  # kg: believed
-        ("wing_commanded", FLAG),  # the trim wing was commanded open
-        ("wing_time", "f8"),  # s: flight time of that command
-        ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
-        ("ignited", FLAG),  # one of them at least
-        ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
-        ("held_thrust", "f8"),  # N: of a throttle that is believed stuck; 0: it moves
-        ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
-        ("engine", ENGINE_ABILITY),  # of them together, less the thrust that is missing
-        ("ignition_time", "f8"),  # s: flight time at which the thrust of the engine begins
-    ],
-    align=True,
+VEHICLE_STATE = record(
+    ("requested", FLAG, (MAX_EVENTS,)),  # events that it has requested
+    ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
+    ("mass", "f8"),  # kg: believed
+    ("wing_commanded", FLAG),  # the trim wing was commanded open
+    ("wing_time", "f8"),  # s: flight time of that command
+    ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
+    ("ignited", FLAG),  # one of them at least
+    ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
+    ("held_thrust", "f8"),  # N: of a throttle that is believed stuck; 0: it moves
+    ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
+    ("engine", ENGINE_ABILITY),  # of them together, less the thrust that is missing
+    ("ignition_time", "f8"),  # s: flight time at which the thrust of the engine begins
 )
 
 
@@ -59,15 +50,7 @@ def take_off(vehicle, part, state):
 
 @kernel
 def follow_events(vehicle, mission, t, request, state):
-    """Apply the events requested in this cycle to the believed vehicle.
-
-    Args:
-        vehicle: believed vehicle.
-        mission: ``MISSION`` record: action of each event.
-        t: flight time, s.
-        request: one flag for each event.
-        state: ``VEHICLE_STATE`` record, updated.
-    """
+    """Apply the events requested in this cycle (``request``: a flag for each) to the believed vehicle."""
     for i in range(mission.n_events):
         if request[i] == 0:
             continue
@@ -117,14 +100,8 @@ def take_together(engines, count, state):
 
 @kernel
 def share_thrust(vehicle, thrust, state, command):
-    """Command each engine that burns its share of the thrust (N), in proportion to what it can give; one that
-    points aside gives more than it brings.
-
-    Args:
-        vehicle: believed vehicle.
-        thrust: of all together along the axis, N.
-        state: ``VEHICLE_STATE`` record.
-        command: thrust of each engine, N, written.
+    """Command each engine that burns its share of the ``thrust`` (N, of all together along the axis), in
+    proportion to what it can give, into ``command`` (N); one that points aside gives more than it brings.
     """
     for i in range(vehicle.n_engines):
         full = vehicle.engines[i].full_thrust
@@ -141,8 +118,7 @@ def count_propellant(vehicle, thrust, valves, dt, control_dt, state):
         vehicle: believed vehicle.
         thrust: of the engine while it runs, N.
         valves: ``MODULATION`` record: the valve intervals of the present control cycle.
-        dt: base cycle, s.
-        control_dt: control cycle, s.
+        dt, control_dt: base cycle and control cycle, s.
         state: ``VEHICLE_STATE`` record, updated.
     """
     used = 0.0

@@ -13,6 +13,9 @@ MAX_ENGINES = 8
 MAX_SURFACES = 4
 #: Propellant tanks of a vehicle.
 MAX_TANKS = 4
+#: Footpads of a landing gear, as many points of the underside, and all of these that may meet the ground.
+MAX_FOOTPADS = 8
+MAX_CONTACTS = 2 * MAX_FOOTPADS
 #: Parachutes of a vehicle.
 MAX_PARACHUTES = 4
 #: Gyros, and accelerometers, of an inertial unit; beams of a landing radar; ports of an air data system.

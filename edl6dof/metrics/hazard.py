@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.population import within
+from edl6dof.environment.landing_area.relief import GENERATED
 from edl6dof.environment.terrain import place_of
-from edl6dof.fsw.hazard.safety import SAFE
+from edl6dof.fsw.hazard.elevation_map import SAFE
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.kernels import kernel
 from edl6dof.metrics.touchdown import COUNTED, FOOTPRINT

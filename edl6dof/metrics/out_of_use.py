@@ -10,7 +10,7 @@ import numpy as np
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.fsw.navigation.exclusions import ACCELEROMETERS, BEAMS, GYROS, INERTIAL_UNIT, STAR_TRACKER
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component, Components
-from edl6dof.vehicle.faults.fault import FaultParams, failure_of
+from edl6dof.vehicle.faults.fault import FaultParams, about
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 
@@ -70,7 +70,7 @@ def diagnosis_figures(
     for fault, begun in zip(faults, plant["fault_since"], strict=False):
         if begun != NOT_BEGUN:
             for name in failed_thrusters(fault, components, branches):
-                what = name, str(failure_of(fault.kind)).replace("_", " ")
+                what = name, str(about(fault.kind).failure).replace("_", " ")
                 since[what] = min(float(begun), since.get(what, np.inf))
     right = [one for one in isolated if one.t_s >= since.get((one.thruster, one.kind), np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}

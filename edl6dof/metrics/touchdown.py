@@ -9,9 +9,8 @@ from math import isfinite, pi, sqrt
 import numpy as np
 
 from edl6dof.config.units import DEG
-from edl6dof.environment.landing_area.features import HEIGHT
-from edl6dof.environment.landing_area.params import GENERATED
-from edl6dof.environment.landing_area.population import within
+from edl6dof.environment.landing_area.population import HEIGHT, within
+from edl6dof.environment.landing_area.relief import GENERATED
 from edl6dof.environment.terrain import place_of
 from edl6dof.fsw.control.attitude_error import decoupled_error, goal_attitude
 from edl6dof.kernels import kernel
@@ -21,10 +20,8 @@ from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_
 from edl6dof.spatial.quaternion import axes, from_frame
 from edl6dof.spatial.table_index import endless_cell
 from edl6dof.spatial.vector import clamp, dot, norm, sub, take3
-from edl6dof.vehicle.landing_gear import contact_point
-from edl6dof.vehicle.motion.ground_contact import ground_at_offset, north_east_of
-from edl6dof.vehicle.motion.runge_kutta import take_attitude
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.landing_gear import contact_point, ground_at_offset, north_east_of
+from edl6dof.vehicle.plant import POSITION, RATE, VELOCITY, take_attitude
 from edl6dof.vehicle.surroundings import planet_rotation
 
 
@@ -51,7 +48,7 @@ def _contact(cases, plants):
     spin = planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
     r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     r_F = rotate_z(c, s, r)
     sl, cl, so, co, _ = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     north, east, down = fixed_to_ned(

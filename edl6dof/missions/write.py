@@ -22,9 +22,9 @@ from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted
 from edl6dof.metrics.published import Evidence
 from edl6dof.missions.mission import GOAL, WITHIN, Compared, Predicted, inside, reached_goal
+from edl6dof.report.document import significant
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
-from edl6dof.report.numbers import significant
 from edl6dof.report.palette import BLUE, PHASES, SKY, VERMILION
 
 HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "")

@@ -1,3 +1,1 @@
-"""The 3D replay of flights, as a rerun recording with its own arrangement of views; ``recording`` writes
-it.
-"""
+"""The 3D replay of flights, as a rerun recording with its own arrangement of views."""

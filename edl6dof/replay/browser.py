@@ -66,15 +66,12 @@ def _program() -> tuple[str, str]:
     port, data = free_port(), free_port()
     with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
         program.wait_for(port)
-        script, wasm = (
-            _fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
-        )
-    return script.decode("utf-8"), _packed(wasm)
-
-
-def _fetch(url: str) -> bytes:
-    with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=30.0) as answer:
-        return bytes(answer.read())
+        open_url = urllib.request.build_opener(urllib.request.ProxyHandler({})).open
+        found = []
+        for name in ("re_viewer.js", "re_viewer_bg.wasm"):
+            with open_url(f"http://{HOST}:{port}/{name}", timeout=30.0) as answer:
+                found.append(bytes(answer.read()))
+    return found[0].decode("utf-8"), _packed(found[1])
 
 
 def _packed(content: bytes) -> str:
@@ -83,23 +80,16 @@ def _packed(content: bytes) -> str:
 
 
 class PageServer(socketserver.ThreadingTCPServer):
-    """Serves one page on a free port of this machine."""
+    """Serves one page on a free port of this machine, under its ``hosts``."""
 
     daemon_threads = True
 
     def __init__(self, page: bytes) -> None:
         super().__init__((HOST, 0), _Request)
         self.page = page
-        self.url = f"http://{HOST}:{self.server_address[1]}/"
-
-    def knows_host(self, hosts: list[str]) -> bool:
-        """Return True if a request names this machine and port, once."""
         port = self.server_address[1]
-        return len(hosts) == 1 and hosts[0].lower() in (
-            f"{HOST}:{port}",
-            f"localhost:{port}",
-            f"[::1]:{port}",
-        )
+        self.url = f"http://{HOST}:{port}/"
+        self.hosts = {f"{host}:{port}" for host in (HOST, "localhost", "[::1]")}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore a browser that hangs up."""
@@ -114,27 +104,21 @@ class _Request(BaseHTTPRequestHandler):
     timeout = 30.0
 
     def do_GET(self) -> None:
-        """Send the page."""
-        if self._answer():
-            self.wfile.write(self.server.page)
-
-    def do_HEAD(self) -> None:
-        """Send the headers."""
-        self._answer()
-
-    def _answer(self) -> bool:
-        """Send the headers; returns whether the page may follow."""
-        if not self.server.knows_host(self.headers.get_all("Host", [])):
+        """Send the headers, and for GET the page."""
+        hosts = self.headers.get_all("Host", [])
+        if len(hosts) != 1 or hosts[0].lower() not in self.server.hosts:
             self.send_error(HTTPStatus.FORBIDDEN)
-            return False
-        if self.path != "/":
+        elif self.path != "/":
             self.send_error(HTTPStatus.NOT_FOUND)
-            return False
-        self.send_response(HTTPStatus.OK)
-        for name, value in {**_HEADERS, "Content-Length": str(len(self.server.page))}.items():
-            self.send_header(name, value)
-        self.end_headers()
-        return True
+        else:
+            self.send_response(HTTPStatus.OK)
+            for name, value in {**_HEADERS, "Content-Length": str(len(self.server.page))}.items():
+                self.send_header(name, value)
+            self.end_headers()
+            if self.command == "GET":
+                self.wfile.write(self.server.page)
+
+    do_HEAD = do_GET
 
     def log_message(self, *_: Any) -> None:
         """Say nothing for each request."""
@@ -144,19 +128,15 @@ def serve(page: bytes) -> None:
     """Serve the page, print its address, open a browser if there is one, and run until Ctrl-C."""
     with PageServer(page) as server:
         print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
-        if _has_display():
-            _open(server.url)
+        _open(server.url)
         with suppress(KeyboardInterrupt):
             server.serve_forever()
 
 
 def _open(url: str) -> None:
-    """Open a browser that neither writes into this terminal nor ends with Ctrl-C."""
+    """Open a browser, if it can have a window, that is silent here and does not end with Ctrl-C."""
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return  # Python would start a browser for terminals
     silent = subprocess.DEVNULL
     words = python("import webbrowser; webbrowser.open(sys.argv[1])", url)
     subprocess.Popen(words, stdin=silent, stdout=silent, stderr=silent, start_new_session=True)
-
-
-def _has_display() -> bool:
-    """True if a browser can open a window; otherwise Python would start one for terminals."""
-    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 #: Rows kept per second.
 POSE_HZ = 25.0
-#: Rows from which on a flight keeps them all only near its events, and how near, s.
+#: Rows beyond which a flight keeps them all only near its events, and how near, s.
 MANY, BESIDE_S = 30_000, 60.0
 
-#: Whatever has a place of its own, and columns that say where everything is.
+#: Things with a place of their own, and the columns of all places and poses.
 PARTS = ("site", "canopy", "heat_shield", "backshell")
 POSES = (
     *(f"truth.{one}_{axis}_m" for one in PARTS for axis in ("east", "north", "up")),
@@ -69,13 +69,6 @@ class Flown(Protocol):
         """Columns by name."""
 
 
-class Known(NamedTuple):
-    """Time and text of the isolation of a thruster."""
-
-    t_s: float
-    text: str
-
-
 class History:
     """One flight, thinned for the eye.
 
@@ -88,13 +81,13 @@ class History:
         jets: names of the thrusters.
         instruments: what was made of each instrument, at these rows; none where sensors are perfect.
         failures: true state of the thrusters that fail, by name, at these rows; 0 works.
-        diagnosed: first isolation of each thruster, by its name.
+        diagnosed: time (s) and words of the first isolation of each thruster, by its name.
         landing_map: what the lander saw of the ground and chose on it; ``None`` without a scan.
         when: time (s) of the first event of each key, and of the first phase of each role.
     """
 
     def __init__(self, flight: Flown, names: Iterable[str], plotted: Iterable[str] = ()) -> None:
-        """Take the columns ``names`` besides the poses, thinned, and the columns ``plotted`` whole."""
+        """Take the columns ``names`` and those of the poses, thinned, and the columns ``plotted`` whole."""
         table = flight.telemetry
         self.name, self.outcome, self.success = flight.name, flight.outcome, flight.success
         self.scenario, self.landing_map = flight.scenario, flight.landing_map
@@ -117,15 +110,14 @@ class History:
         states = {jet: table[f"fault.{jet}"][rows] for jet in self.jets if f"fault.{jet}" in table}
         self.failures = {jet: state for jet, state in states.items() if np.any(state > 0)}
         isolations = [event for event in flight.events if event["key"] == "diagnosis"]
-        self.diagnosed = {one["thruster"]: Known(one["t_s"], one["isolated"]) for one in reversed(isolations)}
+        self.diagnosed = {one["thruster"]: (one["t_s"], one["isolated"]) for one in reversed(isolations)}
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
 
     def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
         """Return the mean duty of thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
-        own = self.duty[:, [self.jets.index(name) for name in names]]
-        return _mean_between(own, rows)
+        return _mean_between(self.duty[:, [self.jets.index(name) for name in names]], rows)
 
 
 def on_instruments(flight: Flown) -> bool:
@@ -153,8 +145,8 @@ def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str 
 
 
 def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
-    """Return the rows in which the vehicle is drawn, at ``POSE_HZ``; of a flight of hours about ``MANY``, all
-    near its events and the others evenly.
+    """Return the rows in which the vehicle is drawn: at ``POSE_HZ``, but about ``MANY`` of a flight of hours,
+    all those near its events and the others evenly spaced.
     """
     rows = thin(t, POSE_HZ)
     if len(rows) <= MANY:

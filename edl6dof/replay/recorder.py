@@ -12,9 +12,9 @@ import numpy as np
 
 from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.replay.history import History
+from edl6dof.replay.pages import FLIGHTS, PHASES, TIMELINE, root_of
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import FLIGHTS, PHASES, TIMELINE, root_of
 from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
@@ -30,9 +30,9 @@ class Recorder:
     """Writes one part of one flight.
 
     Attributes:
-        number: of this flight in the recording; 0 owns the ground and the lanes.
+        number: of this flight in the recording, from 0.
         label: name of this flight among others in the recording; empty when it is alone.
-        own: colour that does.
+        own: colour of this flight among others.
         root: entity under which lies what belongs to this flight alone.
     """
 
@@ -75,9 +75,8 @@ class Recorder:
     ) -> None:
         """Log place (m), attitude (quaternions, scalar first) and scale of a frame, one row for each time."""
         quaternion = None if turn is None else turns.xyzw(turn)
-        given = {"translation": place, "quaternion": quaternion, "scale": scale}
-        known = {name: values for name, values in given.items() if values is not None}
-        self.columns(entity, t, self.rr.Transform3D.columns(**known))
+        pose = self.rr.Transform3D.columns(translation=place, quaternion=quaternion, scale=scale)
+        self.columns(entity, t, pose)
 
     def series(
         self,
@@ -94,11 +93,11 @@ class Recorder:
         self.columns(entity, t, columns if each is None else columns.partition(each))
 
     def lines(self, entity: str, strips: Any, colour: Any, points: float) -> None:
-        """Log lines for all time, so many points wide on the screen."""
+        """Log lines for all time; ``points``: their width on the screen."""
         self.static(entity, self.rr.LineStrips3D(strips, colors=colour, radii=-points))
 
     def at(self, t: float, entity: str, *what: Any) -> None:
-        """Log an entity that exists from time ``t`` (s) on."""
+        """Log an entity that exists from time ``t`` (s)."""
         self.rec.set_time(TIMELINE, duration=float(t))
         self.rec.log(entity, *what)
         self.rec.reset_time()
@@ -118,7 +117,7 @@ class Recorder:
         )
 
     def own_mesh(self, part: str | None) -> list[Any] | None:
-        """Return the user's mesh for a part, in its place in B; ``None``: for all that is not a part."""
+        """Return the user's mesh for a part (``None``: for the rest of the vehicle), in its place in B."""
         own = next((mesh for mesh in self.vehicle.appearance.meshes if mesh.part == part), None)
         if own is None:
             return None
@@ -143,5 +142,5 @@ class Recorder:
 
 
 def and_next(shown: np.ndarray) -> np.ndarray:
-    """Return the rows (bool) with something to show, and those after: a row without it ends it."""
+    """Return the rows (bool) with something to show, and those right after them, which end it."""
     return shown | np.append(False, shown[:-1])

@@ -14,11 +14,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from edl6dof.replay import charts, lanes
+from edl6dof.replay.blueprint import Layout
+from edl6dof.replay.cameras import Cameras
 from edl6dof.replay.history import Flown, History, on_instruments
+from edl6dof.replay.pages import TIMELINE
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows
 from edl6dof.replay.scene.craft import Descent, Flames, Vehicle
@@ -26,26 +29,18 @@ from edl6dof.replay.scene.ground import Ground, NearGround
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.scene.sensing import NAVIGATED, Beams, Hazards
 from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
-from edl6dof.replay.views import charts, lanes, readout
-from edl6dof.replay.views.blueprint import Layout
-from edl6dof.replay.views.cameras import Cameras, Director, ScaleBar
-from edl6dof.replay.views.charts import PhasePlanes
-from edl6dof.replay.views.pages import TIMELINE
 
-if TYPE_CHECKING:
-    pass
-
-#: What writes the recording.
-PARTS: tuple[type[Recorder], ...] = (
-    Ground, Hazards, Globe, Track, Cameras, Director, ScaleBar, Vehicle, Flames, NearGround, Arrows, Beams,
-    Descent, charts.Charts, PhasePlanes, lanes.Lanes, readout.Readout, readout.Legend,
+#: Writers of the parts of a recording: of the first flight alone, and of every flight.
+OF_FIRST: tuple[type[Recorder], ...] = (Ground, Hazards, charts.PhasePlanes, lanes.Lanes, lanes.Readout)
+OF_EACH: tuple[type[Recorder], ...] = (
+    Globe, Track, Cameras, Vehicle, Flames, NearGround, Arrows, Beams, Descent, charts.Charts,
 )  # fmt: skip
 
 
 def history(flight: Flown) -> History:
     """Return the data that a replay needs of a flight, whose telemetry may be released afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    columns = (*charts.PLANE_COLUMNS, *readout.COLUMNS, *NAVIGATED)
+    columns = (*charts.PLANE_COLUMNS, *lanes.COLUMNS, *NAVIGATED)
     return History(flight, columns, (*charts.COLUMNS, *navigation))
 
 
@@ -76,15 +71,11 @@ def write_replay(
         layout = Layout(flights, motions[0], recording, labels, ensemble is not None)
         recording.save(str(path), default_blueprint=layout.blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
-        drawable = [
-            (k, flight, motion)
-            for k, (flight, motion) in enumerate(zip(flights, motions, strict=True))
-            if len(flight.t)
-        ]
         parts = [
             part(flight, motion, recording, k, labels[k] if labels else "")
-            for k, flight, motion in drawable
-            for part in PARTS
+            for k, (flight, motion) in enumerate(zip(flights, motions, strict=True))
+            if len(flight.t)
+            for part in (OF_EACH if k else (*OF_FIRST, *OF_EACH))
         ]
         for part in parts:
             part.statics()
@@ -117,11 +108,8 @@ def recorded_span(path: Path) -> tuple[float, float]:
     from rerun.chunk import RrdReader
 
     poses = RrdReader(path).stream().filter(content=["/site/near"], is_static=False).to_chunks()
-    times = [
-        chunk.to_record_batch().column(TIMELINE).to_numpy(zero_copy_only=False).astype("timedelta64[ns]")
-        for chunk in poses
-    ]
+    times = [chunk.to_record_batch().column(TIMELINE).to_numpy(zero_copy_only=False) for chunk in poses]
     if not times:
         raise ValueError("not drawn by this version of edl6dof; --page Flight draws a run folder anew")
-    seconds = np.concatenate(times) / np.timedelta64(1, "s")
+    seconds = np.concatenate(times).astype("timedelta64[ns]") / np.timedelta64(1, "s")
     return float(seconds.min()), float(seconds.max())

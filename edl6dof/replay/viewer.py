@@ -1,23 +1,28 @@
-"""The viewer: open a recording on the desktop, or take its picture without a window.
+"""The viewer: opens a recording on the desktop, or draws pictures of it without a window, which ffmpeg joins
+to a film.
 
-If it fails, its last words say what the machine lacks.
+The text of a failure says what the machine lacks.
 """
 
 from __future__ import annotations
 
 import os
+import shutil
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import IO
+from typing import IO, NamedTuple
 
-from edl6dof.replay.views.pages import TIMELINE
+import numpy as np
+
+from edl6dof.replay.pages import TIMELINE
 
 HOST = "127.0.0.1"
 STARTUP_S = 20.0
@@ -43,6 +48,10 @@ _TIED = (
 #: After so long (s) a recording is loaded and notices of the start have faded; what changes for longer never
 #: settles.
 START_S, MOST_S = 2.5, 60.0
+#: Width and height of a picture and of a film in pixels.
+PICTURE, FILM = (1920, 1080), (1280, 720)
+#: Length (s), at most, of a film without a given length.
+LENGTH_S = 60.0
 
 
 class ViewerFailed(RuntimeError):
@@ -51,6 +60,10 @@ class ViewerFailed(RuntimeError):
 
 class NoViewer(ViewerFailed):
     """This machine lacks what the viewer needs; the text says what."""
+
+
+class NoFilm(RuntimeError):
+    """There is no encoder, or it ended with an error; the text says which."""
 
 
 class Program:
@@ -102,17 +115,14 @@ class Program:
 
     def _why_ended(self) -> ViewerFailed:
         self._log.seek(0)
-        lines = [
-            line.strip() for line in self._log.read().decode(errors="replace").splitlines() if line.strip()
-        ]
+        said = self._log.read().decode(errors="replace")
+        lines = [line.strip() for line in said.splitlines() if line.strip()]
         for line in lines:
             for words, remedy in _LACKING.items():
                 if words in line:
                     return NoViewer(f"the viewer does not run on this machine: {remedy} ({_short(line)})")
-        telling = next(
-            (line for line in lines if line.lower().startswith("error") or "panicked at" in line),
-            lines[-1] if lines else "",
-        )
+        errors = [line for line in lines if line.lower().startswith("error") or "panicked at" in line]
+        telling = errors[0] if errors else lines[-1] if lines else ""
         return ViewerFailed(f"the viewer ended with status {self._process.returncode}: {_short(telling)}")
 
 
@@ -148,7 +158,7 @@ def free_port() -> int:
 
 
 def _path() -> Path:
-    """The program of the installed rerun; its ``python -m rerun`` is a wrapper that could outlive us."""
+    """The program of the installed rerun, without its wrapper ``python -m rerun``, which could outlive us."""
     found = find_spec("rerun_cli")
     folder = Path(found.origin).parent if found is not None and found.origin is not None else Path()
     names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")
@@ -176,7 +186,7 @@ def show(recording: Path) -> None:
         program.wait()
 
 
-def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] = (1920, 1080)) -> None:
+def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] = PICTURE) -> None:
     """Write a picture (PNG) of the recording at time ``t`` (s), from the viewer without a window.
 
     Raises:
@@ -188,14 +198,12 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
 
 
 @contextmanager
-def drawing(
-    recording: Path, t: float, size: tuple[int, int] = (1920, 1080)
-) -> Iterator[Callable[[float], bytes]]:
+def drawing(recording: Path, t: float, size: tuple[int, int]) -> Iterator[Callable[[float], bytes]]:
     """Open a viewer without a window and return a function that draws the recording at a time (s) as PNG,
     first at ``t``.
 
-    It loads while nobody looks: with a software renderer, a picture of what is not yet complete costs as much
-    as the loading.
+    No picture is drawn while it loads: with a software renderer, an incomplete picture costs as much as the
+    loading.
 
     Raises:
         NoViewer: this machine lacks what it needs.
@@ -203,18 +211,9 @@ def drawing(
     """
     import rerun as rr
 
-    port = free_port()
-    with (
-        TemporaryDirectory(prefix="edl6dof-") as folder,
-        running(
-            "--headless",
-            "--port",
-            str(port),
-            "--window-size",
-            f"{size[0]}x{size[1]}",
-            "--hide-welcome-screen",
-        ) as program,
-    ):
+    port, window = free_port(), f"{size[0]}x{size[1]}"
+    options = ("--headless", "--port", str(port), "--window-size", window, "--hide-welcome-screen")
+    with TemporaryDirectory(prefix="edl6dof-") as folder, running(*options) as program:
         picture = Path(folder) / "picture.png"
 
         def go_to(at_s: float) -> None:
@@ -240,7 +239,7 @@ def drawing(
 
 
 def _settled(look: Callable[[], bytes]) -> bytes:
-    """A picture that is the same twice in a row: until then views load, and show it."""
+    """A picture that is the same twice in a row: before that, views are still loading."""
     before, start = b"", time.monotonic()
     while time.monotonic() - start < MOST_S:
         now = look()
@@ -248,3 +247,73 @@ def _settled(look: Callable[[], bytes]) -> bytes:
             return now
         before = now
     raise ViewerFailed("the viewer did not finish drawing")
+
+
+class Cut(NamedTuple):
+    """First and last time of the flight (s), length of the film (s), and frames per second."""
+
+    first_s: float
+    last_s: float
+    length_s: float
+    fps: float
+
+    @property
+    def times(self) -> np.ndarray:
+        """Time of the flight (s) at each frame, evenly spaced."""
+        return np.linspace(self.first_s, self.last_s, max(2, round(self.length_s * self.fps)))
+
+
+def encoder() -> str:
+    """Return the ffmpeg program: that of the machine, or of the package imageio-ffmpeg.
+
+    Raises:
+        NoFilm: there is neither.
+    """
+    found = shutil.which("ffmpeg")
+    if found is None and find_spec("imageio_ffmpeg") is not None:
+        with suppress(RuntimeError):  # the package came without a program for this machine
+            found = str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
+    if found is None:
+        raise NoFilm(
+            "a film needs ffmpeg, which is not on this machine: install it (Debian: apt-get install ffmpeg), "
+            "or the extra of this package that brings one (pip install 'edl6dof[video]')"
+        )
+    return found
+
+
+def film(recording: Path, target: Path, cut: Cut, progress: Callable[[int, int], None]) -> None:
+    """Write a film (MP4) of the recording; ``progress`` is called after each frame with the counts done and
+    in all.
+
+    Raises:
+        NoFilm: there is no encoder, or it ended with an error.
+        ViewerFailed: the viewer lacks something, or ended with an error.
+    """
+    times, program = cut.times, encoder()
+    with drawing(recording, float(times[0]), FILM) as draw, _encoding(program, target, cut.fps) as frames:
+        for k, t in enumerate(times):
+            frames.write(draw(float(t)))
+            progress(k + 1, len(times))
+
+
+@contextmanager
+def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
+    """Open a stream for the frames (PNG), one after the other; the block's end completes the film."""
+    words = [program, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png"]
+    words += ["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(target.resolve())]
+    with TemporaryFile() as log:
+        process = subprocess.Popen(
+            words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log, bufsize=0
+        )
+        assert process.stdin is not None
+        try:
+            with process.stdin, suppress(BrokenPipeError):  # it has ended, and says why
+                yield process.stdin
+            status = process.wait()
+        finally:
+            process.kill()
+            process.wait()
+        if status:
+            log.seek(0)
+            words = log.read().decode(errors="replace").split("\n")
+            raise NoFilm(f"ffmpeg ended with status {status}: {' '.join(words).strip()[-200:]}")

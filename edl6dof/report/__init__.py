@@ -1,3 +1,1 @@
-"""Reports: their content (``document``, ``figure``) and its forms: ``page`` with ``plotly_figure`` for the
-screen, ``pdf`` with ``matplotlib_figure`` for paper.
-"""
+"""Reports: content (``document``, ``figure``), web page (``page``) and paper (``pdf``)."""

@@ -1,7 +1,7 @@
 """Catalogue of plots over time: each is declared once, for reports, comparisons, papers and replays.
 
 Units are those of the channels.  A report stacks plots above each other (:data:`STACKS`);
-:mod:`edl6dof.replay.views.pages` lists the plots of each page of a replay.
+:mod:`edl6dof.replay.pages` lists the plots of each page of a replay.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
+from edl6dof.report.document import printed
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
-from edl6dof.report.numbers import printed
 from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
 from edl6dof.telemetry.columns import describe
 from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
@@ -24,8 +24,6 @@ from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATU
 BOUND = 3.0
 #: Names of curves that are drawn dashed: what was asked for, claimed or believed, over what was.
 _DASHED = ("commanded", "reference", "believed", "navigated, no wind", "above the areoid")
-
-
 #: Colours of what is made of an instrument; one without an echo has none.
 STATES = {IN_USE: GREEN, USED: GREEN, SATURATED: ORANGE, NOT_USED: ORANGE, EXCLUDED: BAD}
 #: Words and colours of the classes of cells of a hazard map.
@@ -95,19 +93,16 @@ class Plot(NamedTuple):
 
     def apart(self, since: str = "") -> tuple[Plot, ...]:
         """Return one plot for each curve; ``since``: event at which it begins, if not that of all."""
+        own = self._replace(since=since or self.since)
         return tuple(
-            self._replace(
-                key=f"{self.key}_{name}",
-                title=f"{self.title}, {name}",
-                curves={channel: name},
-                since=since or self.since,
-            )
-            for channel, name in self.curves.items()
+            own._replace(key=f"{own.key}_{name}", title=f"{own.title}, {name}", curves={channel: name})
+            for channel, name in own.curves.items()
         )
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
-        """Return the plot reduced to the channels that a flight has, without commands and estimates that are
-        never given; ``None`` if all of them are zero or absent.
+        """Return the plot with the channels that a flight has, without unused commands and estimates.
+
+        ``None`` if all of them are zero or absent.
         """
         there = {channel: name for channel, name in self.curves.items() if channel in columns}
         heard = {channel for channel in there if has_signal(columns[channel])}
@@ -290,10 +285,10 @@ class Columns(Protocol):
     def __iter__(self) -> Iterator[str]: ...
     def __getitem__(self, name: str, /) -> np.ndarray: ...
     def unit(self, name: str) -> str:
-        """Printed unit of a column."""
+        """Return the printed unit of a column."""
 
     def meaning(self, name: str) -> str:
-        """Meaning of a column."""
+        """Return the meaning of a column."""
 
 
 def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:
@@ -327,10 +322,5 @@ def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.nda
         title = columns.meaning(names[0]) if len(names) == 1 else "value"
         traces = [Trace(columns[x][rows], columns[name][rows], name) for name in names]
         panels.append(Panel(across, Axis(f"{title} ({unit or '1'})"), traces))
-    return Figure(
-        "plot",
-        ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels",
-        panels,
-        share_x=True,
-        height=320,
-    )
+    title = ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels"
+    return Figure("plot", title, panels, share_x=True, height=320)

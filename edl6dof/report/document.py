@@ -1,11 +1,12 @@
 """The content of a report: a headline, key figures, and sections of text, tables and figures, independent of
-HTML and matplotlib.
+HTML and matplotlib; and the format of its numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import floor, log10
 from typing import Literal
 
 from edl6dof.report.figure import Figure
@@ -85,10 +86,44 @@ class Report:
     mood: Mood
     subtitle: str = ""
     facts: Sequence[Fact] = ()
-    sections: Sequence[Section] = field(default_factory=tuple)
+    sections: Sequence[Section] = ()
     footer: str = ""
 
     def figures(self) -> Iterator[Figure]:
         """Return all figures in order."""
         for section in self.sections:
             yield from (block for block in section.blocks if isinstance(block, Figure))
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """Format a number to some significant digits; large ones whole, not as 1.235e+04."""
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text
+
+
+def aligned(*values: float) -> list[str]:
+    """Format numbers with the same decimals: two digits of the span between them, and four at most in all.
+
+    >>> aligned(86.12345, 86.0, 86.9)
+    ['86.12', '86.00', '86.90']
+    >>> aligned(12345.6, 12000.0, 13000.0)
+    ['12346', '12000', '13000']
+    """
+    largest = max(map(abs, values)) or 1.0
+    span = max(values) - min(values) or largest
+    places = max(min(1 - floor(log10(span)), 3 - floor(log10(largest))), 0)
+    return [f"{value:.{places}f}" for value in values]
+
+
+def in_percent(share: float, decimals: int = 0) -> str:
+    """Format a share as a percentage.
+
+    >>> in_percent(0.963, 2), in_percent(0.5)
+    ('96.30 %', '50 %')
+    """
+    return f"{100.0 * share:.{decimals}f} %"
+
+
+def printed(unit: str) -> str:
+    """Format a unit for print, with raised powers."""
+    return unit.translate(str.maketrans("234", "²³⁴"))

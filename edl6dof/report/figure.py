@@ -40,10 +40,9 @@ class Axis:
         """
         low, high = (int(np.floor(np.log10(bound))) for bound in span)
         steps = (1, 2, 5) if high - low <= 3 else (1,)
-        found = [step * 10.0**power for power in range(low, high + 1) for step in steps]
-        found = [
-            value for value in found if span[0] <= value * (1.0 + 1e-9) and value <= span[1] * (1.0 + 1e-9)
-        ]
+        every = [step * 10.0**power for power in range(low, high + 1) for step in steps]
+        more = 1.0 + 1e-9
+        found = [value for value in every if span[0] <= value * more and value <= span[1] * more]
         return found if len(found) > 1 else []
 
 
@@ -257,7 +256,7 @@ class Figure:
 def thinned(trace: Trace, most: int = 4000) -> Trace:
     """Return the trace without points that cannot be seen, with about ``most`` points if its ``x`` rises.
 
-    A peak keeps its height and its place, whatever the length of the flight; a curve in a plane, in which
+    A peak keeps its height and its place for any length of the flight; a curve in a plane, in which
     every point is seen, is thinned where it is straight alone.
     """
     n = len(trace.x)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import Axis, Figure, Heat, Mark, Panel, Trace, cell_edges, thinned
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, cell_edges, thinned
 from edl6dof.report.label_layout import Side, sides, spelt
 from edl6dof.report.palette import GREY, INK, RULE
 
@@ -43,31 +43,24 @@ _SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X"
 
 def write_figure(figure: Figure, path: Path) -> None:
     """Write one figure in the format that the suffix of the path names."""
-    with own_style():
+    with own_style():  # of which some settings act only now
         matplotlib_figure(figure).savefig(path, dpi=200)
 
 
-def styled(figure: Figure) -> Canvas:
-    """Return the figure in the style of the report, whatever matplotlib is set to."""
-    with own_style():
-        return matplotlib_figure(figure)
-
-
 def own_style() -> AbstractContextManager[None]:
-    """Return a context with our own settings only: a ``matplotlibrc`` of the current folder, which may be a
-    received one, is ignored.
-    """
+    """Return a context with our own settings only, without a ``matplotlibrc`` of the current folder."""
     from matplotlib import style
 
     return style.context(["default", STYLE])
 
 
 def matplotlib_figure(figure: Figure) -> Canvas:
-    """Return the figure on a canvas as wide as the text of a page."""
+    """Return the figure, in the style of the report, on a canvas as wide as the text of a page."""
     from matplotlib.figure import Figure as Canvas
 
-    canvas = Canvas(figsize=(WIDTH, height(figure)), layout="constrained")
-    draw(canvas, figure)
+    with own_style():
+        canvas = Canvas(figsize=(WIDTH, height(figure)), layout="constrained")
+        draw(canvas, figure)
     return canvas
 
 
@@ -132,7 +125,8 @@ def _panel(
         axes.annotate(band.label, (right, high), (-2, -2), va="top", color=GREY, **small)
     for mark in (*spelt(panel.marks, "x", x), *spelt(panel.marks, "y", y)):
         upright, (low, high) = mark.axis == "x", x if mark.axis == "x" else y
-        (axes.axvline if upright else axes.axhline)(mark.at, **_line(mark))
+        line: Any = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
+        (axes.axvline if upright else axes.axhline)(mark.at, **line)
         if low <= mark.at <= high:
             place: Any = (mark.at, 0.98) if upright else (0.995, mark.at)
             frame: Any = ("data", "axes fraction") if upright else ("axes fraction", "data")
@@ -144,10 +138,6 @@ def _panel(
         artist = _trace(axes, thinned(trace), placed.get(k, ()))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
-
-
-def _line(mark: Mark) -> dict[str, Any]:
-    return {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
 
 
 def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, float]) -> None:
@@ -185,29 +175,17 @@ def _trace(axes: Axes, trace: Trace, placed: Sequence[Side]) -> Shown:
 
 def _offset(side: Side) -> dict[str, Any]:
     """Offset (pt) and alignment of a label at its point."""
-    up = ("above" in side) - ("below" in side)
-    across = ("right" in side) - ("left" in side)
-    offset = (4 if up else 5) * across, 4 * up
-    return {
-        "xytext": offset,
-        "ha": ("center", "left", "right")[across],
-        "va": ("center", "bottom", "top")[up],
-    }
+    up, across = ("above" in side) - ("below" in side), ("right" in side) - ("left" in side)
+    level, upright = ("center", "left", "right")[across], ("center", "bottom", "top")[up]
+    return {"xytext": ((4 if up else 5) * across, 4 * up), "ha": level, "va": upright}
 
 
 def _heat(axes: Axes, heat: Heat) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
-    low, high = heat.limits
-    cells = axes.pcolormesh(
-        cell_edges(heat.x),
-        cell_edges(heat.y),
-        np.ma.masked_invalid(heat.values),
-        cmap=LinearSegmentedColormap.from_list("scale", heat.scale),
-        vmin=low,
-        vmax=high,
-        rasterized=True,
-    )
+    (low, high), colours = heat.limits, LinearSegmentedColormap.from_list("scale", heat.scale)
+    x, y, values = cell_edges(heat.x), cell_edges(heat.y), np.ma.masked_invalid(heat.values)
+    cells = axes.pcolormesh(x, y, values, cmap=colours, vmin=low, vmax=high, rasterized=True)
     axes.grid(False)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)

@@ -26,7 +26,7 @@ INK, GREY, SOFT, RULE, AXIS, PAPER, GROUND = _inks(
     "#ffffff #171b21", "#f5f6f8 #0f1216",
 )  # fmt: skip
 GOOD, WARN, BAD = _inks("#00795a #35c79a", "#a86700 #e0a63c", "#b3261e #ff7b72")
-#: Kinds of claims that a number is, besides those that are good.
+#: Statuses of numbers (see ``config.base.STATUS_MARKS``).
 PUBLISHED, RECALLED, ESTIMATE = _inks("#0072b2 #7cc8f7", "#8c4f7c #d98cc0", "#b34700 #f0955f")
 #: Colours of mission phases, in their order; light enough to lie behind lines.
 PHASES = _inks(
@@ -34,7 +34,7 @@ PHASES = _inks(
     "#d8effb #1b4557", "#e6e6e6 #3a3f46", "#dcd9f2 #3a345a",
 )  # fmt: skip
 #: Grounds of classes of cells, light enough for what is drawn on them: from the best to the worst, and
-#: those of which nothing can be known.
+#: unknown ones.
 SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = _inks(
     "#b7e3c8 #1c7a52", "#aeb4bc #4c525a", "#f7d08a #d0a03a", "#e79a7c #a83f22", "#e6e8eb #343b44"
 )

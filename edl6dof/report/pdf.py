@@ -39,11 +39,10 @@ def write_pdf(report: Report, path: Path) -> None:
     with own_style():
         from matplotlib.backends.backend_pdf import PdfPages
 
-        with PdfPages(
-            path, metadata={"Title": report.title, "Subject": report.headline, "CreationDate": None}
-        ) as pages:
-            for canvas in _word_pages(report):
-                pages.savefig(canvas)
+        about = {"Title": report.title, "Subject": report.headline, "CreationDate": None}
+        with PdfPages(path, metadata=about) as pages:
+            for lines in _pages(report):
+                pages.savefig(_word_page(lines))
             with matplotlib.rc_context(LETTERS):
                 for placed in figure_pages(report.figures()):
                     pages.savefig(_figure_page(placed))
@@ -89,9 +88,8 @@ def _figure_page(placed: Sequence[Placed]) -> Canvas:
     around = (MARGIN, 1.0 - 2.0 * MARGIN, MARGIN)
     text = np.asarray(canvas.subfigures(3, 3, width_ratios=around, height_ratios=around))[1, 1]
     edges = sorted({0.0, ROOM, *(edge for one in placed for edge in (one.top, one.foot))})
-    grid = text.add_gridspec(
-        len(edges) - 1, 3, width_ratios=(1.0, GAP, 1.0), height_ratios=np.diff(edges).tolist()
-    )
+    ratios: Any = {"width_ratios": (1.0, GAP, 1.0), "height_ratios": np.diff(edges).tolist()}
+    grid = text.add_gridspec(len(edges) - 1, 3, **ratios)
     for figure, top, foot, columns in placed:
         across = slice(2 * columns[0], 2 * columns[-1] + 1)
         part = text.add_subfigure(grid[edges.index(top) : edges.index(foot), across])
@@ -113,18 +111,17 @@ class Words(NamedTuple):
 Line = list[Words]
 
 
-def _word_pages(report: Report) -> Iterator[Canvas]:
-    """A4 pages with title, headline, facts and all tables."""
+def _word_page(lines: Sequence[Line]) -> Canvas:
+    """A page of lines."""
     from matplotlib.figure import Figure as Canvas
 
-    for lines in _pages(report):
-        canvas = Canvas(figsize=A4)
-        for row, line in enumerate(lines):
-            for x, text, size, colour, bold, align in line:
-                style: Any = {"fontsize": size, "color": colour, "fontweight": "bold" if bold else "normal"}
-                place = 0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE
-                canvas.text(*place, text, ha=align, va="top", **style)
-        yield canvas
+    canvas = Canvas(figsize=A4)
+    for row, line in enumerate(lines):
+        for x, text, size, colour, bold, align in line:
+            style: Any = {"fontsize": size, "color": colour, "fontweight": "bold" if bold else "normal"}
+            place = 0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE
+            canvas.text(*place, text, ha=align, va="top", **style)
+    return canvas
 
 
 def _pages(report: Report) -> Iterator[list[Line]]:

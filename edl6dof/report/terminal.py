@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from rich import box
 from rich.console import Console
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.flight import Flight
 
-#: No table has more letters in a line.
+#: Most letters in a line of a table.
 _WIDEST = 400
 #: Status of a limit or a requirement.
 LIMIT_STATUS = {True: "met", False: "violated"}
@@ -37,8 +37,8 @@ NAVIGATION = {
 
 
 class Compared(NamedTuple):
-    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``: the
-    difference in standard deviations, if these are known.
+    """A figure and its published value, formatted; ``kept``: True or False for a requirement; ``sigmas``:
+    difference in standard deviations, if known.
     """
 
     figure: str
@@ -48,11 +48,6 @@ class Compared(NamedTuple):
     difference: str
     sigmas: str
     kept: bool | None
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Cells of a table."""
-        return self[:6]
 
 
 def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None:
@@ -80,9 +75,9 @@ def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None
 
 
 def stated_figures(loaded: LoadedScenario) -> Published:
-    """Published figures that the file of a scenario itself states.
+    """Return the published figures that the file of a scenario states itself.
 
-    Of a scenario that extends another, or that an option changes, the flight is not the one published.
+    The flight of a scenario that extends another, or that an option changes, is not the published one.
     """
     document = loaded.document
     own = document.mark(()).file
@@ -118,7 +113,7 @@ def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
     table = open_table(title, *heads)
     for row in rows:
         style = {True: "green", False: "bold red", None: ""}[row.kept]
-        cells: list[str | Text] = [*row.cells[:4], Text(row.difference, style=style), row.sigmas]
+        cells: list[str | Text] = [*row[:4], Text(row.difference, style=style), row.sigmas]
         table.add_row(*cells[: len(heads)])
     return table
 
@@ -167,20 +162,12 @@ def headline(flight: Flight) -> Text:
 
 def open_table(title: str, *columns: str) -> Table:
     """Return an open table; a heading that ends in ``>`` marks right-aligned numbers."""
-    table = Table(
-        title=Text(title, style="bold") if title else None,
-        title_justify="left",
-        header_style="",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
+    heading = Text(title, style="bold") if title else None
+    table = Table(title=heading, title_justify="left", header_style="", box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        table.add_column(
-            column.rstrip(">"),
-            justify="right" if column.endswith(">") else "left",
-            no_wrap=column.endswith(">"),
-            overflow="fold",
-        )
+        numbers = column.endswith(">")
+        side: Literal["right", "left"] = "right" if numbers else "left"
+        table.add_column(column.rstrip(">"), justify=side, no_wrap=numbers, overflow="fold")
     return table
 
 

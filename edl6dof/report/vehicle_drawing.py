@@ -18,7 +18,6 @@ from edl6dof.replay.scene.outline import Outline, outline
 from edl6dof.report.document import Row, Table
 from edl6dof.report.figure import Axis, Figure, Kind, Panel, Trace
 from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, SOFT, VERMILION
-from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _X, _Y, _Z = np.eye(3)
@@ -107,7 +106,7 @@ def _drawn(
     for corners, width in _outlines(vehicle, shape, view):
         yield _trace(corners, colour=GREY, width=width)
     for tank in vehicle.tanks:
-        ring = _ring(view.flat(tank.centre_m), np.abs(view.flat(half_axes(tank))))
+        ring = _ring(view.flat(tank.centre_m), np.abs(view.flat(half_axes(tank.mass_kg, tank.inertia_kg_m2))))
         yield _trace(ring, "tank", "region", colour=SKY)
         yield _trace(ring, colour=SKY, dash="dash")
     for surface in vehicle.surfaces:
@@ -183,10 +182,10 @@ def _outlines(vehicle: VehicleParams, shape: Outline, view: View) -> Iterator[tu
         yield flat[[*hull, hull[0]]], 1.8
 
 
-def half_axes(tank: Tank) -> np.ndarray:
-    """Return the half axes x, y, z (m) of the solid ellipsoid with the moments of inertia of a load."""
-    inertia = np.array(tank.inertia_kg_m2)
-    squares = 2.5 * (inertia.sum() - 2.0 * inertia) / max(tank.mass_kg, 1e-9)
+def half_axes(mass_kg: float, inertia_kg_m2: Sequence[float]) -> np.ndarray:
+    """Return the half axes x, y, z (m) of a solid ellipsoid with a mass and moments of inertia."""
+    inertia = np.array(inertia_kg_m2)
+    squares = 2.5 * (inertia.sum() - 2.0 * inertia) / max(mass_kg, 1e-9)
     return np.sqrt(np.maximum(squares, 0.0))
 
 

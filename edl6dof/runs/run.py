@@ -1,24 +1,99 @@
-"""A run folder read back, for reports, plots and exports: nothing is flown, no code is loaded."""
+"""The folder of one flight: how its files are written, and how they are read back for reports, plots and
+exports without flying anything or loading code.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import io
+import json
+import zipfile
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NotRequired, TypeVar
 
 import numpy as np
+from pydantic import ConfigDict, TypeAdapter, ValidationError, with_config
+from typing_extensions import TypedDict
 
+from edl6dof import __version__
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import parse_document
+from edl6dof.config.dump import json_text
 from edl6dof.config.errors import UnknownName, refusal
 from edl6dof.manifest import Manifest
-from edl6dof.runs.run_files import LANDING_MAP, Content, Event, Summary, parsed, read_landing_map
+from edl6dof.metrics.published import PublishedFigure, published_figures
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
 
-TELEMETRY = "telemetry.parquet"
+if TYPE_CHECKING:
+    from edl6dof.sim.flight import Flight
+
+TELEMETRY, LANDING_MAP = "telemetry.parquet", "landing_map.npz"
+#: Rows written at a time, so that writing needs little memory.
+ROW_GROUP = 2_500
+#: Largest array of a landing map, in bytes; a map of 256 x 256 single-precision numbers has a fourth of it.
+_LARGEST = 1_048_576
+#: Room for the header of a ``.npy`` member.
+_HEADER = 1024
+
+Content = TypeVar("Content")
+_EXACT = ConfigDict(strict=True, allow_inf_nan=False)
+
+
+@with_config(_EXACT)
+class Limit(TypedDict):
+    """One limit of the scenario with the flight's value, in ``unit``; null where it could not be formed."""
+
+    name: str
+    value: float | None
+    limit: float
+    unit: str
+    ok: bool
+
+
+@with_config(_EXACT)
+class Summary(TypedDict):
+    """``summary.json``: outcome, figures by name, limits, and published figures of the real flight."""
+
+    name: str
+    outcome: str
+    success: bool
+    reached_goal: NotRequired[bool]
+    warnings: NotRequired[list[str]]
+    time_s: float
+    phase: str
+    edl6dof_version: str
+    seed: int
+    scenario_sha256: str
+    figures: dict[str, float | None]
+    limits: list[Limit]
+    published: dict[str, float | PublishedFigure]
+
+
+@with_config(_EXACT)
+class Event(TypedDict):
+    """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
+
+    The start of a phase has the name and the role of the phase, an event of the mission its milestone (empty
+    for none), a diagnosis the thruster and what was isolated.
+    """
+
+    t_s: float
+    key: str
+    name: str
+    detail: str
+    phase: NotRequired[str]
+    role: NotRequired[str]
+    milestone: NotRequired[str]
+    thruster: NotRequired[str]
+    isolated: NotRequired[str]
+    altitude_m: float | None
+    height_m: float | None
+    speed_m_s: float | None
+    mach: float | None
 
 
 class Run(Mapping[str, np.ndarray]):
@@ -117,7 +192,7 @@ class Run(Mapping[str, np.ndarray]):
         return len(self._schema)
 
     def unit(self, name: str) -> str:
-        """Printed unit of a column."""
+        """Return the printed unit of a column."""
         return self._described(name, b"unit")
 
     def meaning(self, name: str) -> str:
@@ -125,15 +200,17 @@ class Run(Mapping[str, np.ndarray]):
         return self._described(name, b"meaning")
 
     def at(self, name: str, t: float) -> float:
-        """A column at a time (s), interpolated."""
+        """Return a column at a time (s), interpolated."""
         return float(interpolate(t, self.t, self[name]))
 
     def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Rows between two events, shape (rows,), bool; unbounded where one is empty or did not happen."""
+        """Return the rows between two events, shape (rows,), bool; without a bound where one is empty or did
+        not happen.
+        """
         return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
     def file(self, name: str) -> Path:
-        """A file of the folder for a program that reads it itself, compared with its hash.
+        """Return a file of the folder, compared with its hash, for a program that reads it itself.
 
         Raises:
             ConfigError: it is missing or damaged.
@@ -167,14 +244,111 @@ class Run(Mapping[str, np.ndarray]):
             raise refusal(path, f"cannot be read: {error}") from None
         schema, rows = file.schema_arrow, file.metadata.num_rows
         if "t_s" not in schema.names or rows == 0 or any(field.type != pa.float64() for field in schema):
-            raise refusal(
-                path,
-                "is not the telemetry of a run: it needs a column t_s, a row, and numbers in all columns",
-            )
+            words = "it needs a column t_s, a row, and numbers in all columns"
+            raise refusal(path, f"is not the telemetry of a run: {words}")
         return file
 
     def _json(self, name: str, kind: type[Content]) -> Content:
+        """The content of a file, whose types are right."""
         try:
-            return parsed(self._manifest.read(name), kind)
-        except ValueError as error:
-            raise refusal(self.folder / name, f"is not the file of a run: {error}") from None
+            return TypeAdapter(kind).validate_json(self._manifest.read(name))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            where = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
+            raise refusal(self.folder / name, f"is not the file of a run: {where}") from None
+
+
+def write_run(flight: Flight, folder: Path) -> None:
+    """Write the files that hold the numbers of a flight into ``folder``, which exists."""
+    (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
+    write_telemetry(flight, folder / TELEMETRY)
+    (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
+    (folder / "summary.json").write_text(json_text(summary(flight)), encoding="utf-8")
+    if flight.landing_map is not None:
+        write_landing_map(flight.landing_map, folder)
+
+
+def summary(flight: Flight) -> dict[str, Any]:
+    """Return outcome, figures, limits and published figures of a flight, ready for JSON."""
+    return {
+        "name": flight.name,
+        "outcome": flight.outcome,
+        "success": flight.success,
+        "reached_goal": flight.termination.reached,
+        "time_s": flight.time_s,
+        "phase": flight.phase,
+        "edl6dof_version": __version__,
+        "seed": flight.scenario.seed,
+        "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
+        "warnings": flight.loaded.warnings,
+        "figures": flight.metrics,
+        "limits": [
+            {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}
+            for c in flight.checks
+        ],
+        "published": {
+            beside.figure.name: beside.published.model_dump(exclude_none=True)
+            for beside in published_figures(flight.scenario.published)
+        },
+    }
+
+
+def write_telemetry(flight: Flight, path: Path) -> None:
+    """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from edl6dof.telemetry.columns import describe
+
+    fields = []
+    for name in flight.telemetry:
+        unit, meaning = describe(name)
+        fields.append(pa.field(name, pa.float64(), metadata={"unit": unit, "meaning": meaning}))
+    metadata = {
+        "edl6dof_version": __version__,
+        "scenario": flight.resolved_scenario,
+        "outcome": flight.outcome,
+        "phases": json.dumps(flight.phase_names),
+    }
+    schema = pa.schema(fields, metadata=metadata)
+    rows = len(flight.log)
+    options = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
+    with pq.ParquetWriter(path, schema, **options) as writer:
+        for start in range(0, rows, ROW_GROUP):
+            given = flight.telemetry.rows(start, start + ROW_GROUP).values()
+            columns = [np.ascontiguousarray(values, float) for values in given]
+            # from their memory as it is: pa.array would import pandas, where that is installed
+            part = [
+                pa.Array.from_buffers(pa.float64(), len(one), [None, pa.py_buffer(one)]) for one in columns
+            ]
+            writer.write_table(pa.Table.from_arrays(part, schema=schema))
+            del given, columns, part
+    pa.default_memory_pool().release_unused()  # 30 MB that the system would not get back
+
+
+def write_landing_map(found: LandingMap, folder: Path) -> None:
+    """Write a landing map into the folder of a run."""
+    np.savez_compressed(folder / LANDING_MAP, **found._asdict())
+
+
+def read_landing_map(content: bytes) -> LandingMap:
+    """Return the landing map in the bytes of its file, of which only plain numbers are taken.
+
+    Raises:
+        ValueError: they are no landing map.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            return LandingMap(**{name: _member(archive, name) for name in LandingMap._fields})
+    except Exception:  # a broken archive makes its readers raise errors of a dozen kinds
+        raise ValueError("is no landing map") from None
+
+
+def _member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
+    info = archive.getinfo(f"{name}.npy")
+    if info.file_size > _LARGEST + _HEADER:
+        raise ValueError(f"{name} is too large")
+    values = np.lib.format.read_array(io.BytesIO(archive.read(info)), allow_pickle=False)
+    if values.dtype.kind not in "fi":
+        raise ValueError(f"{name} holds no numbers")
+    return values

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
-from edl6dof.environment.landing_area.params import landing_area_problems
+from edl6dof.environment.landing_area.relief import landing_area_problems
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
-from edl6dof.fsw.hazard.footprint import MAX_RADIUS
+from edl6dof.fsw.hazard.elevation_map import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.mission_events import event_problems, quantity_problems, way_problems

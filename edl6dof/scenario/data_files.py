@@ -20,10 +20,8 @@ from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import Inconsistent
 from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
-from edl6dof.environment.atmosphere_table import build_table
+from edl6dof.environment.atmosphere_table import build_table, profile_path, read_profile
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
-from edl6dof.environment.landing_area.dtm import dtm_path
-from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
 from edl6dof.environment.wind import require_winds
 from edl6dof.interchange.meshes import read_mesh_file
@@ -40,7 +38,7 @@ from edl6dof.vehicle.aerodynamics.capsule_table import (
 TABLES: dict[str, Callable[[str], Path]] = {
     "atmosphere.table": profile_path,
     "planet.areoid": areoid_path,
-    "terrain.landing_area.dtm.file": dtm_path,
+    "terrain.landing_area.dtm.file": Path,
     "planet.gravity.coefficients": coefficients_path,
     "vehicle.aero.capsule.static_table": static_table_path,
     "vehicle.aero.body.file": Path,

@@ -19,8 +19,7 @@ from edl6dof.environment.wind_models import table_wind
 from edl6dof.fsw.guidance.entry.air_data import ExpectedWindParams
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.guidance_command import GUIDE
-from edl6dof.fsw.mission.phases import G_NONE
-from edl6dof.fsw.mission.sequencer import SEQUENCE, enter, sequence
+from edl6dof.fsw.mission import G_NONE, SEQUENCE, enter, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Phase, Transition, Trigger
+from edl6dof.fsw.mission import Condition, Event, MissionParams, Phase, Transition, Trigger
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_TRANSITIONS
 from edl6dof.interface.events import ACTIONS, LANDING_GEAR, group_of
 from edl6dof.vehicle.vehicle import VehicleParams

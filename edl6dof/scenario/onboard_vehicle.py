@@ -25,7 +25,7 @@ from edl6dof.vehicle.aerodynamics.surfaces import wing_force
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
 from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
-from edl6dof.vehicle.propulsion.feed_system import fill_branches
+from edl6dof.vehicle.propulsion.rcs import fill_branches
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Mach number at which the one believed drag and lift coefficient are taken.

@@ -5,7 +5,7 @@ sequencer runs its own mission from the first phase, and its own steering makes 
 commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
 alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
 angle, brings the end, at the final speed or Mach number whatever opens the parachute, to the aim point.
-Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.motion`.  Left out: the time the
+Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.predictor`.  Left out: the time the
 vehicle takes to follow the commanded bank angle, about 1 s.
 """
 
@@ -19,14 +19,12 @@ import numpy as np
 from edl6dof.fsw.functions import PLACES
 from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.motion import acceleration, roll, step
-from edl6dof.fsw.guidance.entry.predictor import aim_direction
+from edl6dof.fsw.guidance.entry.predictor import acceleration, aim_direction, roll, step
 from edl6dof.fsw.guidance.entry.reference import PLANNED, reference_bank
-from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
+from edl6dof.fsw.guidance.entry.reversal.registry import STEERING, steer_bank
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.phase_guidance import hold_bank
-from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK
-from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
+from edl6dof.fsw.mission import G_ENTRY, G_HOLD_BANK, SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS

@@ -22,15 +22,13 @@ from edl6dof.environment.atmosphere import ATMOSPHERE
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.gas import GAS
 from edl6dof.environment.wind import WIND
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, ROWS
+from edl6dof.fsw.allocation.registry import DEMAND
 from edl6dof.fsw.control.registry import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
-from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP
-from edl6dof.fsw.hazard.footprint import FOOTPRINT
-from edl6dof.fsw.hazard.safety import SAFETY_MAP
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, FOOTPRINT, SAFETY_MAP
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD

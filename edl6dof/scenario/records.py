@@ -16,8 +16,7 @@ from edl6dof.config.dtype import duplicate
 from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
-from edl6dof.environment.height_map import HEIGHT_MAP
-from edl6dof.environment.map_file import MapFile
+from edl6dof.environment.height_map import HEIGHT_MAP, MapFile
 from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, ground_inputs
 from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH

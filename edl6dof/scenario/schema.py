@@ -15,7 +15,7 @@ from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.site_climate import Place
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
-from edl6dof.fsw.mission.phases import MissionParams
+from edl6dof.fsw.mission import MissionParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.metrics.published import PublishedFigure

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.environment.areoid import areoid_file, areoid_map
-from edl6dof.environment.landing_area.params import NO_RELIEF
 from edl6dof.environment.landing_area.population import list_within
+from edl6dof.environment.landing_area.relief import NO_RELIEF
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import (
     TERRAIN,

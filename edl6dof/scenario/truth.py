@@ -23,7 +23,8 @@ from edl6dof.vehicle.faults.fault import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
 from edl6dof.vehicle.motion.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
-from edl6dof.vehicle.propulsion.feed_system import FEEDS, fill_branches, fill_feeds
+from edl6dof.vehicle.propulsion.feed_system import FEEDS, fill_feeds
+from edl6dof.vehicle.propulsion.rcs import fill_branches
 from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
 CASE = np.dtype(

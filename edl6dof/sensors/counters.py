@@ -10,6 +10,7 @@ Allan variance N^2 / tau + K^2 tau / 3.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import copysign, pi, sqrt
 
 import numpy as np
@@ -39,22 +40,22 @@ class SenseAxis(Params):
     name: Key = param(REQUIRED, "name, unique in the unit", record=False, min_length=1)
     axis: Vec3 = param(REQUIRED, "unit vector of its sensitive axis in B", min_length=3)
 
-    @field_validator("axis")
-    @classmethod
-    def _unit_length(cls, value: Vec3) -> Vec3:
-        return unit_vector(value)
+    _unit_length = field_validator("axis")(unit_vector)
+
+
+def axes_towards(letter: str, angles: Iterable[tuple[float, float]]) -> list[SenseAxis]:
+    """Axes ``letter``1, 2, ... by their angles from x of B and about it from y, rad."""
+    return [
+        SenseAxis(name=f"{letter}{k}", axis=(cos(lean), sin(lean) * cos(turn), sin(lean) * sin(turn)))
+        for k, (lean, turn) in enumerate(angles, 1)
+    ]
 
 
 def cone(letter: str) -> list[SenseAxis]:
-    """Six axes evenly on a cone of half angle acos(1/sqrt(3)) = 54.74 deg about x of B, named ``letter``1..6:
-    they measure every direction equally well (H'H = 2 I).
+    """Six axes evenly on a cone of half angle acos(1/sqrt(3)) = 54.74 deg about x of B: they measure every
+    direction equally well (H'H = 2 I).
     """
-    half = acos(1.0 / sqrt(3.0))
-    turns = [k * pi / 3.0 for k in range(6)]
-    return [
-        SenseAxis(name=f"{letter}{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
-        for k, turn in enumerate(turns)
-    ]
+    return axes_towards(letter, [(acos(1.0 / sqrt(3.0)), k * pi / 3.0) for k in range(6)])
 
 
 def copy_layout(slots: int) -> np.dtype:
@@ -80,9 +81,7 @@ def counter_layout(slots: int) -> np.dtype:
 
 
 def draw_copies(given: np.void, rng: Stream, copy: np.void) -> None:
-    """Fill a record of :func:`copy_layout`; ``given`` holds the ``axes`` and, as standard deviations, the
-    ``scale``, ``misalignment`` and ``bias`` of one kind in SI units.
-    """
+    """Fill a record of :func:`copy_layout` from the standard deviations in ``given``, SI units."""
     n = given["n_axes"]
     nominal = given["axes"]["axis"][:n]
     copy["axis"][:n] = turned(nominal, given["misalignment"], rng)
@@ -92,9 +91,7 @@ def draw_copies(given: np.void, rng: Stream, copy: np.void) -> None:
 
 
 def turned(axes: np.ndarray, sigma: float, rng: Stream) -> np.ndarray:
-    """Unit vectors, shape (n, 3), each turned by a small angle with standard deviation ``sigma`` (rad) about
-    any axis across it.
-    """
+    """Unit vectors (n, 3), each turned by a small angle of deviation ``sigma`` (rad) about any axis."""
     off = sigma * rng.standard_normal(axes.shape)
     off -= np.sum(off * axes, axis=1, keepdims=True) * axes
     true = axes + off
@@ -149,9 +146,7 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
 
 @kernel
 def faulty_count(mode, last, wanted, most):
-    """Count of a failed instrument: ``last`` in the cycle before, ``wanted`` of a healthy one, ``most`` at
-    the end of its range.
-    """
+    """Count of a failed instrument: ``last`` one, ``wanted`` of a healthy one, ``most`` of its range."""
     if mode == STUCK:
         return last
     if mode == HARDOVER:

@@ -1,30 +1,38 @@
-"""Imagers (landing camera, lidar, stereo cameras): misalignment, line of sight, and the ground in view.
+"""Imagers (landing camera, lidar, stereo cameras): misalignment, line of sight, the ground in view, and the
+parts of the vehicle that hide it.
 
 The unit that flies looks along directions turned by a small rotation from those that the flight computer
 believes.  Places on the ground are those of the landing area: metres north and east of the site, and metres
 above its elevation.  They are straight over the hundred metres that an imager sees at once; the curvature of
 the planet makes less than a tenth of a millimetre there.
+
+Parts that have left the vehicle hide the ground as discs as large as their drag areas: that of a backshell or
+of a canopy is about that of its silhouette (drag coefficients of 1.0 to 1.2, and 0.62 of a nominal area of
+which an open canopy shows 0.6).  A canopy that went with the part that carries it hangs its lines' length
+above that.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 
 import numpy as np
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import in_si
 from edl6dof.environment.terrain import ground, place_of
+from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.kernels import kernel
-from edl6dof.sensors.ground_tile import LEVEL, clear_tile, lay_tile
-from edl6dof.sensors.ray_ground import point_motion
+from edl6dof.records import whole
+from edl6dof.sensors.ray_ground import LEVEL, clear_tile, lay_tile, point_motion
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z
-from edl6dof.spatial.quaternion import from_frame, multiply, normalise
+from edl6dof.spatial.quaternion import from_frame, multiply, normalise, to_frame
 from edl6dof.spatial.random_numbers import Stream
-from edl6dof.spatial.vector import cross, dot, scale, take3
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
-from edl6dof.vehicle.plant import ATTITUDE
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
+from edl6dof.vehicle.mass import CONFIG_CAPSULE
+from edl6dof.vehicle.parachutes.parachute import RELEASED
+from edl6dof.vehicle.plant import POSITION, take_attitude
 from edl6dof.vehicle.surroundings import planet_rotation
 
 
@@ -32,7 +40,7 @@ from edl6dof.vehicle.surroundings import planet_rotation
 def imager_attitude(plant, turn):
     """Attitude in I of the axes of an imager that is turned relative to B by ``turn`` (rad, B, small)."""
     y = plant.y
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     return normalise(multiply(q, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])))
 
 
@@ -134,12 +142,66 @@ def view_range(params, plant):
 
 @kernel
 def lay_tile_in_view(case, tables, origin, axes, height, reach, tile):
-    """Lay the ground around the point in view of an imager that sees up to ``reach`` (m); origin, axes and
-    height are those of :func:`imager_pose`.
-    """
+    """Lay the ground around the point in view up to ``reach`` (m) from the pose of :func:`imager_pose`."""
     ahead = axes[0]
     way = height / max(-ahead[2], LEVEL)
     if way <= reach:
         lay_tile(case, tables, origin[0] + way * ahead[0], origin[1] + way * ahead[1], tile)
     else:
         clear_tile(tile)
+
+
+#: A disc for each part, and one for what hangs above it.
+_MOST = 2 * MAX_PARTS
+DISCS = np.dtype(
+    [
+        ("n", whole(0, _MOST)),
+        ("to", "f8", (_MOST, 3)),  # m: from the imager to the middle, along its own axes
+        ("radius", "f8", (_MOST,)),  # m
+    ],
+    align=True,
+)
+
+
+@kernel
+def find_discs(case, plant, outputs, position, turn, discs):
+    """List the discs of the parts that have left the vehicle, for an imager as in :func:`imager_pose`."""
+    y, spin, chute = plant.y, case.planet.rotation_rate, plant.parachute
+    q = take_attitude(y)
+    place = add(take3(y, POSITION), from_frame(q, sub(position, take3(outputs.centre, 0))))
+    axes = imager_attitude(plant, turn)
+    discs.n = 0
+    for k in range(case.vehicle.n_parts):
+        part, r, v = plant.debris[k], take3(plant.debris[k].r_I, 0), take3(plant.debris[k].v_I, 0)
+        if part.active == 0:
+            continue
+        own, to_part = part.drag_area, sub(r, place)
+        if plant.canopy == RELEASED and k == case.suspension[chute].carrier:
+            own = min(own, case.vehicle.parts[k].drag_area)
+            above = unit((-v[0] - spin * r[1], -v[1] + spin * r[0], -v[2]))
+            middle = add(to_part, scale(case.vehicle.parachutes[chute].line_length, above))
+            _note(axes, middle, part.drag_area - own, discs)
+        _note(axes, to_part, own, discs)
+
+
+@kernel
+def _note(axes, to_middle, area, discs):
+    """Add a disc of this area (m2) at a place (m, I, from the imager) for an imager of this attitude."""
+    if area > 0.0:
+        put3(discs.to[discs.n], 0, to_frame(axes, to_middle))
+        discs.radius[discs.n] = sqrt(area / pi)
+        discs.n += 1
+
+
+@kernel
+def is_hidden(discs, direction):
+    """Test whether a disc lies along ``direction``, a unit vector of the imager's own axes."""
+    for k in range(discs.n):
+        to = take3(discs.to[k], 0)
+        distance, radius = norm(to), discs.radius[k]
+        if distance <= radius:
+            return True
+        share = radius / distance
+        if dot(to, direction) >= distance * sqrt(1.0 - share * share):
+            return True
+    return False

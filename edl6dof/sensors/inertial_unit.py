@@ -31,7 +31,7 @@ from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import conjugate, multiply, rotation_vector
 from edl6dof.spatial.random_numbers import Stream
 from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
-from edl6dof.vehicle.plant import ATTITUDE, RATE
+from edl6dof.vehicle.plant import RATE, take_attitude
 
 #: Readings that can be under way.
 DEPTH = 8
@@ -59,10 +59,7 @@ class GyroParams(Params):
         0.0, "how long the flag of saturation stays on", status="estimate", ge=0.0, le=60.0
     )
 
-    @field_validator("axes")
-    @classmethod
-    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
-        return unique_names(value)
+    _names_differ = field_validator("axes")(unique_names)
 
 
 class AccelerometerParams(Params):
@@ -86,10 +83,7 @@ class AccelerometerParams(Params):
         0.0, "how long the flag of saturation stays on", status="estimate", ge=0.0, le=60.0
     )
 
-    @field_validator("axes")
-    @classmethod
-    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
-        return unique_names(value)
+    _names_differ = field_validator("axes")(unique_names)
 
 
 class InertialUnitParams(Hardware):
@@ -138,9 +132,7 @@ MEMORY = np.dtype(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Take a reading of the motion since the last one and hand out the one taken ``delay_cycles`` ago (the
-    first one while there is no older).
-    """
+    """Measure the motion since the last reading and hand out the reading of ``delay_cycles`` ago."""
     turned, gained, w, dt = motion_since(params, plant, outputs, memory)
     cycle = memory.taken
     shaken_rate, shaken_turn, shaken_gain = shake(
@@ -178,7 +170,7 @@ def motion_since(params, plant, outputs, memory):
     rate now, and the time since then.  Remembers the present motion.
     """
     y = plant.y
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     w, gain = take3(y, RATE), add(take3(plant.velocity_gain, 0), take3(plant.separation_gain, 0))
     turned = gained = (0.0, 0.0, 0.0)
     dt = 0.0

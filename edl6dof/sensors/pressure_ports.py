@@ -21,23 +21,18 @@ from edl6dof.interface.capacities import MAX_PORTS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import SenseAxis
-from edl6dof.spatial.elementary import cos, sin
+from edl6dof.sensors.counters import SenseAxis, axes_towards
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.spatial.vector import unit as direction
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
+from edl6dof.vehicle.mass import CONFIG_CAPSULE
 
 
 def cross_of_ports() -> list[SenseAxis]:
     """Seven ports, one at the nose and six on the cone of 70 deg, in the planes of pitch and yaw."""
     off = 20.0 * pi / 180.0
-    places = [(0.0, 0.0), (off, 0.0), (off, pi / 2.0), (off, pi), (off, 1.5 * pi), (0.5 * off, 0.5 * pi)]
-    places.append((0.5 * off, 1.5 * pi))
-    return [
-        SenseAxis(name=f"p{k + 1}", axis=(cos(lean), sin(lean) * cos(turn), sin(lean) * sin(turn)))
-        for k, (lean, turn) in enumerate(places)
-    ]
+    on_cone = [(0.0, 0.0), (off, 0.0), (off, pi / 2.0), (off, pi), (off, 1.5 * pi)]
+    return axes_towards("p", [*on_cone, (0.5 * off, 0.5 * pi), (0.5 * off, 1.5 * pi)])
 
 
 class PressurePortsParams(Params):
@@ -56,10 +51,7 @@ class PressurePortsParams(Params):
     )
     noise_pa: float = param(5.0, "noise of a reading", status="estimate", ge=0.0, le=1e5)
 
-    @field_validator("ports")
-    @classmethod
-    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
-        return unique_names(value)
+    _names_differ = field_validator("ports")(unique_names)
 
 
 #: The copy that flies: biases (Pa), relative errors of scale, key of the noise.

@@ -24,16 +24,16 @@ from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import SenseAxis, turned
+from edl6dof.sensors.counters import SenseAxis, axes_towards, turned
 from edl6dof.sensors.ray_ground import height_over_ground, point_motion, ray_to_ground, ray_to_part
 from edl6dof.sensors.vibration import thrust_share
-from edl6dof.spatial.elementary import cos, sin
+from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.random_numbers import Stream, normal_pair, uniform
 from edl6dof.spatial.vector import dot, take3
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
-from edl6dof.vehicle.plant import ATTITUDE, FALSE_LOCK, OUTAGE, STUCK
+from edl6dof.vehicle.mass import CONFIG_CAPSULE
+from edl6dof.vehicle.plant import FALSE_LOCK, OUTAGE, STUCK, take_attitude
 from edl6dof.vehicle.surroundings import planet_rotation
 
 #: Random numbers that a beam may use in a reading.
@@ -42,11 +42,7 @@ _DRAWS = 4
 
 def four_beams() -> list[SenseAxis]:
     """Four beams evenly on a cone of half angle 25 deg about x of B, named b1..b4."""
-    half, turns = 25.0 * pi / 180.0, [pi / 4.0 + k * pi / 2.0 for k in range(4)]
-    return [
-        SenseAxis(name=f"b{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
-        for k, turn in enumerate(turns)
-    ]
+    return axes_towards("b", [(25.0 * pi / 180.0, pi / 4.0 + k * pi / 2.0) for k in range(4)])
 
 
 class LobeParams(Params):
@@ -66,9 +62,7 @@ class LobeParams(Params):
 
 
 class DustParams(Params):
-    """Dust that the engines raise, at full thrust just above the ground; it thins upwards, and with the
-    thrust.
-    """
+    """Dust that the engines raise, at full thrust just above the ground; it thins with height and thrust."""
 
     height_m: float = param(10.0, "height at which there is none", status="estimate", ge=0.0, le=1000.0)
     speed_noise_m_s: float = param(0.3, "noise added to the speed", status="estimate", ge=0.0, le=100.0)
@@ -131,10 +125,7 @@ class RadarParams(Hardware):
     lobes: LobeParams = group(LobeParams, "parts of the vehicle in the beams")
     dust: DustParams = group(DustParams, "dust that the engines raise")
 
-    @field_validator("beams")
-    @classmethod
-    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
-        return unique_names(value)
+    _names_differ = field_validator("beams")(unique_names)
 
 
 #: The copy that flies: true directions (B), errors of scale, shifts of the range (m), key of the noise.
@@ -162,7 +153,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     rotation = planet_rotation(case.planet, plant.t)
     c, s = rotation
     y, areoid = plant.y, plant.inputs.areoid
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     r, v = point_motion(case, plant, outputs, take3(params.position, 0), rotation)
     height, up, _ = height_over_ground(case, tables, areoid, r)
     tilt = -dot(rotate_z(c, s, from_frame(q, (1.0, 0.0, 0.0))), up)
@@ -193,22 +184,13 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         first = _DRAWS * (MAX_BEAMS * cycle + i)
         if uniform(unit.key, first) < params.dropout + dust * params.dust.dropout:
             distance = 0.0
-        read(
-            params,
-            unit,
-            faults=plant.instruments,
-            i=i,
-            distance=distance,
-            speed=speed,
-            dust=dust,
-            first=first,
-            radar=radar,
-        )
+        read(params, unit, plant.instruments, i, (distance, speed, dust), first=first, radar=radar)
 
 
 @kernel
-def read(params, unit, faults, i, distance, speed, dust, first, radar):
-    """Write the reading of beam ``i`` with its errors; ``distance`` (m) is 0 where it has no echo."""
+def read(params, unit, faults, i, echo, first, radar):
+    """Write the reading of beam ``i`` with its errors; ``echo``: distance (m; 0: none), speed (m/s), dust."""
+    distance, speed, dust = echo
     range_fault, speed_fault = faults.range[i], faults.speed[i]
     if range_fault.mode == STUCK:
         return

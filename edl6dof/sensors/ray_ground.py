@@ -1,36 +1,47 @@
 """Intersection of a ray with the ground, or with a nearer part that has left the vehicle.
 
-All vectors are in the planet-fixed frame F except those of the parts, whose positions and velocities are
-inertial. Source: false lock of a landing radar on its jettisoned heat shield: Chen and Pollard, IEEE
-Aerospace Conference (2014).
+The ground is the true one, or a square tile of it for many rays: heights on a lattice, with a bilinear
+surface between them.  A ray walks from cell to cell of the lattice below its highest node, and meets the
+surface of a cell where a quadratic in the distance along it has its first root: exact, whatever stands on the
+ground.
+
+Vectors of beams are in the planet-fixed frame F, except those of the parts, whose positions and velocities
+are inertial; rays on a tile are in m north, east and up.
+
+Sources: false lock of a landing radar on its jettisoned heat shield: Chen and Pollard, IEEE Aerospace
+Conference (2014); walk: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing, Eurographics
+1987; bilinear surface: Ramsey, Potter and Hansen, Ray bilinear patch intersections, Journal of Graphics Tools
+9(3), 2004.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import copysign, sqrt
 
+import numpy as np
+
+from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
 from edl6dof.environment.terrain import ground
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import atan2, cos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.plant import POSITION, RATE, VELOCITY, take_attitude
 
-#: Cosine of the angle to straight down beyond which a beam goes past the ground.
-_LEVEL = 0.05
+#: Least sine of the dip of a ray; flatter ones are taken to meet no ground.
+LEVEL = 0.05
 #: Iterations of the intersection; the error left is below a millimetre.
 _ITERATIONS = 3
 
 
 @kernel
 def point_motion(case, plant, outputs, position, rotation):
-    """Position, and velocity relative to the rotating planet, (F) of a point of the body at ``position`` (m,
-    B); ``rotation`` is that of the planet.
-    """
+    """Position, and velocity over the turning planet, (F) of a point of the body at ``position`` (m, B)."""
     c, s = rotation
     y = plant.y
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     arm = sub(position, take3(outputs.centre, 0))
     r = add(take3(y, POSITION), from_frame(q, arm))
     v = add(take3(y, VELOCITY), from_frame(q, cross(take3(y, RATE), arm)))
@@ -41,9 +52,7 @@ def point_motion(case, plant, outputs, position, rotation):
 
 @kernel
 def height_over_ground(case, tables, areoid, r_F):
-    """Height (m) of a point above the ground below it, and the upward normals of the ellipsoid and of the
-    ground there.
-    """
+    """Height (m) of a point above the ground, and the upward normals of ellipsoid and ground below it."""
     planet = case.planet
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     lat, lon = atan2(sin_lat, cos_lat), atan2(sin_lon, cos_lon)
@@ -58,12 +67,10 @@ def height_over_ground(case, tables, areoid, r_F):
 @kernel
 def ray_to_ground(case, tables, areoid, r_F, beam_F, height, up_F):
     """Range (m) from ``r_F`` along the unit vector ``beam_F`` to the ground, and the cosine of the incidence
-    there; both 0 where the beam goes past it.  ``height`` and ``up_F`` are those at ``r_F``.
-
-    First down the slope of the beam, then by the secant.
+    there; both 0 where the beam misses it: down the slope of the beam, then by the secant.
     """
     down = -dot(beam_F, up_F)
-    if down < _LEVEL or height <= 0.0:
+    if down < LEVEL or height <= 0.0:
         return 0.0, 0.0
     before, clear_before = 0.0, height
     reach, incidence = height / down, down
@@ -81,10 +88,8 @@ def ray_to_ground(case, tables, areoid, r_F, beam_F, height, up_F):
 
 @kernel
 def ray_to_part(lobes, plant, rotation, r_F, v_F, beam_F, ground_range, spin):
-    """Range (m) and closing speed (m/s) of the nearest part that the beam takes for the ground; range 0 for
-    none.
-
-    A part nearer than the ground is seen in the main lobe from anywhere, in a side lobe from close by.
+    """Range (m) and closing speed (m/s) of the nearest part that the beam takes for the ground, range 0 for
+    none: nearer than the ground, in the main lobe, or from close by in a side lobe.
     """
     c, s = rotation
     nearest, closing = 0.0, 0.0
@@ -103,3 +108,133 @@ def ray_to_part(lobes, plant, rotation, r_F, v_F, beam_F, ground_range, spin):
             moving = rotate_z(c, s, (v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
             nearest, closing = distance, dot(sub(v_F, moving), to_part) / distance
     return nearest, closing
+
+
+#: Nodes along each side.
+TILE_NODES = 512
+
+#: Ground by place: m north, east and above the site.
+GROUND_TILE = np.dtype(
+    [
+        ("heights", "f4", (TILE_NODES, TILE_NODES)),  # m, by place to the north and to the east
+        ("north", "f8"),  # m: of the first node
+        ("east", "f8"),
+        ("cell", "f8"),  # m: from node to node
+        ("top", "f8"),  # m: the highest node
+        ("work", RASTER_WORK),
+    ],
+    align=True,
+)
+
+#: Way (m) to a line of the lattice for a ray along it.
+_NEVER = 1e30
+
+
+@kernel
+def lay_tile(case, tables, north, east, tile):
+    """Lay a tile of the ground around a place (m north and east of the site)."""
+    tile.cell = case.terrain.landing_area.cell
+    half = 0.5 * (TILE_NODES - 1) * tile.cell
+    tile.north, tile.east = lay_raster(
+        case.terrain, tables.terrain, north - half, east - half, tile.heights, work=tile.work
+    )
+    top = tile.heights[0, 0]
+    for i in range(TILE_NODES):
+        for j in range(TILE_NODES):
+            top = max(top, tile.heights[i, j])
+    tile.top = top
+
+
+@kernel
+def clear_tile(tile):
+    """Leave no ground for rays to meet."""
+    tile.top = -_NEVER
+
+
+@kernel
+def trace_ray(tile, origin, ray, reach):
+    """Distance (m) along a ray to the ground, and the cosine of its incidence there; both 0 where it leaves
+    the tile or its ``reach`` (m) first.
+
+    Args:
+        tile: ``GROUND_TILE`` record.
+        origin: where the ray begins: m north, east and above the site.
+        ray: m north, east and up for each metre along it.
+        reach: m.
+    """
+    if not ray[2] < -LEVEL:
+        return 0.0, 0.0
+    # from where it comes below the highest node; places counted in cells from the first node
+    before = max((tile.top - origin[2]) / ray[2], 0.0)
+    inverse, last = 1.0 / tile.cell, TILE_NODES - 1
+    x, y, dz = ray[0] * inverse, ray[1] * inverse, ray[2]
+    u = (origin[0] - tile.north) * inverse + before * x
+    v = (origin[1] - tile.east) * inverse + before * y
+    z = origin[2] + before * dz
+    if not (0.0 <= u < last and 0.0 <= v < last and before <= reach):
+        return 0.0, 0.0
+    (i, from_i), (j, from_j) = cell(u, last), cell(v, last)
+    step_i, next_i, pause_i = _lines(from_i, x)
+    step_j, next_j, pause_j = _lines(from_j, y)
+    entered = 0.0
+    while 0 <= i < last and 0 <= j < last and before + entered <= reach:
+        left = min(next_i, next_j)
+        a, b = float(tile.heights[i, j]), float(tile.heights[i, j + 1])
+        c, d = float(tile.heights[i + 1, j]), float(tile.heights[i + 1, j + 1])
+        if z + left * dz <= max(max(a, b), max(c, d)):
+            way = _meet((a, b, c, d), (u - i, v - j, z), (x, y, dz), (entered, left))
+            if way >= 0.0:
+                p, q = u - i + way * x, v - j + way * y
+                north = ((c - a) * (1.0 - q) + (d - b) * q) * inverse
+                east = ((b - a) * (1.0 - p) + (d - c) * p) * inverse
+                falling = north * ray[0] + east * ray[1] - dz
+                return before + way, falling / sqrt(1.0 + north * north + east * east)
+        if next_i < next_j:
+            i, next_i = i + step_i, next_i + pause_i
+        else:
+            j, next_j = j + step_j, next_j + pause_j
+        entered = left
+    return 0.0, 0.0
+
+
+@kernel
+def _lines(share, speed):
+    """Side to which a ray, at a share of a cell and of so many cells a metre, crosses the lines of the
+    lattice, and the ways (m) to the first one and from one to the next.
+    """
+    if speed > 0.0:
+        return 1, (1.0 - share) / speed, 1.0 / speed
+    if speed < 0.0:
+        return -1, -share / speed, -1.0 / speed
+    return 1, _NEVER, _NEVER
+
+
+@kernel
+def _meet(nodes, start, ray, span):
+    """Way (m) along a ray to the surface of a cell; -1 if it does not meet it within the cell.
+
+    Args:
+        nodes: heights of the nodes of the cell (m): first, east, north, both.
+        start: of the ray: cells north and east of the first node, height (m).
+        ray: cells north and east, and metres up, for each metre along it.
+        span: ways (m) at which the ray enters and leaves the cell.
+    """
+    (a, b, c, d), (p, q, z), (x, y, dz), (entered, left) = nodes, start, ray, span
+    north, east, twist = c - a, b - a, d - c - b + a
+    constant = z - a - north * p - east * q - twist * p * q
+    linear = dz - north * x - east * y - twist * (p * y + q * x)
+    square = -twist * x * y
+    if constant + entered * (linear + entered * square) <= 0.0:
+        return entered  # rounding at the line between two cells
+    inside = linear * linear - 4.0 * square * constant
+    if inside < 0.0:
+        return -1.0
+    both = -0.5 * (linear + copysign(sqrt(inside), linear))
+    way = _NEVER
+    for root in (both / square if square != 0.0 else _NEVER, constant / both if both != 0.0 else _NEVER):
+        if entered <= root <= left and root < way:
+            way = root
+    if way < _NEVER:
+        return way
+    # rounding again: below the surface where it leaves the cell
+    return left if constant + left * (linear + left * square) <= 0.0 else -1.0

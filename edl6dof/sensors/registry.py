@@ -113,9 +113,7 @@ def fill_sensor_params(record: np.void, params: SensorParams) -> None:
 
 
 def draw_sensor_units(record: np.void, params: SensorParams, seed: int, case: int) -> None:
-    """Draw the errors of the sensors that fly, which belong to (seed, case), into a ``SENSOR_UNITS`` record
-    without any.
-    """
+    """Draw the errors of the sensors that fly, which belong to (seed, case), into an empty record."""
     for index in _flown(params):
         member = SENSOR_FAMILY.members[index]
         if member.plan is not None:
@@ -129,31 +127,19 @@ def _flown(params: SensorParams) -> list[int]:
 
 @kernel
 def sense(measure, case, tables, plant, outputs, sensors):
-    """Let the sensors that are carried write into ``sensors.sensed`` what they measure in the state ``plant``
-    with its ``outputs``; ``measure``: of those that fly.
-    """
-    params, unit = case.sensors.params, case.sensors.unit
-    sensors.sensed.t = plant.t
+    """Let the sensors that are carried write what they measure into ``sensors.sensed``."""
+    params, unit, sensed = case.sensors.params, case.sensors.unit, sensors.sensed
+    sensed.t = plant.t
     for k in range(params.n_carried):
         measure(
-            params.carried[k],
-            params,
-            unit,
-            case,
-            tables,
-            plant=plant,
-            outputs=outputs,
-            memory=sensors,
-            sensed=sensors.sensed,
-        )
+            params.carried[k], params, unit, case, tables, plant=plant, outputs=outputs, memory=sensors,
+            sensed=sensed,
+        )  # fmt: skip
 
 
 def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, str]:
-    """Dotted path to message of what is wrong with the choice of sensors.
-
-    Args:
-        params: the choice.
-        needed: fields of the sensed record that the flight software cannot do without.
+    """Problems of a choice of sensors by dotted path; ``needed``: fields of the sensed record that the flight
+    software cannot do without.
     """
     twice = sorted({name for name in params.carried if params.carried.count(name) > 1})
     written = {field for name in params.flown for field in SENSOR_FAMILY.member(name).writes}
@@ -167,9 +153,7 @@ def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, 
 
 
 def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Component, list[str]]:
-    """Names of the instruments that fly and may fail, by kind of component; flow meters go by the names of
-    ``branches``.
-    """
+    """Names of the instruments that fly and may fail, by kind; flow meters are named as ``branches``."""
     names: dict[Component, list[str]] = {}
     if "inertial_unit" in params.flown:
         unit = params.inertial_unit

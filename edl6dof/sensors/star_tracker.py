@@ -19,7 +19,7 @@ from edl6dof.registry import Member
 from edl6dof.spatial.quaternion import multiply, normalise
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, dot, norm, scale, sub, take3
-from edl6dof.vehicle.plant import ATTITUDE, RATE
+from edl6dof.vehicle.plant import RATE, take_attitude
 
 
 class StarTrackerParams(Hardware):
@@ -46,10 +46,7 @@ class StarTrackerParams(Hardware):
     )
     rate_deg_s: float = param(3.0, "largest rate at which it sees stars", status="estimate", gt=0.0, le=1e4)
 
-    @field_validator("boresight")
-    @classmethod
-    def _unit_length(cls, value: Vec3) -> Vec3:
-        return unit_vector(value)
+    _unit_length = field_validator("boresight")(unit_vector)
 
 
 #: The copy that flies: its alignment, a small rotation in B (rad), the key of its noise, and the number of
@@ -68,7 +65,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     stars.valid = 0
     if due and outputs.altitude >= params.lowest and norm(take3(y, RATE)) <= params.rate:
         off = add(take3(unit.misalignment, 0), noise(params, unit, cycle))
-        true = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+        true = take_attitude(y)
         q = normalise(multiply(true, (1.0, 0.5 * off[0], 0.5 * off[1], 0.5 * off[2])))
         for i in range(4):
             stars.q_I2B[i] = q[i]

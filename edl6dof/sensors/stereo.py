@@ -18,7 +18,6 @@ from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.ground_tile import GROUND_TILE, trace_ray
 from edl6dof.sensors.imager import (
     IMAGER_UNIT,
     ImagerParams,
@@ -28,6 +27,7 @@ from edl6dof.sensors.imager import (
     lay_tile_in_view,
     view_range,
 )
+from edl6dof.sensors.ray_ground import GROUND_TILE, trace_ray
 from edl6dof.spatial.elementary import cos, tan
 from edl6dof.spatial.random_numbers import Stream, normal_pair, uniform
 from edl6dof.spatial.vector import take3

@@ -77,15 +77,8 @@ VIBRATION = np.dtype(
 @kernel
 def shake(params, mount, case, plant, outputs, dt, cycle, memory):
     """Vibration added to the motion: rate now (rad/s), and rotation (rad) and velocity (m/s) since the last
-    reading, all in B.
-
-    Args:
-        params: parameters.
-        mount: ``MOUNT`` record.
-        case, plant, outputs: the truth.
-        dt: time since the last reading, s.
-        cycle: number of the reading.
-        memory: ``VIBRATION`` record.
+    reading ``dt`` s ago, number ``cycle``, all in B; ``mount`` and ``memory``: ``MOUNT`` and ``VIBRATION``
+    records.
     """
     turn = swing = rate = (0.0, 0.0, 0.0)
     share = thrust_share(case, outputs)
@@ -146,9 +139,7 @@ def draw_mount(rng: Stream, mount: np.void) -> None:
 
 @kernel
 def thrust_share(case, outputs):
-    """Thrust of all engines over their full thrust together, which shakes instruments and raises dust; 0
-    without engines.
-    """
+    """Thrust of all engines over their full thrust together, 0 without engines: of vibration and dust."""
     full = 0.0
     for i in range(case.vehicle.n_engines):
         full += case.vehicle.engines[i].full_thrust

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.config.document.regular import read_regular
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import ConfigError, Problem, refusal
 from edl6dof.durable import write_atomic
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.fsw.onboard import FSW
@@ -91,7 +91,7 @@ class State:
         try:
             content = read_regular(path, _LARGEST_FILE)
         except OSError as error:
-            raise _problem(path, f"cannot be read: {error.strerror or error}") from None
+            raise refusal(path, f"cannot be read: {error.strerror or error}") from None
         return cls.unpacked(content, path)
 
     @classmethod
@@ -107,7 +107,7 @@ class State:
         except ConfigError:
             raise
         except Exception:  # a broken archive makes its readers raise errors of a dozen kinds
-            raise _problem(name, "is not a state saved by 'edl6dof fly --save-state'") from None
+            raise refusal(name, "is not a state saved by 'edl6dof fly --save-state'") from None
         if found := [Problem(str(name), 0, 0, *problem) for problem in state._impossible()]:
             raise ConfigError(found)
         return state
@@ -166,7 +166,7 @@ class State:
 def _read(archive: zipfile.ZipFile, path: str | Path) -> State:
     """The members of a saved state, none of them larger than it can be."""
     if _member(archive, "layout", 64).tobytes().decode() != layout_hash():
-        raise _problem(
+        raise refusal(
             path, "was saved by another version of edl6dof whose records differ; fly to that time again"
         )
     cycle = _member(archive, "cycle", 8)
@@ -181,7 +181,7 @@ def _read(archive: zipfile.ZipFile, path: str | Path) -> State:
     try:
         text = _member(archive, "scenario", _LARGEST_SCENARIO).tobytes().decode()
     except UnicodeDecodeError as error:
-        raise _problem(path, f"holds a scenario that is not UTF-8 (byte {error.start})") from None
+        raise refusal(path, f"holds a scenario that is not UTF-8 (byte {error.start})") from None
     return State(int(cycle), scenario_text=text, **records)
 
 
@@ -190,14 +190,4 @@ def _member(archive: zipfile.ZipFile, name: str, largest: int) -> np.ndarray:
     info = archive.getinfo(f"{name}.npy")
     if info.file_size > largest + _HEADER:
         raise ValueError(f"{name} is too large")
-    file = io.BytesIO(archive.read(info))
-    if np.lib.format.read_magic(file) != (1, 0):
-        raise ValueError(f"{name} is of another format")
-    shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-    if dtype.hasobject:
-        raise ValueError(f"{name} holds objects")
-    return np.frombuffer(file.read(), dtype).reshape(shape)
-
-
-def _problem(path: str | Path, message: str) -> ConfigError:
-    return ConfigError([Problem(str(path), 0, 0, "", message)])
+    return np.load(io.BytesIO(archive.read(info)), allow_pickle=False)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable, Sequence
-from threading import Lock, Thread
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,60 +20,6 @@ from edl6dof.sim.functions import functions_of
 from edl6dof.sim.loop import fly_each
 from edl6dof.sim.outcome import FLYING
 from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
-
-
-class Helper:
-    """A thread that waits for work, until it is closed.
-
-    Args:
-        work: called in the thread with what :meth:`begin` is given.
-    """
-
-    def __init__(self, work: Callable[[int], object]):
-        self._work, self._given, self._closed = work, 0, False
-        self._error: BaseException | None = None
-        self._told, self._idle = Lock(), Lock()  # taken: nothing to do; at work
-        self._told.acquire()
-        Thread(target=self._serve, name="edl6dof-helper", daemon=True).start()
-
-    def begin(self, given: int) -> None:
-        """Let the thread do its work once, after what it is still at.
-
-        Raises:
-            RuntimeError: it is closed.
-        """
-        if self._closed:
-            raise RuntimeError("its threads have been closed")
-        self._idle.acquire()
-        self._given = given
-        self._told.release()
-
-    def wait(self) -> None:
-        """Wait until the work is done; raises what it raised.  Who is interrupted here may go on as ever."""
-        with self._idle:
-            error, self._error = self._error, None
-        if error is not None:
-            raise error
-
-    def close(self) -> None:
-        """Let the thread end, after what it is still at."""
-        if not self._closed:
-            self._idle.acquire()
-            self._closed = True
-            self._told.release()
-
-    def _serve(self) -> None:
-        while True:
-            self._told.acquire()
-            if self._closed:
-                return
-            try:
-                self._work(self._given)
-            except BaseException as error:
-                self._error = error
-            finally:
-                self._idle.release()
-
 
 #: Outcome of a flight that flies no further though it could, or has not begun.
 HALTED = -1
@@ -128,14 +74,13 @@ class Fleet:
         self._current = np.zeros(count, np.int64)
         self._functions: list[Any] = []  # those of all flights that have begun, once a flight begins
         edges = np.linspace(0, count, min(workers, count) + 1).astype(int)
-        mine, *others = (self._share(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True))
-        self._mine, self._helpers = mine, [Helper(share) for share in others]
-        self.close = weakref.finalize(self, _close, self._helpers)  # a fleet that is dropped ends its threads
+        self._mine, *self._others = (self._share(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True))
+        # a thread for each share: after an interruption its next work still waits for the one before
+        self._threads = [ThreadPoolExecutor(1, "edl6dof-fleet") for _ in self._others]
+        self.close = weakref.finalize(self, _close, self._threads)  # a fleet that is dropped ends its threads
 
     def _share(self, first: int, end: int) -> Callable[[int], object]:
-        """Make the function that flies the flights ``first .. end - 1`` by some base cycles: their arrays are
-        cut out once.
-        """
+        """Function that flies the flights ``first .. end - 1`` by some base cycles."""
         some, steps, functions = slice(first, end), self._steps, self._functions
         records = (
             *(self.cases[some], self.onboards[some], self.tables, self.plants[some], self.outputs[some]),
@@ -189,16 +134,23 @@ class Fleet:
         self.outcomes[which & (self.outcomes == FLYING)] = HALTED
 
     def advance(self, cycles: int) -> None:
-        """Fly some base cycles of every flight that still flies, a share of them in this thread."""
-        for helper in self._helpers:
-            helper.begin(cycles)
+        """Fly some base cycles of every flight that still flies, a share of them in this thread.
+
+        Raises:
+            RuntimeError: the threads have been closed.
+        """
+        if not self.close.alive:
+            raise RuntimeError("its threads have been closed")
+        others = [
+            thread.submit(share, cycles) for thread, share in zip(self._threads, self._others, strict=True)
+        ]
         try:
             self._mine(cycles)
         finally:
-            for helper in self._helpers:
-                helper.wait()
+            for other in others:
+                other.result()
 
 
-def _close(helpers: list[Helper]) -> None:
-    for helper in helpers:
-        helper.close()
+def _close(threads: list[ThreadPoolExecutor]) -> None:
+    for thread in threads:
+        thread.shutdown(wait=False)

@@ -14,13 +14,10 @@ from edl6dof.interface.roles import during
 from edl6dof.metrics.evaluation import Check, checks
 from edl6dof.scenario import records
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.finiteness import first_cause
-from edl6dof.sim.flight_figures import figures_of
-from edl6dof.sim.flight_records import FlightRecords, timeline_moments
+from edl6dof.sim.flight_records import FlightRecords, figures_of, timeline_moments
 from edl6dof.sim.flight_state import RunningFlight, continue_from, log_rows, resolved_text
-from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
+from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE, first_cause
 from edl6dof.sim.termination import Termination, goal_code, termination
 from edl6dof.telemetry.timeline import timeline
 
@@ -43,9 +40,7 @@ class Flight(FlightRecords):
         return f"<Flight {self.name}: {self.outcome} at t = {self.time_s:.1f} s, {rows}>"
 
     def during(self, role: str) -> np.ndarray:
-        """Rows of telemetry from the first to the last phase of a role, shape (rows,), bool; none where no
-        phase has it.
-        """
+        """Rows of telemetry in the phases of a role, shape (rows,), bool."""
         return during(self.telemetry["guide.phase"], self.scenario.phase_roles, role)
 
     def release_log(self) -> None:
@@ -77,9 +72,7 @@ class Flight(FlightRecords):
 
     @property
     def success(self) -> bool:
-        """True if it reached the goal of the mission (landed, deployed, or flown to the time limit) within
-        all limits.
-        """
+        """True if it reached the goal of the mission (landed, deployed, or flown) within all limits."""
         return self.termination.success
 
     @cached_property
@@ -94,9 +87,7 @@ class Flight(FlightRecords):
 
     @property
     def cause(self) -> str:
-        """Why the flight is no success, without numbers, so that flights with one cause count together; empty
-        for a success.
-        """
+        """Reason why it is no success, without numbers, to count flights by; empty for a success."""
         return self.termination.cause
 
     @cached_property
@@ -114,12 +105,8 @@ class Flight(FlightRecords):
 
 
 def attitude_at(t: float, times: np.ndarray, columns: Sequence[np.ndarray]) -> Quaternion:
-    """Attitude between the rows of a flight.
-
-    Args:
-        t: time, s.
-        times: those of the rows, s, shape (rows,).
-        columns: quaternions from I to B, w, x, y, z, each shape (rows,).
+    """Attitude at ``t`` (s) between the rows of a flight: their times (s, shape (rows,)) and the four columns
+    of quaternions from I to B (w, x, y, z).
 
     Raises:
         ValueError: ``t`` lies outside the rows.
@@ -172,46 +159,28 @@ def fly(
             end = min(end, save_cycle)
         flight.advance(end - flight.cycle)
         if progress is not None:
-            _report(progress, loaded.scenario, flight.plant, flight.outputs, flight.fsw)
+            altitude, mach = (float(flight.outputs[name][0]) for name in ("altitude", "mach"))
+            limit = loaded.scenario.simulation.time_limit_s
+            progress(flight.time_s, limit, flight.phase, altitude, mach)
     return flight_of(flight, saved)
 
 
 def flight_of(running: RunningFlight, saved: State | None = None) -> Flight:
     """Finished flight of a running one, with the telemetry since it began; the two share their records."""
     loaded, code = running.loaded, running.code
+    state = running.plant, running.outputs
     wrong = None
     if code != goal_code(loaded.scenario.mission.goal):
-        changing = running.plant, running.outputs, running.work, running.sensors, running.fsw
-        wrong = first_cause(*changing)
+        wrong = first_cause(*state, running.work, running.sensors, running.fsw)
     site = running.onboard["site"]
     return Flight(
-        loaded,
-        running.case,
-        running.tables,
-        running.plant,
-        running.outputs,
-        running.peaks,
-        running.fsw,
+        *(loaded, running.case, running.tables, *state, running.peaks, running.fsw),
         running.log[: running.rows],
         (float(site["aim_latitude"][0]), float(site["aim_longitude"][0])),
         NOT_FINITE if wrong else code,
         running.cycle - running.first,
         saved,
         wrong,
-    )
-
-
-def _report(
-    progress: Progress, scenario: Scenario, plant: np.ndarray, outputs: np.ndarray, fsw: np.ndarray
-) -> None:
-    phases = scenario.mission.phases
-    phase = phases[int(fsw["mission"]["phase"][0])].name if phases else "free flight"
-    progress(
-        float(plant["t"][0]),
-        scenario.simulation.time_limit_s,
-        phase,
-        float(outputs["altitude"][0]),
-        float(outputs["mach"][0]),
     )
 
 

@@ -1,4 +1,6 @@
-"""Records of a finished flight, and the moments of its timeline that are no events of its mission."""
+"""Records of a finished flight, its figures of merit, and the moments of its timeline that are no events of
+its mission.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +9,32 @@ from functools import cached_property
 
 import numpy as np
 
-from edl6dof.metrics.out_of_use import Exclusion, IsolatedFault, exclusions, isolated_faults
+from edl6dof.metrics.balance_figures import balance_figures
+from edl6dof.metrics.evaluation import (
+    deployment_figures,
+    event_figures,
+    formed,
+    peak_figures,
+    relaxation_figures,
+)
+from edl6dof.metrics.figure_forms import Flown
+from edl6dof.metrics.hazard import drift_figures, hazard_figures
+from edl6dof.metrics.out_of_use import (
+    Exclusion,
+    IsolatedFault,
+    diagnosis_figures,
+    exclusion_figures,
+    exclusions,
+    isolated_faults,
+)
+from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.flight_state import phase_name
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.telemetry.landing_map import LandingMap, landing_map
-from edl6dof.telemetry.timeline import Moment, moment
+from edl6dof.telemetry.timeline import Moment, first_times, moment, moments
 from edl6dof.vehicle.plant import NOT_BEGUN
 
 
@@ -74,14 +95,11 @@ class FlightRecords:
     @property
     def phase(self) -> str:
         """Name of the last phase."""
-        names = self.phase_names
-        return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
+        return phase_name(self.scenario, self.fsw)
 
     @cached_property
     def telemetry(self) -> Telemetry:
-        """Columns by name, each shape (rows,), in the unit of the name's suffix; see
-        ``edl6dof.telemetry.channels``.
-        """
+        """Columns by name (:mod:`edl6dof.telemetry.channels`), each shape (rows,), in its unit."""
         scenario = self.scenario
         return Telemetry(self.log, scenario.thruster_names, scenario.beam_names, list(scenario.branches))
 
@@ -99,6 +117,50 @@ class FlightRecords:
     def landing_map(self) -> LandingMap | None:
         """Map of the ground that the lander scanned, and the spot chosen; ``None`` without a scan."""
         return landing_map(self.fsw[0])
+
+
+def figures_of(flight: FlightRecords) -> dict[str, float]:
+    """Figures by name with unit suffix."""
+    scenario, truth, plant = flight.scenario, flight.loaded.truth, flight.plant[0]
+    happened = first_times(moments(plant, flight.fsw[0], scenario.mission, scenario.vehicle))
+    # a flight continued from a saved state has no telemetry of what happened before
+    when = {key: t for key, t in happened.items() if t >= flight.telemetry["t_s"][0] - 1e-9}
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
+        flown = Flown(flight.telemetry, when, scenario.phase_roles)
+        figures = formed(flown, "events", "telemetry")
+        done = dict(zip(scenario.mission.events, plant["done"].tolist(), strict=False))
+        figures |= event_figures(flight.telemetry, scenario.published, done)
+        figures |= peak_figures(plant, flight.peaks[0], happened)
+        figures |= relaxation_figures(flight.fsw[0]["guidance"]["relaxed"])
+        figures |= balance_figures(flight.case, flight.plant)
+        figures |= touchdown_state(flight.case, flight.plant)
+        figures |= touchdown_terrain_figures(flight.case, flight.tables, flight.plant, flight.outputs)
+        figures |= diagnosis_figures(
+            flight.isolated_faults, truth.faults, truth.components, truth.branches, plant
+        )
+        if scenario.navigation_filter != "given":
+            figures |= formed(flown, "navigation")
+            figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, plant)
+        return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
+
+
+def _hazard(flight: FlightRecords, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+    """Figures of hazard detection; empty without it."""
+    if flight.scenario.flight_software.hazard.detection == "given":
+        return {}
+    lines = max((chute.line_length_m for chute in flight.scenario.vehicle.parachutes), default=0.0)
+    return drift_figures(flight.telemetry, when, lines) | hazard_figures(
+        flight.case, flight.fsw[0], flight.telemetry, figures
+    )
+
+
+def _deployment(flight: FlightRecords, figures: dict[str, float]) -> dict[str, float]:
+    """Miss of the aim point where the parachute opened; empty without a mortar or without entry guidance."""
+    phases = flight.scenario.mission.phases
+    if "parachute_s" not in figures or all(phase.guidance != "entry" for phase in phases):
+        return {}
+    radius_m = flight.scenario.planet.equatorial_radius_m
+    return deployment_figures(flight.telemetry, figures["parachute_s"], flight.aim_point, radius_m)
 
 
 def timeline_moments(flight: FlightRecords) -> list[Moment]:

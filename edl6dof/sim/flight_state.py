@@ -23,8 +23,7 @@ from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.compile_ahead import compile_loop, compiling_flight_software
-from edl6dof.sim.functions import functions_of
+from edl6dof.sim.functions import compile_loop, compiling_flight_software, functions_of
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import look, prepare, take_up
 from edl6dof.sim.outcome import FLYING
@@ -117,6 +116,16 @@ class RunningFlight:
         """Base cycle after which the time limit has ended the flight."""
         return last_cycle(self.loaded)
 
+    @property
+    def time_s(self) -> float:
+        """Flight time, s."""
+        return float(self.plant["t"][0])
+
+    @property
+    def phase(self) -> str:
+        """Name of the present mission phase."""
+        return phase_name(self.loaded.scenario, self.fsw)
+
     def advance(self, cycles: int) -> int:
         """Fly some base cycles, or up to the end of the flight; returns the outcome code."""
         if self.code == FLYING:
@@ -153,9 +162,7 @@ class RunningFlight:
 
 
 def snapshots_at(loaded: LoadedScenario, times_s: Iterable[float]) -> list[Snapshot]:
-    """Snapshots of one flight at rising times (s), each rounded to the start of a base cycle; those that it
-    does not reach are left out.
-    """
+    """Snapshots of one flight at rising times (s), to a base cycle; without those it does not reach."""
     flight, found = RunningFlight(loaded, log=NO_TICKS), []
     for t in times_s:
         flight.advance(round(t * loaded.scenario.flight_software.rates.base_hz) - flight.cycle)
@@ -163,6 +170,12 @@ def snapshots_at(loaded: LoadedScenario, times_s: Iterable[float]) -> list[Snaps
             break
         found.append(flight.snapshot())
     return found
+
+
+def phase_name(scenario: Scenario, fsw: np.ndarray) -> str:
+    """Name of the mission phase in a flight-software memory; a flight without phases is a free one."""
+    names = scenario.phase_names
+    return names[int(fsw["mission"]["phase"][0])] if names else "free flight"
 
 
 def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:

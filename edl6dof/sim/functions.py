@@ -1,25 +1,41 @@
-"""The functions that the loop is given: a cycle of the flight software with those that it is given itself,
-sensors and kinds of fault.
+"""The functions that the loop is given (a cycle of the flight software with those that it is given itself,
+sensors and kinds of fault), and their compilation before the first flight ever.
+
+numba compiles on one core: a second process compiles the flight software, this one all else.  The halves are
+independent, since the loop is given the flight software as a function, and both are kept in the same folder.
+Of families each compiles what the scenario names; what a flight carries beyond that is compiled when it
+begins.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+import subprocess
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 from numba import float64, types
 from numba.extending import typeof_impl
+from pydantic import BaseModel
 
+from edl6dof.child import python
+from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
+from edl6dof.fsw.functions import PLACES as OF_SOFTWARE
 from edl6dof.fsw.onboard import FSW
+from edl6dof.kernels import cache
 from edl6dof.kernels.cache import SETTINGS
 from edl6dof.kernels.functions import NOTHING, Given, kind_of, together
 from edl6dof.registry import place
 from edl6dof.scenario.records import TABLES
 from edl6dof.scenario.truth import CASE
 from edl6dof.sensors.registry import SENSORS, measure
+from edl6dof.sim.loop import fly
 from edl6dof.vehicle.faults.fault import FAULT, inflict_kind
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 
@@ -73,3 +89,85 @@ def _compile(functions: Iterable[Any]) -> None:
 def _first(indices: np.ndarray, counts: np.ndarray) -> frozenset[int]:
     """Values in the first ``counts`` columns of each row."""
     return frozenset(map(int, indices[np.arange(indices.shape[1]) < counts[:, None]]))
+
+
+_COMMAND = (
+    "from edl6dof.plugins import activate; activate([]); "
+    "from edl6dof.sim.functions import compile_flight_software as work; work(sys.argv[1:])"
+)
+
+
+_BOTH = [getattr(one, "py_func", one) for one in (fly, RUN.kernel)]
+
+
+def _mark() -> Path | None:
+    """File that says that loop and flight software of the present sources have been compiled."""
+    place, sources = cache.folder(), "".join(cache.stamp(one.__code__.co_filename) for one in _BOTH)
+    return None if place is None else place / f"{cache.hash_of(sources)[:24]}.mark"
+
+
+def is_compiled() -> bool:
+    """True if loop and flight software are compiled."""
+    mark = _mark()
+    return mark is None or mark.exists()
+
+
+@contextmanager
+def compiling_flight_software(scenario: BaseModel) -> Iterator[Sequence[str] | None]:
+    """Compile the flight software in parallel to the block, with more than one core; hands out the members of
+    families to compile the loop with, ``None`` where all is compiled already.
+    """
+    mark = _mark()
+    if mark is None or mark.exists():
+        yield None
+        return
+    places = (*OF_SOFTWARE.values(), *PLACES.values())
+    members = {name for place in places for name in place.role.family.names}
+    named = sorted(members.intersection(_words(scenario)))
+    other = None
+    if _cores() > 1:
+        environment = {**os.environ, VARIABLE: os.pathsep.join(cache.received)}
+        silent = subprocess.DEVNULL
+        other = subprocess.Popen(python(_COMMAND, *named), stdin=silent, stderr=silent, env=environment)
+    try:
+        yield named
+    except BaseException:
+        if other is not None:
+            other.terminate()
+        raise
+    finally:
+        if other is not None:
+            other.wait()
+    with suppress(OSError):  # the disk is full
+        mark.touch()
+
+
+def compile_loop(members: Sequence[str], *arguments: Any) -> None:
+    """Compile the loop for its arguments, and of the plant's families these members."""
+    cache.compiled(fly.called.compile, (FUNCTIONS, *map(numba.typeof, arguments)))
+    for one in PLACES.values():
+        one.compile(members)
+
+
+def compile_flight_software(members: Sequence[str]) -> None:
+    """Compile the flight software's cycle, and of its families these members."""
+    RUN.compile()
+    for one in OF_SOFTWARE.values():
+        one.compile(members)
+
+
+def _words(value: Any) -> Iterator[str]:
+    """Every string in a scenario: whatever it chooses from a family is among them."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, BaseModel):
+        yield from _words([field for _, field in value])
+    elif isinstance(value, dict):
+        yield from _words(list(value.values()))
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _words(one)
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -7,6 +7,7 @@ none here either: margins mean something for laws that are linear about the stat
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,6 +18,7 @@ from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.navigation.derived import derive
 from edl6dof.sim.flight_state import RunningFlight
 from edl6dof.sim.loop import look
+from edl6dof.spatial.quaternion import about_axis, multiply
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 if TYPE_CHECKING:
@@ -78,9 +80,7 @@ class LinearModel:
 
 
 class Margins(NamedTuple):
-    """Margins of one axis, its loop broken at the torque and the others closed; infinite where there is no
-    crossover.
-    """
+    """Margins of an axis, its loop broken at the torque, the others closed; infinite without a crossover."""
 
     gain_db: float
     phase_deg: float
@@ -92,40 +92,29 @@ def linear_plant(flight: RunningFlight) -> LinearModel:
     """The plant of a flight as it stands, which stays as it is."""
     plant, outputs, work = (duplicate(record) for record in (flight.plant, flight.outputs, flight.work))
 
-    def slopes() -> np.ndarray:
-        """Accelerations: of the velocity in I, of the rate in B."""
+    before = plant.tobytes()
+
+    def accelerations(deviate: Callable[[np.void, int, float], None], j: int, step: float) -> np.ndarray:
+        """Of the velocity in I, and of the rate in B, when the plant deviates by a step."""
+        plant.view(np.uint8)[:] = np.frombuffer(before, np.uint8)
+        deviate(plant[0], j, step)
         look(flight.case, flight.tables, plant, outputs, work)
         k = work["k"][0, 0]
         return np.concatenate([k[VELOCITY : VELOCITY + 3], k[RATE : RATE + 3]])
 
-    y, inputs = plant["y"][0], plant["inputs"]
-    y0 = y.copy()
     a, b = np.zeros((12, 12)), np.zeros((12, 6))
     a[_R, _V] = a[_TH, _W] = np.eye(3)
-    a[_TH, _TH] = -_cross(y0[RATE : RATE + 3])
-    for j, step in enumerate(_STATE_STEPS):
-        found = []
-        for sign in (1.0, -1.0):
-            y[:] = y0
-            _deviate(y, j, sign * step)
-            found.append(slopes())
-        y[:] = y0
-        difference = (found[0] - found[1]) / (2.0 * step)
-        a[_V, j], a[_W, j] = difference[:3], difference[3:]
-    for j, step in enumerate(_INPUT_STEPS):
-        place = inputs["rcs_moment" if j < 3 else "rcs_force"][0]
-        before, found = place[j % 3], []
-        for sign in (1.0, -1.0):
-            place[j % 3] = before + sign * step
-            found.append(slopes())
-        place[j % 3] = before
-        difference = (found[0] - found[1]) / (2.0 * step)
-        b[_V, j], b[_W, j] = difference[:3], difference[3:]
+    a[_TH, _TH] = np.cross(plant["y"][0, RATE : RATE + 3], np.eye(3))
+    for matrix, deviate, steps in ((a, _deviate, _STATE_STEPS), (b, _add_input, _INPUT_STEPS)):
+        for j, step in enumerate(steps):
+            up, down = (accelerations(deviate, j, sign * step) for sign in (1.0, -1.0))
+            matrix[_V, j], matrix[_W, j] = np.split((up - down) / (2.0 * step), 2)
     return LinearModel(float(plant["t"][0]), a, b, np.eye(12), np.zeros((12, 6)))
 
 
-def _deviate(y: np.ndarray, j: int, step: float) -> None:
+def _deviate(plant: np.void, j: int, step: float) -> None:
     """Move state ``j`` of :data:`STATES` by a step."""
+    y = plant["y"]
     if j < 6:
         y[(POSITION if j < 3 else VELOCITY) + j % 3] += step
     elif j < 9:
@@ -134,23 +123,19 @@ def _deviate(y: np.ndarray, j: int, step: float) -> None:
         y[RATE + j - 9] += step
 
 
+def _add_input(plant: np.void, j: int, step: float) -> None:
+    """Add a step to input ``j`` of :data:`INPUTS`."""
+    plant["inputs"]["rcs_moment" if j < 3 else "rcs_force"][j % 3] += step
+
+
 def turned(q_I2B: np.ndarray, axis: int, angle: float) -> np.ndarray:
     """An attitude turned by an angle (rad) about an axis of B: the product with that rotation."""
-    w, v = q_I2B[0], q_I2B[1:]
-    half = np.zeros(3)
-    half[axis] = np.sin(0.5 * angle)
-    c = np.cos(0.5 * angle)
-    return np.array([w * c - v @ half, *(w * half + c * v + np.cross(v, half))])
-
-
-def _cross(w: np.ndarray) -> np.ndarray:
-    """Matrix of the cross product with a vector from the left."""
-    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+    return np.array(multiply(tuple(q_I2B), about_axis(tuple(np.eye(3)[axis]), angle)))
 
 
 def control_gain(flight: RunningFlight) -> np.ndarray:
-    """Torque (N m, B) that attitude control takes off for each deviation of rotation (rad) and rate (rad/s),
-    shape (3, 6): the derivative of the law of the present phase, its integrators standing.
+    """Torque (N m, B) that the law of the present phase takes off for each deviation of rotation (rad) and
+    rate (rad/s), shape (3, 6), its integrators standing.
     """
     fsw, onboard = duplicate(flight.fsw), flight.onboard[0]
     estimate, nav = fsw["navigation"]["estimate"][0], fsw["nav"][0]

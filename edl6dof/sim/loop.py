@@ -6,13 +6,12 @@ import numpy as np
 
 from edl6dof.kernels import kernel
 from edl6dof.sensors.registry import sense
-from edl6dof.sim.finiteness import works_with_finite
-from edl6dof.sim.outcome import FLYING, NOT_FINITE, outcome_of
+from edl6dof.sim.outcome import FLYING, NOT_FINITE, outcome_of, works_with_finite
 from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
+from edl6dof.vehicle.landing_gear import note_motion
 from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.motion.balance import open_balance, update_peaks
-from edl6dof.vehicle.motion.ground_contact import note_motion
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate, retrace, survey, undo
 from edl6dof.vehicle.motion.staging import step_debris
@@ -28,9 +27,7 @@ def prepare(cases, plants):
 
 @kernel
 def take_up(cases, plants, memories):
-    """Let a saved plant and flight-software memory forget what they worked out from parameters, which may
-    have changed since.
-    """
+    """Work out again what a saved flight has from parameters, which may have changed since."""
     case, plant = cases[0], plants[0]
     dry = plant.dry.mass
     compose(case, plant)

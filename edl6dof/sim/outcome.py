@@ -1,16 +1,27 @@
-"""How a flight ends: always with a named cause."""
+"""How a flight ends: always with a named cause; and the check in every cycle that all quantities of the
+flight computer are finite, with the search for the first one that is not.
+
+Comparisons with what is not a number are false: no trigger fires and no limit is exceeded; nothing but this
+check would end such a flight.
+"""
 
 from __future__ import annotations
 
 from math import isfinite, sqrt
 
+import numpy as np
+
+from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.sensed import SENSED
 from edl6dof.kernels import kernel
+from edl6dof.records import finite_words, first_not_finite, offset
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import acos
 from edl6dof.spatial.vector import clamp, norm, take3
+from edl6dof.vehicle.landing_gear import ground_speed
 from edl6dof.vehicle.motion.body import tilt
-from edl6dof.vehicle.motion.ground_contact import ground_speed
 from edl6dof.vehicle.parachutes.parachute import PACKED
-from edl6dof.vehicle.plant import ATTITUDE, RATE
+from edl6dof.vehicle.plant import RATE, STATE_NAMES, take_attitude
 
 OUTCOMES = (
     "flying",
@@ -59,7 +70,7 @@ def outcome_of(case, plant, outputs):
     if plant.touched != 0:
         if plant.legs == 0 or ground_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:
             return CRASHED
-        q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+        q = take_attitude(y)
         if tilt(case, t, q, out) > 0.8:
             return TIPPED_OVER
         if t - plant.moved_time >= case.simulation.rest and out.pads > 0:
@@ -72,7 +83,7 @@ def outcome_of(case, plant, outputs):
         if acos(clamp(v[0] / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), -1.0, 1.0)) > limits.total_alpha:
             return LOST_ATTITUDE
     if burning(plant):
-        q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+        q = take_attitude(y)
         if tilt(case, t, q, out) > limits.powered_tilt:
             return LOST_ATTITUDE
     if out.altitude > case.initial.altitude + limits.skip_out:
@@ -80,3 +91,66 @@ def outcome_of(case, plant, outputs):
     if t >= case.simulation.time_limit - 1e-9:
         return TIME_LIMIT
     return FLYING
+
+
+#: Exponent of a number that is infinite or none, its lowest bit, and the sign.
+_EXPONENT, _LOWEST, _SIGN = (
+    np.uint64(0x7FF0_0000_0000_0000),
+    np.uint64(0x0010_0000_0000_0000),
+    np.uint64(0x8000_0000_0000_0000),
+)
+
+
+#: Fields of the state that follow from the outputs.
+_FROM_OUTPUTS = ("inputs", "balance")
+#: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
+#: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
+#: modulation make of it.  Images are finite whatever the vehicle does: an eye that meets nothing reads 0.
+_SENSED = tuple(finite_words(SENSED, offset(SENSORS, "sensed")))
+_WORKED_OUT = tuple(
+    run
+    for name in ("mission", "vehicle", "nav", "guide", "disturbance", "demand", "command")
+    for run in finite_words(FSW[name], offset(FSW, name))
+)
+
+
+@kernel
+def _gather(words, runs, wrong):
+    """Set the top bit of ``wrong`` if a word has all bits of the exponent set: the lowest one carries."""
+    for first, end in runs:
+        for i in range(first, end):
+            wrong |= (words[i] & _EXPONENT) + _LOWEST
+    return wrong
+
+
+@kernel
+def works_with_finite(sensors, memory):
+    """True if the outputs of sensors and flight software are finite; both given as ``uint64`` words."""
+    return _gather(memory, _WORKED_OUT, _gather(sensors, _SENSED, _LOWEST)) < _SIGN
+
+
+def first_cause(
+    plant: np.ndarray, outputs: np.ndarray, work: np.ndarray, sensors: np.ndarray, fsw: np.ndarray
+) -> str | None:
+    """The first quantity that is not finite, in the order in which one follows from the other, of records of
+    shape (1,), ``work`` with the stage in which a step failed; ``None`` when all are finite.
+    """
+    own = [name for name in plant.dtype.names or () if name not in _FROM_OUTPUTS]
+    steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))
+    under_way = [name for name in sensors.dtype.names or () if name != "sensed"]
+    readings = (("sensors", sensors[under_way]), ("sensors", sensors))
+    for name, record in (*steps, ("plant", plant), *readings, ("fsw", fsw)):
+        if path := first_not_finite(record):
+            return _plain_name(name, path)
+    return None
+
+
+def _plain_name(record: str, path: str) -> str:
+    """``velocity x (I)`` for a state, ``rate of velocity x (I)`` for a derivative, ``sensed.t``,
+    ``fsw.guide.bank`` for anything else.
+    """
+    field, _, index = path.partition("[")
+    if (record, field) == ("plant", "y") or record in ("stage", "k"):
+        state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
+        return f"rate of {state}" if record == "k" else state
+    return f"{record}.{path}".removeprefix("sensors.")

@@ -12,17 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.interface.command import EXTERNAL
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.commands import Command, Commander
+from edl6dof.sim.commands import Command, Commander, Reader, navigated, true_state, wanted
 from edl6dof.sim.flight import Flight, flight_of
 from edl6dof.sim.flight_state import NO_TICKS, RunningFlight, Snapshot
 from edl6dof.sim.linear import LinearModel, Margins, control_gain, linear_plant, margins
-from edl6dof.sim.observations import Reader, navigated, true_state, wanted
 from edl6dof.sim.outcome import FLYING, OUTCOMES
 
 
@@ -113,19 +112,15 @@ class SteppedFlight:
         return linear_plant(self.running)
 
     def attitude_margins(self) -> dict[str, Margins]:
-        """Margins of the attitude loop of the present phase, by axis of B; the torque follows the attitude
-        after half a control cycle, for which it is held.
-
-        They mean something where the controller is linear about the state, as ``thrust_vector`` is.
+        """Margins of the attitude loop of the present phase, by axis of B, the torque held half a control
+        cycle; for a controller that is linear about the state, as ``thrust_vector`` is.
         """
         rates = self.loaded.scenario.flight_software.rates
         held = 0.5 * rates.control_every / rates.base_hz
         return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
-        """The flight as it stands, under no command; :meth:`State.save` writes it to a file, which
-        ``edl6dof fly --from`` reads, too.
-        """
+        """The flight as it stands, under no command, as ``edl6dof fly --from`` reads it, too."""
         found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found
@@ -143,7 +138,7 @@ class SteppedFlight:
             state.check_fits(self.loaded.scenario)
             if state.scenario_text != self.running.scenario_text:
                 words = "is of another scenario; fly it with edl6dof fly --from, or load its own"
-                raise ConfigError([Problem("(saved state)", 0, 0, "", words)])
+                raise refusal("(saved state)", words)
         self.running.restore(state)
         self._commander.take_up()
 
@@ -161,7 +156,7 @@ class SteppedFlight:
     @property
     def time_s(self) -> float:
         """Flight time, s."""
-        return float(self.running.plant["t"][0])
+        return self.running.time_s
 
     @property
     def cycle(self) -> int:
@@ -186,8 +181,7 @@ class SteppedFlight:
     @property
     def phase(self) -> str:
         """Name of the present mission phase."""
-        names = self.loaded.scenario.phase_names
-        return names[int(self.running.fsw["mission"]["phase"][0])] if names else "free flight"
+        return self.running.phase
 
     @property
     def commands(self) -> list[str]:

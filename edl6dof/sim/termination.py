@@ -25,8 +25,8 @@ from edl6dof.sim.flight_records import FlightRecords
 from edl6dof.sim.outcome import CRASHED, LANDED, LAST_EVENT, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
 from edl6dof.spatial.elementary import hypot
 from edl6dof.telemetry.timeline import in_words, ran_empty
-from edl6dof.vehicle.faults.fault import FaultParams, over_after
-from edl6dof.vehicle.motion.ground_contact import ground_speed
+from edl6dof.vehicle.faults.fault import FaultParams, about
+from edl6dof.vehicle.landing_gear import ground_speed
 
 #: Goal of the mission: outcome that reaches it, its words (those of the event itself where none stand here),
 #: and what follows them when all limits are kept.
@@ -40,19 +40,12 @@ _GOALS = {
 
 @dataclass(frozen=True)
 class Termination:
-    """How a flight ended.
+    """How a flight ended."""
 
-    Attributes:
-        success: whether it reached the goal of the mission within all limits.
-        reached: whether it reached the goal, within limits or not.
-        outcome: how it ended.
-        cause: why it is not a success, as a text without numerical values; empty for a success.
-    """
-
-    success: bool
-    reached: bool
-    outcome: str
-    cause: str
+    success: bool  # whether it reached the goal of the mission within all limits
+    reached: bool  # whether it reached the goal, within limits or not
+    outcome: str  # how it ended
+    cause: str  # why it is not a success, as a text without numerical values; empty for a success
 
 
 def goal_code(goal: str) -> int:
@@ -95,21 +88,15 @@ def _what(flight: FlightRecords, figures: Mapping[str, float]) -> tuple[str, str
     if flight.code == CRASHED:
         down, over = (figures[f"touchdown_{way}_m_s"] for way in ("vertical", "horizontal"))
         return "crashed", f" at {down:.1f} m/s vertical and {over:.1f} m/s horizontal speed"
-    if flight.code == TIME_LIMIT and flight.plant["touched"][0] and _moving(flight):
+    moving = float(flight.plant["moved_time"][0]) == flight.time_s  # in the last state
+    if flight.code == TIME_LIMIT and flight.plant["touched"][0] and moving:
         speed = ground_speed(flight.case["planet"]["rotation_rate"][0], flight.plant["y"][0])
         return "time limit: still moving on the ground", f" at {speed:.2f} m/s"
     return OUTCOMES[flight.code], ""
 
 
-def _moving(flight: FlightRecords) -> bool:
-    """True if the vehicle is not at rest in the last state."""
-    return float(flight.plant["moved_time"][0]) == flight.time_s
-
-
 def _phase(flight: FlightRecords) -> str:
-    """Phase in which it happened: for what the ground did, the one in which the ground was met, and not what
-    contact brought about.
-    """
+    """Phase of the end; of an end on the ground the phase in which the ground was met."""
     names = flight.phase_names
     if not names:
         return "free flight"
@@ -125,14 +112,11 @@ def _phase(flight: FlightRecords) -> str:
 
 
 def _legs(flight: FlightRecords, figures: Mapping[str, float]) -> str:
-    """That legs were not let out, of a crash that they would have stood."""
-    return " with its legs folded" if flight.code == CRASHED and _slow_enough(flight, figures) else ""
-
-
-def _slow_enough(flight: FlightRecords, figures: Mapping[str, float]) -> bool:
-    """True if the legs withstand the speed at first contact."""
+    """Note on a crash that the legs would have withstood, had they been let out."""
+    if flight.code != CRASHED:
+        return ""
     speed = hypot(figures["touchdown_vertical_m_s"], figures["touchdown_horizontal_m_s"])
-    return speed <= flight.loaded.truth.limits.crash_speed_m_s
+    return " with its legs folded" if speed <= flight.loaded.truth.limits.crash_speed_m_s else ""
 
 
 #: Figures that are the largest value of a flight, and when it was met.
@@ -152,13 +136,8 @@ class Consequence(NamedTuple):
 
 
 def reasons(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> tuple[str, str]:
-    """Causes of the end of a flight, with figures and without them, to follow the words for that end; empty
-    without a cause.
-
-    Args:
-        flight: one that is no success.
-        figures: its figures.
-        missed: limits that it broke, if it reached its goal.
+    """Causes of the end of a flight that is no success, with figures and without them, to follow the words
+    for that end; empty without a cause.  ``missed``: limits that it broke, if it reached its goal.
     """
     until = _decided_at(flight, figures, missed)
     led_to = sorted(one for one in _consequences(flight) if one.t_s <= until)
@@ -176,9 +155,7 @@ def _joined(words: Sequence[str]) -> str:
 
 
 def _decided_at(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> float:
-    """Time (s) after which nothing counts: the last point at which a limit was broken, or ground contact, or
-    the end.
-    """
+    """Time (s) after which nothing counts: the last broken limit, or ground contact, or the end."""
     met = float(flight.plant["touchdown_time"][0])
     end = met if isfinite(met) else flight.time_s
     return max((_broken_at(flight, figures, check, end) for check in missed), default=end)
@@ -215,9 +192,7 @@ def _out_of_reach(flight: FlightRecords, figures: Mapping[str, float], limit: fl
 
 
 def _contributing(flight: FlightRecords, until: float) -> tuple[list[str], list[str]]:
-    """Faults that were there before a time (s), those of one kind together, in the order of time: with and
-    without the times at which they began.
-    """
+    """Faults before a time (s), those of one kind together, with and without the times they began."""
     truth = flight.loaded.truth
     begun = sorted(
         (float(since), number)
@@ -243,7 +218,7 @@ def _counts(flight: FlightRecords, fault: FaultParams, since: float, until: floa
     if fault.component == "surface":
         return until <= _done(flight, ("deploy",), [chute.name for chute in chutes])
     carriers = [chute.carried_by for chute in chutes if chute.name == name and chute.carried_by]
-    return since < _done(flight, over_after(fault.kind), [name, *carriers])
+    return since < _done(flight, about(fault.kind).over_after, [name, *carriers])
 
 
 def _done(flight: FlightRecords, actions: Sequence[str], components: Sequence[str]) -> float:
@@ -263,9 +238,7 @@ def _done(flight: FlightRecords, actions: Sequence[str], components: Sequence[st
 
 
 def _consequences(flight: FlightRecords) -> list[Consequence]:
-    """Propellant used up, an engine cut off in the air, and before a crash no parachute, no engine, or no
-    landing that keeps the constraints of powered guidance.
-    """
+    """Consequences on the way to the end of a flight, of propellant, engines, parachutes and guidance."""
     found = [*_empty_tanks(flight), *_cut_off(flight)]
     if flight.code == CRASHED:
         found += [*_left_undone(flight), *_relaxed(flight)]

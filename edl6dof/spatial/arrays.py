@@ -7,158 +7,113 @@ one order, over :mod:`edl6dof.spatial.elementary`.
 
 from __future__ import annotations
 
+from functools import partial
 from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from edl6dof.kernels import kernel
+from edl6dof.kernels.functions import choice
 from edl6dof.spatial import elementary
 
-# ---------------------------------------------------------------- elementary functions
+# ---------------------------------------------------------------- functions of each number
 
 
 @kernel
-def _fill_sin(x, found):
-    for k in range(x.size):
-        found[k] = elementary.sin(x[k])
+def _normal_share(x):
+    return 0.5 * elementary.erfc(-x * sqrt(0.5))
 
 
 @kernel
-def _fill_cos(x, found):
-    for k in range(x.size):
-        found[k] = elementary.cos(x[k])
+def _normal_quantile(share):
+    """Wichura, Applied Statistics 37(3), 1988, algorithm AS 241 (PPND16)."""
+    q = share - 0.5
+    if abs(q) <= 0.425:
+        r = 0.180625 - q * q
+        over = (2.5090809287301226727e3 * r + 3.3430575583588128105e4) * r + 6.7265770927008700853e4
+        over = ((over * r + 4.5921953931549871457e4) * r + 1.3731693765509461125e4) * r
+        over = ((over + 1.9715909503065514427e3) * r + 1.3314166789178437745e2) * r + 3.3871328727963666080e0
+        under = (5.2264952788528545610e3 * r + 2.8729085735721942674e4) * r + 3.9307895800092710610e4
+        under = ((under * r + 2.1213794301586595867e4) * r + 5.3941960214247511077e3) * r
+        under = ((under + 6.8718700749205790830e2) * r + 4.2313330701600911252e1) * r + 1.0
+        return q * over / under
+    r = sqrt(-elementary.log(share if q < 0.0 else 1.0 - share))
+    if r <= 5.0:
+        r -= 1.6
+        over = (7.74545014278341407640e-4 * r + 2.27238449892691845833e-2) * r + 2.41780725177450611770e-1
+        over = ((over * r + 1.27045825245236838258e0) * r + 3.64784832476320460504e0) * r
+        over = (
+            (over + 5.76949722146069140550e0) * r + 4.63033784615654529590e0
+        ) * r + 1.42343711074968357734e0
+        under = (1.05075007164441684324e-9 * r + 5.47593808499534494600e-4) * r + 1.51986665636164571966e-2
+        under = ((under * r + 1.48103976427480074590e-1) * r + 6.89767334985100004550e-1) * r
+        under = ((under + 1.67638483018380384940e0) * r + 2.05319162663775882187e0) * r + 1.0
+    else:
+        r -= 5.0
+        over = (2.01033439929228813265e-7 * r + 2.71155556874348757815e-5) * r + 1.24266094738807843860e-3
+        over = ((over * r + 2.65321895265761230930e-2) * r + 2.96560571828504891230e-1) * r
+        over = (
+            (over + 1.78482653991729133580e0) * r + 5.46378491116411436990e0
+        ) * r + 6.65790464350110377720e0
+        under = (2.04426310338993978564e-15 * r + 1.42151175831644588870e-7) * r + 1.84631831751005468180e-5
+        under = ((under * r + 7.86869131145613259100e-4) * r + 1.48753612908506148525e-2) * r
+        under = ((under + 1.36929880922735805310e-1) * r + 5.99832206555887937690e-1) * r + 1.0
+    size = over / under
+    return -size if q < 0.0 else size
+
+
+#: The functions of one number, then those of two.
+_UNARY = (
+    *(elementary.sin, elementary.cos, elementary.tan, elementary.asin, elementary.acos, elementary.atan),
+    *(elementary.exp, elementary.log, _normal_quantile, _normal_share),
+)
+_BINARY = (elementary.atan2, elementary.hypot, elementary.pow)
+_FUNCTIONS = dict(enumerate((*_UNARY, *_BINARY)))
+_value = choice(
+    "elementary_function",
+    _FUNCTIONS,
+    ("x", "y"),
+    {index: ("x",) if index < len(_UNARY) else ("x", "y") for index in _FUNCTIONS},
+)
 
 
 @kernel
-def _fill_acos(x, found):
+def _fill(function, x, y, found):
     for k in range(x.size):
-        found[k] = elementary.acos(x[k])
+        found[k] = _value(function, x[k], y[k])
 
 
-@kernel
-def _fill_tan(x, found):
-    for k in range(x.size):
-        found[k] = elementary.tan(x[k])
-
-
-@kernel
-def _fill_asin(x, found):
-    for k in range(x.size):
-        found[k] = elementary.asin(x[k])
-
-
-@kernel
-def _fill_atan(x, found):
-    for k in range(x.size):
-        found[k] = elementary.atan(x[k])
-
-
-@kernel
-def _fill_atan2(y, x, found):
-    for k in range(x.size):
-        found[k] = elementary.atan2(y[k], x[k])
-
-
-@kernel
-def _fill_hypot(x, y, found):
-    for k in range(x.size):
-        found[k] = elementary.hypot(x[k], y[k])
-
-
-@kernel
-def _fill_exp(x, found):
-    for k in range(x.size):
-        found[k] = elementary.exp(x[k])
-
-
-@kernel
-def _fill_log(x, found):
-    for k in range(x.size):
-        found[k] = elementary.log(x[k])
-
-
-@kernel
-def _fill_pow(x, y, found):
-    for k in range(x.size):
-        found[k] = elementary.pow(x[k], y[k])
-
-
-@kernel
-def _fill_interpolated(x, places, values, found):
-    for k in range(x.size):
-        found[k] = _interpolated(x[k], places, values)
-
-
-def _each(fill: Any, *given: Any, fixed: tuple[np.ndarray, ...] = ()) -> Any:
-    """Apply a loop to numbers or arrays that broadcast; a number for numbers."""
-    arrays = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in given))
-    found = np.empty(arrays[0].shape)
-    fill(*(np.ascontiguousarray(values).reshape(-1) for values in arrays), *fixed, found.reshape(-1))
+def _each(function: int, x: Any, y: Any = 0.0) -> Any:
+    """Apply a function to numbers or arrays that broadcast; a number for numbers."""
+    x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+    found = np.empty(x.shape)
+    _fill(function, *(np.ascontiguousarray(given).reshape(-1) for given in (x, y)), found.reshape(-1))
     return found[()]
 
 
-def sin(x: Any) -> Any:
-    """Sine of each angle (rad)."""
-    return _each(_fill_sin, x)
-
-
-def cos(x: Any) -> Any:
-    """Cosine of each angle (rad)."""
-    return _each(_fill_cos, x)
-
-
-def tan(x: Any) -> Any:
-    """Tangent of each angle (rad)."""
-    return _each(_fill_tan, x)
-
-
-def asin(x: Any) -> Any:
-    """Angle (rad) within pi/2 of zero of each sine."""
-    return _each(_fill_asin, x)
-
-
-def atan(x: Any) -> Any:
-    """Angle (rad) within pi/2 of zero of each tangent."""
-    return _each(_fill_atan, x)
-
-
-def acos(x: Any) -> Any:
-    """Angle (rad) from 0 to pi of each cosine."""
-    return _each(_fill_acos, x)
-
-
-def atan2(y: Any, x: Any) -> Any:
-    """Angle (rad) of each point (x, y); shapes broadcast."""
-    return _each(_fill_atan2, y, x)
-
-
-def hypot(x: Any, y: Any) -> Any:
-    """Length of each (x, y); shapes broadcast."""
-    return _each(_fill_hypot, x, y)
-
-
-def exp(x: Any) -> Any:
-    """e to the power of each number."""
-    return _each(_fill_exp, x)
-
-
-def log(x: Any) -> Any:
-    """Natural logarithm of each number."""
-    return _each(_fill_log, x)
-
-
-def pow(x: Any, y: Any) -> Any:
-    """Each x to the power of y; shapes broadcast."""
-    return _each(_fill_pow, x, y)
+#: Elementary functions of each number; angles in rad, as :mod:`edl6dof.spatial.elementary` has them.
+sin, cos, tan, asin, acos, atan, exp, log = (partial(_each, index) for index in range(8))
+#: Value that a standard normal falls below with each probability, to 15 digits; probability that it falls
+#: below each value.
+normal_quantile, normal_share = (partial(_each, index) for index in (8, 9))
+#: Of each pair, whose shapes broadcast: angle (rad) of a point (x, y), y first; length of (x, y); x to the y.
+atan2, hypot, pow = (partial(_each, index) for index in (10, 11, 12))
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:
-    """Value at each ``x`` on straight lines between (``places``, ``values``), ``places`` ascending; held at
-    both ends.
-    """
+    """Value at each ``x`` on straight lines through points with ascending ``places``; held at both ends."""
+    x = np.asarray(x, dtype=float)
     places, values = (np.ascontiguousarray(given, dtype=float) for given in (places, values))
-    return _each(_fill_interpolated, x, fixed=(places, values))
+    found = np.empty(x.shape)
+    _interpolate(np.ascontiguousarray(x).reshape(-1), places, values, found.reshape(-1))
+    return found[()]
+
+
+@kernel
+def _interpolate(x, places, values, found):
+    for k in range(x.size):
+        found[k] = _interpolated(x[k], places, values)
 
 
 @kernel
@@ -316,66 +271,3 @@ def _transform_rows(real, imaginary):
                     re[i], re[i + half] = re[i] + x, re[i] - x
                     im[i], im[i + half] = im[i] + y, im[i] - y
         half *= 2
-
-
-# ---------------------------------------------------------------- probability
-
-
-@kernel
-def _normal_quantile(share):
-    """Wichura, Applied Statistics 37(3), 1988, algorithm AS 241 (PPND16)."""
-    q = share - 0.5
-    if abs(q) <= 0.425:
-        r = 0.180625 - q * q
-        over = (2.5090809287301226727e3 * r + 3.3430575583588128105e4) * r + 6.7265770927008700853e4
-        over = ((over * r + 4.5921953931549871457e4) * r + 1.3731693765509461125e4) * r
-        over = ((over + 1.9715909503065514427e3) * r + 1.3314166789178437745e2) * r + 3.3871328727963666080e0
-        under = (5.2264952788528545610e3 * r + 2.8729085735721942674e4) * r + 3.9307895800092710610e4
-        under = ((under * r + 2.1213794301586595867e4) * r + 5.3941960214247511077e3) * r
-        under = ((under + 6.8718700749205790830e2) * r + 4.2313330701600911252e1) * r + 1.0
-        return q * over / under
-    r = sqrt(-elementary.log(share if q < 0.0 else 1.0 - share))
-    if r <= 5.0:
-        r -= 1.6
-        over = (7.74545014278341407640e-4 * r + 2.27238449892691845833e-2) * r + 2.41780725177450611770e-1
-        over = ((over * r + 1.27045825245236838258e0) * r + 3.64784832476320460504e0) * r
-        over = (
-            (over + 5.76949722146069140550e0) * r + 4.63033784615654529590e0
-        ) * r + 1.42343711074968357734e0
-        under = (1.05075007164441684324e-9 * r + 5.47593808499534494600e-4) * r + 1.51986665636164571966e-2
-        under = ((under * r + 1.48103976427480074590e-1) * r + 6.89767334985100004550e-1) * r
-        under = ((under + 1.67638483018380384940e0) * r + 2.05319162663775882187e0) * r + 1.0
-    else:
-        r -= 5.0
-        over = (2.01033439929228813265e-7 * r + 2.71155556874348757815e-5) * r + 1.24266094738807843860e-3
-        over = ((over * r + 2.65321895265761230930e-2) * r + 2.96560571828504891230e-1) * r
-        over = (
-            (over + 1.78482653991729133580e0) * r + 5.46378491116411436990e0
-        ) * r + 6.65790464350110377720e0
-        under = (2.04426310338993978564e-15 * r + 1.42151175831644588870e-7) * r + 1.84631831751005468180e-5
-        under = ((under * r + 7.86869131145613259100e-4) * r + 1.48753612908506148525e-2) * r
-        under = ((under + 1.36929880922735805310e-1) * r + 5.99832206555887937690e-1) * r + 1.0
-    size = over / under
-    return -size if q < 0.0 else size
-
-
-@kernel
-def _fill_normal_quantile(share, found):
-    for k in range(share.size):
-        found[k] = _normal_quantile(share[k])
-
-
-@kernel
-def _fill_normal_share(x, found):
-    for k in range(x.size):
-        found[k] = 0.5 * elementary.erfc(-x[k] * sqrt(0.5))
-
-
-def normal_quantile(share: Any) -> Any:
-    """Value that a standard normal falls below with each probability ``share``, to 15 digits."""
-    return _each(_fill_normal_quantile, share)
-
-
-def normal_share(x: Any) -> Any:
-    """Probability that a standard normal falls below each ``x``."""
-    return _each(_fill_normal_share, x)

@@ -127,9 +127,7 @@ def _upper_product(a, b):
 
 @kernel
 def _reduce_large(x):
-    """As :func:`_reduce`, for any finite angle: its product with 192 bits of 2/pi, in integers (Payne and
-    Hanek).
-    """
+    """As :func:`_reduce`, of any finite angle: times 192 bits of 2/pi, in integers (Payne and Hanek)."""
     bits = _bits(abs(x))
     mantissa = np.uint64((bits & _MANTISSA) | (_MANTISSA + 1))
     start = (bits >> 52) - 1075 + 62  # bits of 2/pi above it give whole turns
@@ -694,9 +692,7 @@ def _erfc_correction(x):
 
 @kernel
 def _erfc_far_out(x):
-    """erfc from 2 to 28: exp(-x**2 - 0.5625 + correction) / x, with the rounding errors of exponent,
-    exponential and quotient.
-    """
+    """erfc from 2 to 28: exp(-x**2 - 0.5625 + correction) / x, rounding errors included."""
     head = _head(x)
     exponent, rest = -head * head - 0.5625, (head - x) * (head + x) + _erfc_correction(x)
     k = ((exponent + rest) * _LOG2_E + _ROUND) - _ROUND

@@ -57,9 +57,7 @@ def geodetic(radius, flattening, r_F):
 
 @kernel
 def _bowring(height, width, shape, e2, s, c):
-    """One pass: better sine and cosine of latitude, times a common factor, from ``s`` and ``c`` with
-    another.
-    """
+    """One pass: sine and cosine of latitude times a common factor, from those with another."""
     sb, cb = shape * s, c
     b2 = sb * sb + cb * cb
     b3 = b2 * sqrt(b2)
@@ -151,9 +149,7 @@ def ned_attitude(sin_lat, cos_lat, sin_lon, cos_lon):
 
 @kernel
 def wind_angles(v_B):
-    """Speed, angle of attack and sideslip of an air-relative velocity in B: alpha = atan2(w, u), beta =
-    asin(v / V).
-    """
+    """Speed, alpha = atan2(w, u) and beta = asin(v / V) of an air-relative velocity in B."""
     speed = sqrt(v_B[0] * v_B[0] + v_B[1] * v_B[1] + v_B[2] * v_B[2])
     if speed <= 0.0:
         return 0.0, 0.0, 0.0
@@ -207,9 +203,7 @@ def bank_angle(v, up, body_x, body_y, body_z):
 
 @kernel
 def attitude_from_wind_angles(v, up, bank, alpha, beta):
-    """``q_A2B`` of a body flying with the given bank, angle of attack and sideslip; ``v`` and ``up`` are
-    components in A.
-    """
+    """``q_A2B`` of a body at bank, angle of attack and sideslip (rad); ``v`` and ``up`` in A."""
     x, y, z = path_axes(v, up)
     q_path = from_axes(x, y, z)
     q_bank = (cos(0.5 * bank), sin(0.5 * bank), 0.0, 0.0)
@@ -220,9 +214,7 @@ def attitude_from_wind_angles(v, up, bank, alpha, beta):
 
 @kernel
 def great_circle(start, end):
-    """Central angle and initial azimuth (from north, clockwise) from one point (latitude, longitude) to
-    another, rad.
-    """
+    """Central angle and initial azimuth (from north through east) between (latitude, longitude), rad."""
     (sin_lat1, cos_lat1), (sin_lat2, cos_lat2) = sincos(start[0]), sincos(end[0])
     sin_dlon, cos_dlon = sincos(end[1] - start[1])
     a = cos_lat2 * sin_dlon

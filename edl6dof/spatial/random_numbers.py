@@ -44,9 +44,7 @@ def random_bits_at(key, i, j):
 
 @kernel
 def normal_pair(key, counter):
-    """Two independent standard normal deviates for (``key``, ``counter``).  Each comes from 32 bits, so none
-    exceeds 6.4.
-    """
+    """Two independent standard normals of (``key``, ``counter``), each of 32 bits: none exceeds 6.4."""
     bits = random_bits(key, counter)
     low, high = float(bits & _LOW), float(bits >> _32)
     return normal_quantile((low + 0.5) * 2.0**-32), normal_quantile((high + 0.5) * 2.0**-32)
@@ -54,9 +52,7 @@ def normal_pair(key, counter):
 
 @kernel
 def normal_quantile(share):
-    """Value that a standard normal falls below with probability ``share``, between 0 and 1, to seven
-    digits.
-    """
+    """Value that a standard normal falls below with probability ``share``, 0 .. 1, to seven digits."""
     q = share - 0.5
     if abs(q) <= 0.425:
         r = 0.180625 - q * q

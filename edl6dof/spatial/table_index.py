@@ -13,11 +13,8 @@ from edl6dof.kernels import kernel
 
 @kernel
 def cell(position, cells):
-    """Index 0 .. ``cells`` - 1 of the cell that contains ``position`` (in cells from the first node), and the
-    position from its lower node.
-
-    The second is 0..1 inside the table, and outside it the distance beyond, from the node below the first or
-    last cell.
+    """Index 0 .. ``cells`` - 1 of the cell with ``position`` (in cells), and the position from its lower
+    node: 0..1 inside the table, outside it the distance beyond.
     """
     if position >= cells - 1:
         return cells - 1, position - (cells - 1)
@@ -29,9 +26,7 @@ def cell(position, cells):
 
 @kernel
 def endless_cell(position):
-    """Index of the cell that contains ``position`` (in cells), on a lattice that is infinite both ways; 0 for
-    a position that is not finite.
-    """
+    """Index of the cell at ``position`` (in cells) on an endless lattice; 0 where that is not finite."""
     return int(floor(position)) if abs(position) < 2.0**52 else 0
 
 
@@ -47,9 +42,7 @@ def held(share):
 
 @kernel
 def held_cell(position, cells):
-    """Index of the cell and share of the way to its upper node (0..1), both held beyond the ends of the
-    table.
-    """
+    """Index of the cell, and share of the way across it (0..1), held beyond the ends of the table."""
     index, share = cell(position, cells)
     return index, held(share)
 
@@ -57,9 +50,7 @@ def held_cell(position, cells):
 @kernel
 def cell_among(nodes, count, value):
     """Index of the cell among the first ``count`` (2 or more) rising ``nodes`` that contains ``value``, and
-    the share of the way across it.
-
-    Both are constant beyond the ends.
+    the share of the way across it, both constant beyond the ends.
     """
     low, high = 0, count - 1
     while high - low > 1:
@@ -89,9 +80,7 @@ def wrapped(angle, turn):
 
 @kernel
 def catmull_rom(profile, rows, row, t):
-    """Catmull-Rom cubic through ``profile`` between ``row`` and the next (t in 0..1): continuous slope, exact
-    at the rows.
-    """
+    """Catmull-Rom cubic through ``profile`` from ``row`` (t = 0) to the next (t = 1)."""
     p1 = profile[row]
     p2 = profile[row + 1]
     p0 = profile[max(row - 1, 0)]

@@ -1,4 +1,4 @@
-"""Three-vectors as tuples of scalars: nothing here allocates."""
+"""Vectors of three, and quaternions, as tuples of scalars: nothing here allocates."""
 
 from __future__ import annotations
 
@@ -19,6 +19,18 @@ def put3(a, start, v):
     a[start] = v[0]
     a[start + 1] = v[1]
     a[start + 2] = v[2]
+
+
+@kernel
+def take4(q):
+    """Components of an array of four as a tuple."""
+    return q[0], q[1], q[2], q[3]
+
+
+@kernel
+def put4(a, q):
+    """Write a tuple of four into an array."""
+    a[0], a[1], a[2], a[3] = q[0], q[1], q[2], q[3]
 
 
 @kernel
@@ -73,9 +85,7 @@ def clamp(x, low, high):
 
 @kernel
 def inertia_times(inertia, w):
-    """Symmetric inertia (Ixx, Iyy, Izz, Ixy, Ixz, Iyz; tensor elements, not products with reversed sign)
-    times a vector.
-    """
+    """Symmetric inertia tensor (Ixx, Iyy, Izz, Ixy, Ixz, Iyz) times a vector."""
     return (
         inertia[0] * w[0] + inertia[3] * w[1] + inertia[4] * w[2],
         inertia[3] * w[0] + inertia[1] * w[1] + inertia[5] * w[2],

@@ -16,7 +16,7 @@ from edl6dof.campaign.statistics import flights_needed, percent, quantile
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.metrics.published import Published, published_figures
-from edl6dof.report.numbers import significant
+from edl6dof.report.document import significant
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.frame import Curve, Finding, Grid
 

@@ -6,11 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.fsw.hazard import safety
+from edl6dof.fsw.hazard.elevation_map import CELL_CLASSES
 from edl6dof.spatial import arrays
-
-#: Classes of a cell, by their numbers.
-CELL_CLASSES = safety.CELL_CLASSES
 
 
 class LandingMap(NamedTuple):

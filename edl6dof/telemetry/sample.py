@@ -22,10 +22,9 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes, conjugate, from_frame, multiply, rotation_vector
 from edl6dof.spatial.vector import clamp, norm, scale, sub, take3
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
-from edl6dof.vehicle.mass import showing
+from edl6dof.vehicle.mass import CONFIG_BACKSHELL, CONFIG_CAPSULE, showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
-from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, HEAT, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.plant import CANOPY_POSITION, HEAT, POSITION, RATE, VELOCITY, take_attitude
 from edl6dof.vehicle.propulsion.feed_system import propellant_left
 from edl6dof.vehicle.propulsion.rcs import efficiency
 from edl6dof.vehicle.surroundings import planet_rotation
@@ -41,7 +40,7 @@ def record_errors(plant, outputs, estimate, spin, c, s, nav):
     r = rotate_z(c, s, sub(take3(estimate.r_I, 0), take3(y, POSITION)))
     v_F = rotate_z(c, s, sub(take3(estimate.v_I, 0), take3(y, VELOCITY)))
     v = (v_F[0] + spin * r[1], v_F[1] - spin * r[0], v_F[2])
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     p = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
     turned = rotate_z(c, s, from_frame(q, rotation_vector(multiply(conjugate(q), p))))
     nav.error_north, nav.error_east, nav.error_down = fixed_to_ned(sl, cl, so, co, r)
@@ -169,7 +168,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
     c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
     y, out, truth = plant.y, outputs, tick.truth
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     up = rotate_z(c, -s, ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, -1.0)))
     x, y_axis, z = axes(q)
 

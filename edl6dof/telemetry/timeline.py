@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.fsw.guidance import guidance_command
-from edl6dof.fsw.mission.phases import Event, MissionParams
+from edl6dof.fsw.mission import Event, MissionParams
 from edl6dof.fsw.navigation.integrity import CHECKS
 from edl6dof.interface.roles import NO_ROLE, begun
 from edl6dof.vehicle.mass import Tank

@@ -10,10 +10,8 @@ from edl6dof.vehicle.plant import NOT_BEGUN
 
 @kernel
 def actuate(kinds, case, command, plant):
-    """Set valve intervals, engine level and the bank angle a point mass follows; pass on the commands to the
-    imagers, and schedule requested events with their delay.
-
-    Faults and latch valves override the commands.
+    """Pass the commands of the flight software on to valves, engines, point mass and imagers, and schedule
+    requested events with their delay; faults and latch valves override the commands.
     """
     vehicle = case.vehicle
     for i in range(vehicle.rcs.n_thrusters):

@@ -1,19 +1,26 @@
-"""Footpads on springs and dampers with Coulomb friction, each on the plane of the ground under it; points of
-the underside meet the ground in the same way.
+"""Landing gear: footpads on springs and dampers with Coulomb friction, each on a plane of the ground under
+it, and rest; points of the underside meet the ground in the same way.
+
+The planes are laid down for a step; each goes through the ground right under its point, and is kept as its
+altitude below the centre of mass and its rise.  A rocking vehicle stands still for an instant at each end of
+its swing, so rest is judged over a while.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import radians, sqrt
 from typing import Annotated
 
 from edl6dof.config.base import Capacity, Hardware, Vec3, param
 from edl6dof.config.dtype import dtype_of
+from edl6dof.environment.landing_area.relief import GENERATED
+from edl6dof.environment.terrain import ground
+from edl6dof.interface.capacities import MAX_FOOTPADS
 from edl6dof.kernels import kernel
-from edl6dof.spatial.vector import cross
-
-MAX_FOOTPADS = 8
-MAX_CONTACTS = 2 * MAX_FOOTPADS
+from edl6dof.spatial.frames import fixed_to_ned, ned_to_fixed, rotate_z
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, cross, norm, sub, take3
+from edl6dof.vehicle.plant import POSITION, RATE, VELOCITY
 
 
 class LandingGearParams(Hardware):
@@ -48,13 +55,8 @@ LANDING_GEAR = dtype_of(LandingGearParams)
 
 @kernel
 def leg_force(gear, depth, v_normal, v_slip):
-    """Force of one leg: (along the outward normal, friction force per unit slip velocity).
-
-    Args:
-        gear: landing-gear record.
-        depth: how far the footpad is below the ground, m.
-        v_normal: velocity of the footpad along the outward normal, m/s.
-        v_slip: magnitude of its velocity along the ground, m/s.
+    """Force of one leg (along the outward normal, friction force per unit slip velocity) at a ``depth`` (m)
+    below the ground and velocities along the normal (outwards) and along the ground (m/s).
     """
     if depth <= 0.0:
         return 0.0, 0.0
@@ -104,3 +106,108 @@ def contact_point(gear, k):
     else:
         p = gear.underside[k - gear.n_footpads]
     return p[0], p[1], p[2]
+
+
+#: Speed (m/s) over the ground and body rate (rad/s) of a vehicle at rest.  Friction that is smooth in speed
+#: lets one on a slope creep by up to 0.01 m/s.
+REST_SPEED, REST_RATE = 0.05, radians(1.0)
+
+
+@kernel
+def ground_speed(spin, y):
+    """Speed (m/s) in the state ``y``, relative to a planet that spins at ``spin`` (rad/s)."""
+    r, v = take3(y, POSITION), take3(y, VELOCITY)
+    return norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
+
+
+@kernel
+def note_motion(case, plant):
+    """Note the time of the present state if the vehicle is not at rest in it."""
+    y = plant.y
+    if ground_speed(case.planet.rotation_rate, y) > REST_SPEED or norm(take3(y, RATE)) > REST_RATE:
+        plant.moved_time = plant.t
+
+
+#: Height (m) of the centre of mass above the ground below which each point has its own plane.
+NEAR = 5.0
+
+
+@kernel
+def lay_ground_planes(case, tables, plant, outputs, q, rotation, areoid):
+    """Lay the planes of the ground under the points of the landing gear; ``areoid``: rise of its height per
+    metre towards north and east.
+    """
+    gear, inputs, out = case.vehicle.landing_gear, plant.inputs, outputs
+    own = case.terrain.landing_area.model == GENERATED and plant.legs != 0 and out.height < NEAR
+    for k in range(contacts(gear)):
+        plane = inputs.footing[k]
+        plane[0], plane[1], plane[2] = inputs.ground_altitude, inputs.ground_slope[0], inputs.ground_slope[1]
+        if own:
+            arm = sub(contact_point(gear, k), take3(out.centre, 0))
+            to_north, to_east = north_east_of(out, q, rotation, arm)
+            height, rise_north, rise_east = ground_at_offset(case, tables, out, to_north, to_east)
+            plane[1], plane[2] = areoid[0] + rise_north, areoid[1] + rise_east
+            plane[0] += height - out.elevation - rise_north * to_north - rise_east * to_east
+
+
+@kernel
+def north_east_of(outputs, q, rotation, arm):
+    """Metres towards north and east of the end of an ``arm`` (m, B) from the centre of mass."""
+    out = outputs
+    arm_F = rotate_z(rotation[0], rotation[1], from_frame(q, arm))
+    north, east, _ = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, arm_F)
+    return north, east
+
+
+@kernel
+def ground_at_offset(case, tables, outputs, north, east):
+    """Elevation (m) and rise per metre of the ground at an offset (m) from the place in ``outputs``."""
+    terrain = case.terrain
+    lat = outputs.latitude + north / terrain.metres_north
+    return ground(terrain, tables.terrain, lat, outputs.longitude + east / terrain.metres_east)
+
+
+@kernel
+def normal_of(place, q, rotation, rise_north, rise_east):
+    """Upward normal in B of a plane of the ground with this rise per metre, and the cosine of its slope."""
+    inverse = 1.0 / sqrt(1.0 + rise_north * rise_north + rise_east * rise_east)
+    normal_N = (-rise_north * inverse, -rise_east * inverse, -inverse)
+    normal_F = ned_to_fixed(place[0], place[1], place[2], place[3], normal_N)
+    return to_frame(q, rotate_z(rotation[0], -rotation[1], normal_F)), inverse
+
+
+@kernel
+def minimum_clearance(case, inputs, centre, q, rotation, place, altitude):
+    """Smallest distance (m) of a gear point, or of the centre of mass, from the plane under it."""
+    gear = case.vehicle.landing_gear
+    _, inverse = normal_of(place, q, rotation, inputs.ground_slope[0], inputs.ground_slope[1])
+    least = (altitude - inputs.ground_altitude) * inverse
+    for k in range(contacts(gear)):
+        plane, arm = inputs.footing[k], sub(contact_point(gear, k), centre)
+        up, inverse = normal_of(place, q, rotation, plane[1], plane[2])
+        reach = arm[0] * up[0] + arm[1] * up[1] + arm[2] * up[2]
+        least = min(least, (altitude - plane[0]) * inverse + reach)
+    return least
+
+
+@kernel
+def ground_loads(case, inputs, y, q, w, centre, rotation, place):
+    """Force and moment about the centre of mass (B) of the ground, and the number of footpads on it."""
+    spin = case.planet.rotation_rate
+    gear, altitude = case.vehicle.landing_gear, place[4]
+    r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
+    v_ground = to_frame(q, sub(v_I, (-spin * r_I[1], spin * r_I[0], 0.0)))
+    w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
+    force = moment = (0.0, 0.0, 0.0)
+    pads = 0
+    for k in range(contacts(gear)):
+        plane = inputs.footing[k]
+        up, inverse = normal_of(place, q, rotation, plane[1], plane[2])
+        clearance = (altitude - plane[0]) * inverse
+        push, turning, touches = contact(
+            gear, contact_point(gear, k), centre, (up, clearance), (v_ground, w_ground)
+        )
+        force, moment = add(force, push), add(moment, turning)
+        if touches and k < gear.n_footpads:
+            pads += 1
+    return force, sub(moment, cross(centre, force)), pads

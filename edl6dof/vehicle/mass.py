@@ -11,6 +11,7 @@ nose, x forward).
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Literal, get_args
 
 import numpy as np
 from pydantic import model_validator
@@ -18,7 +19,12 @@ from pydantic import model_validator
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
 from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import product, total
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER, Shape
+
+#: What a part shows to the air: nothing, so that the bare lander flies; the whole capsule, heat shield ahead;
+#: the open backshell with the lander inside.
+Shape = Literal["none", "capsule", "backshell"]
+SHAPES: tuple[Shape, ...] = get_args(Shape)
+CONFIG_LANDER, CONFIG_CAPSULE, CONFIG_BACKSHELL = range(len(SHAPES))
 
 
 class Body(Hardware):
@@ -121,10 +127,6 @@ def lander_problem(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank,
 BODY = np.dtype([("mass", "f8"), ("centre", "f8", (3,)), ("inertia", "f8", (6,))], align=True)
 
 
-def _tensor(inertia: Vec3) -> np.ndarray:
-    return np.diag(np.asarray(inertia, dtype=float))
-
-
 def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
     """Parallel-axis term m (|a|^2 1 - a a^T)."""
     return mass * (product(arm, arm) * np.eye(3) - np.outer(arm, arm))
@@ -134,9 +136,7 @@ def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
 def lander_dry(
     params: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass (kg), inertia tensor about its centre (3x3, kg m2) and centre (3, m, B) of the lander without
-    propellant.
-    """
+    """Mass (kg), inertia tensor about the centre (3x3, kg m2) and centre (3, m, B) of the dry lander."""
     others = (*parts, *tanks)
     mass = params.entry_kg - total(part.mass_kg for part in others)
     if mass <= 0.0:
@@ -147,13 +147,13 @@ def lander_dry(
         moment = moment - part.mass_kg * np.asarray(part.centre_m)
     centre = moment / mass
     if params.lander_inertia_kg_m2 is not None:
-        return mass, _tensor(params.lander_inertia_kg_m2), centre
-    inertia = _tensor(stated(params.entry_inertia_kg_m2)) - _shift(mass, centre - whole)
+        return mass, np.diag(params.lander_inertia_kg_m2), centre
+    inertia = np.diag(stated(params.entry_inertia_kg_m2)) - _shift(mass, centre - whole)
     xy, xz, yz = params.entry_products_kg_m2
     inertia = inertia - np.array([[0.0, xy, xz], [xy, 0.0, yz], [xz, yz, 0.0]])
     for part in others:
         inertia = (
-            inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
+            inertia - np.diag(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
         )
     return mass, inertia, centre
 
@@ -187,9 +187,7 @@ def fill_lander(
 
 @kernel
 def join(a, b):
-    """Mass properties of two rigid bodies joined: (mass, centre, inertia) of each, inertia about its own
-    centre, same axes.
-    """
+    """Join two rigid bodies (mass, centre, inertia), each inertia about its own centre, same axes."""
     mass = a[0] + b[0]
     share = b[0] / mass
     dx, dy, dz = b[1][0] - a[1][0], b[1][1] - a[1][1], b[1][2] - a[1][2]
@@ -222,9 +220,7 @@ def part_of(part):
 
 @kernel
 def compose_dry(parts, count, lander, attached, dry):
-    """Write into ``dry`` the mass properties, without propellant, of the lander and of those of its
-    ``count`` ``parts`` that are still attached.
-    """
+    """Write the dry mass properties of the lander with its attached ``parts`` into ``dry``."""
     body = body_of(lander)
     for i in range(count):
         if attached[i] != 0:

@@ -12,9 +12,11 @@ from edl6dof.interface.capacities import (
     MAX_ACCELEROMETERS,
     MAX_BEAMS,
     MAX_BRANCHES,
+    MAX_CONTACTS,
     MAX_ENGINES,
     MAX_EVENTS,
     MAX_FAULTS,
+    MAX_FOOTPADS,
     MAX_GYROS,
     MAX_PARACHUTES,
     MAX_PARTS,
@@ -23,10 +25,9 @@ from edl6dof.interface.capacities import (
     MAX_THRUSTERS,
 )
 from edl6dof.interface.effectors import THRUSTER_FAILURES
+from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
-from edl6dof.vehicle.aerodynamics.shape import SHAPES
-from edl6dof.vehicle.landing_gear import MAX_CONTACTS, MAX_FOOTPADS
-from edl6dof.vehicle.mass import BODY
+from edl6dof.vehicle.mass import BODY, SHAPES
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
 
 #: Modes of a reading: as it should be; always the last one before the fault; at the end of the range without
@@ -84,6 +85,13 @@ STATE_NAMES = (
     *(f"canopy position {c} (I)" for c in "xyz"),
     *(f"canopy velocity {c} (I)" for c in "xyz"),
 )
+
+
+@kernel
+def take_attitude(y):
+    """``q_I2B`` in the integrated state, as a tuple."""
+    return y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]
+
 
 #: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99

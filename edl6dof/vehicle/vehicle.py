@@ -22,16 +22,14 @@ from edl6dof.config.base import (
 from edl6dof.config.errors import Inconsistent
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
 from edl6dof.spatial.arrays import total
-from edl6dof.vehicle.aerodynamics.constant_coefficients import BluffParams
 from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
-from edl6dof.vehicle.aerodynamics.wrench import AeroParams
+from edl6dof.vehicle.aerodynamics.wrench import AeroParams, BluffParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
 from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
 from edl6dof.vehicle.parachutes.parachute import ParachuteParams
 from edl6dof.vehicle.propulsion.engine import EngineParams
 from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
-from edl6dof.vehicle.propulsion.feed_system import branch_problems
-from edl6dof.vehicle.propulsion.rcs import RcsParams
+from edl6dof.vehicle.propulsion.rcs import RcsParams, branch_problems
 
 #: The body of the entry vehicle, and what is inside it; ``derived`` follows from the rest of the file.
 BodyShape = Literal["derived", "sphere_cone", "sphere", "box", "none"]
@@ -115,9 +113,7 @@ _AS_BELIEVED = 0.1
 
 
 def _or_daveml(schema: dict[str, Any]) -> None:
-    """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it
-    validates).
-    """
+    """Let editors accept files that leave ``mass`` and ``aero`` to DAVE-ML, which is read first."""
     own = [name for name in schema["required"] if name not in ("mass", "aero")]
     schema["anyOf"] = [{"required": ["mass", "aero"]}, {"required": ["daveml"]}]
     schema["required"] = own
@@ -167,10 +163,7 @@ class VehicleParams(Hardware):
         VehicleAppearanceParams, "shapes in pictures; no flight depends on them", record=False
     )
 
-    @field_validator("parts", "tanks", "surfaces", "engines", "parachutes")
-    @classmethod
-    def _names_differ(cls, value: list[Any]) -> list[Any]:
-        return unique_names(value)
+    _names_differ = field_validator("parts", "tanks", "surfaces", "engines", "parachutes")(unique_names)
 
     @model_validator(mode="after")
     def _parts_fit(self) -> VehicleParams:
@@ -211,9 +204,7 @@ class VehicleParams(Hardware):
         return self
 
     def _unstated_aero(self) -> dict[str, str]:
-        """Find missing values of the shapes that the vehicle flies, by dotted key: a default would be that of
-        another vehicle.
-        """
+        """Missing values of the shapes flown, by dotted key: a default would be another vehicle's."""
         flown: list[str] = [self.aero.model] if self.aero.model in STATED else []
         flown += ["backshell"] if self.showing("backshell") else []
         flown += ["lander"] if self.aero.model == "capsule" and self.engines else []
@@ -225,9 +216,7 @@ class VehicleParams(Hardware):
         }
 
     def _thruster_set_problems(self) -> dict[str, str]:
-        """An engine of thrusters that has none, another thrust than theirs, or a place before other engines,
-        by dotted key.
-        """
+        """Problems of number, place and thrust of engines made of thrusters, by dotted key."""
         sets = [k for k, engine in enumerate(self.engines) if engine.model == THRUSTER_SET.name]
         axial = total(-jet.thrust_n * jet.direction[0] for jet in self.rcs.thrusters if jet.group == "axial")
         problems = {}

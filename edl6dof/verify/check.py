@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
-from edl6dof.report.matplotlib_figure import styled
+from edl6dof.report.matplotlib_figure import matplotlib_figure
 from edl6dof.verify import (
     capsule_trim,
     entries,
@@ -63,4 +63,4 @@ def draw(history: History, path: Path) -> None:
     flown = Trace(history.x, history.flown, "flown", width=3.0)
     expected = Trace(history.x, history.expected, "expected", dash="dash", width=1.2, border=True)
     panel = Panel(Axis(history.x_label), Axis(history.y_label), [flown, expected])
-    styled(Figure("history", history.title, [panel])).savefig(path, format="png", dpi=140)
+    matplotlib_figure(Figure("history", history.title, [panel])).savefig(path, format="png", dpi=140)

@@ -21,7 +21,7 @@ from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.identity import input_files
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
-from edl6dof.environment import profile_file
+from edl6dof.environment import atmosphere_table
 
 DATA = ROOT / "edl6dof" / "data"
 AIR = DATA / "atmosphere" / "marsgram2010_jezero_feb2021_winds.csv"
@@ -184,7 +184,7 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
     plan, store = load_plan(write_drop(tmp_path), cases=60), Store(tmp_path / "out")
     run.begin(plan, store, None)
     shutil.copytree(DATA, tmp_path / "edl6dof" / "data")
-    monkeypatch.setattr(profile_file, "_DATA", tmp_path / "edl6dof" / "data" / "atmosphere")
+    monkeypatch.setattr(atmosphere_table, "DATA", tmp_path / "edl6dof" / "data")
     monkeypatch.setattr(origin, "PACKAGE", tmp_path / "edl6dof")
     copy = tmp_path / "edl6dof" / "data" / "atmosphere" / AIR.name
     copy.write_bytes(AIR.read_bytes() + b"\n")

@@ -101,7 +101,10 @@ def read_signals(source):
 
 
 #: Modules that take signals, each with those that it shares its own with.
-EXCHANGE = {"diagnosis/diagnose.py": ("diagnosis/leak_isolation.py",), "diagnosis/exercise.py": ()}
+EXCHANGE = {
+    "diagnosis/diagnose.py": ("diagnosis/hypotheses.py", "diagnosis/leak_isolation.py"),
+    "diagnosis/exercise.py": (),
+}
 
 
 @pytest.mark.parametrize("module, helpers", EXCHANGE.items(), ids=EXCHANGE)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from onboard_states import ENTRY, LANDER
 
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, share_out
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND, share_out
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
 
 

@@ -8,7 +8,7 @@ import pytest
 from onboard_states import ENTRY, LANDER, X, Y, Z, guided, nav_state
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
+from edl6dof.fsw.allocation.registry import DEMAND, compose_demand
 from edl6dof.fsw.control.registry import CONTROL_INPUTS, CONTROLLERS, attitude_control
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 

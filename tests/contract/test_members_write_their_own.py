@@ -6,19 +6,16 @@ import numpy as np
 import pytest
 from given_functions import allocate, entry_guidance
 
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
-from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, share_out
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND, share_out
 from edl6dof.fsw.control.registry import CONTROL_INPUTS, CONTROLLERS, attitude_control
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
-from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP
-from edl6dof.fsw.hazard.footprint import FOOTPRINT
+from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, FOOTPRINT, SAFETY_MAP
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, classify
-from edl6dof.fsw.hazard.safety import SAFETY_MAP
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.fsw.vehicle_state import HEALTH, VEHICLE_STATE

@@ -20,15 +20,15 @@ OTHER_MEANINGS = {
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.airframe": {"lift"},
-    "edl6dof.fsw.guidance.entry.influence": {"lift"},
+    "edl6dof.fsw.guidance.entry.laws.etpc": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.onboard_vehicle": {"lift"},
     "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
-    "edl6dof.sim.observations": {"lift"},  # what is measured
+    "edl6dof.sim.commands": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
     "edl6dof.report.catalogue": {"parachute"},  # key of a figure
     "edl6dof.report.flight.common": {"parachute"},  # word at the mortar's mark, as in the next one
-    "edl6dof.report.flight.trajectory": {"parachute"},
+    "edl6dof.report.flight.landing": {"parachute"},
     "edl6dof.sim.termination": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022": {"landed"},  # column of a table

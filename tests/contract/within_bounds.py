@@ -14,9 +14,8 @@ from edl6dof.config.dtype import in_si
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.terrain import ground
 from edl6dof.environment.wind import wind
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, share_out
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND, share_out
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, without_slow_part
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.drag_velocity import profile_range

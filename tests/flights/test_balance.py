@@ -16,7 +16,7 @@ from plain_python import setting
 
 import edl6dof
 from edl6dof.metrics.figures import BALANCES
-from edl6dof.runs.run_files import summary
+from edl6dof.runs.run import summary
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import flight_of
 from edl6dof.sim.flight_state import RunningFlight, snapshots_at

@@ -17,8 +17,8 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.records import numbers
 from edl6dof.scenario import records
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.finiteness import first_cause, works_with_finite
 from edl6dof.sim.flight import fly
+from edl6dof.sim.outcome import first_cause, works_with_finite
 from edl6dof.vehicle.plant import OUTPUTS, STATE_NAMES, STATES_VEHICLE, WORKSPACE
 
 DISPERSED = [

@@ -6,9 +6,8 @@ from given_functions import allocate
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATION
+from edl6dof.fsw.allocation.registry import ALLOCATION, DEMAND
 from edl6dof.fsw.vehicle_state import HEALTH
 from edl6dof.interface.effectors import ATTITUDE, AXIAL, FINE
 from edl6dof.scenario.onboard import believe

@@ -12,7 +12,7 @@ from in_process import called
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import MANIFEST, Kind, Manifest, seal
-from edl6dof.runs.folder import COMMANDS, atomic_folder
+from edl6dof.runs.files import COMMANDS, atomic_folder
 
 
 @pytest.fixture(scope="module")

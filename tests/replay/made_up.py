@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from edl6dof.replay.views.pages import TIMELINE
+from edl6dof.replay.pages import TIMELINE
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.telemetry.channels import CHANNELS
 

@@ -9,11 +9,11 @@ import pytest
 from made_up import MORTAR, SHELL, SHIELD, synthetic_flight
 
 import edl6dof
+from edl6dof.replay.cameras import SEPARATION_S, Spheres, away, facing, steady, together
+from edl6dof.replay.pages import EYE, FIELD_DEG
 from edl6dof.replay.recording import history
 from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.cameras import SEPARATION_S, Spheres, away, facing, steady, together
-from edl6dof.replay.views.pages import EYE, FIELD_DEG
 from edl6dof.spatial import rotations as turns
 
 #: The narrowest shape of a view, width over height.

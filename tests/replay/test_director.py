@@ -9,11 +9,11 @@ import pytest
 from made_up import SHELL, SHIELD, entities, synthetic_flight
 
 import edl6dof
+from edl6dof.replay.cameras import CLEAR_M, LANDING_DISTANCE, ROOM, SEPARATION_S, shots
 from edl6dof.replay.history import History
+from edl6dof.replay.pages import FIELD_DEG, TOUR
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.cameras import CLEAR_M, LANDING_DISTANCE, ROOM, SEPARATION_S, shots
-from edl6dof.replay.views.pages import FIELD_DEG, TOUR
 
 
 class Shown:

@@ -15,9 +15,8 @@ from edl6dof.api.arguments import naming_options
 from edl6dof.cli.exit_status import UNAVAILABLE
 from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
-from edl6dof.replay import film, viewer
-from edl6dof.replay.film import Cut, NoFilm
-from edl6dof.replay.viewer import NoViewer
+from edl6dof.replay import viewer
+from edl6dof.replay.viewer import Cut, NoFilm, NoViewer
 
 #: A program that keeps what it reads in the file named last, as ffmpeg does.
 KEEPS = "import sys; open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())"
@@ -34,7 +33,7 @@ def drawn(monkeypatch) -> list[float]:
     def drawing(*_: object) -> Iterator[Callable[[float], bytes]]:
         yield lambda t: times.append(t) or f"{t:.3f} ".encode()
 
-    monkeypatch.setattr(film, "drawing", drawing)
+    monkeypatch.setattr(viewer, "drawing", drawing)
     return times
 
 
@@ -84,7 +83,7 @@ def test_without_an_encoder_nothing_is_drawn_and_the_remedy_is_said(
     recording, tmp_path, drawn, monkeypatch, capsys
 ):
     monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr(film, "find_spec", lambda _: None)
+    monkeypatch.setattr(viewer, "find_spec", lambda _: None)
     monkeypatch.setattr(viewer, "running", lambda *_: pytest.fail("the viewer was started"))
     assert run_replay(recording, tmp_path / "flight.mp4") == UNAVAILABLE
     said = capsys.readouterr().err
@@ -111,7 +110,7 @@ def test_an_interrupted_film_leaves_the_one_that_was_there(recording, tmp_path, 
 
         yield interrupted
 
-    monkeypatch.setattr(film, "drawing", drawing)
+    monkeypatch.setattr(viewer, "drawing", drawing)
     target = tmp_path / "flight.mp4"
     target.write_bytes(b"mine")
     with pytest.raises(ConfigError, match="exists"):
@@ -151,7 +150,7 @@ def test_times_without_a_film_are_refused(recording):
 def test_a_real_film_of_five_frames(recording, tmp_path):
     target = tmp_path / "flight.mp4"
     try:
-        film.film(recording, target, Cut(15.0, 16.0, 0.5, 10.0), lambda *_: None)
+        viewer.film(recording, target, Cut(15.0, 16.0, 0.5, 10.0), lambda *_: None)
     except (NoFilm, NoViewer) as missing:
         pytest.skip(str(missing))
     assert target.read_bytes()[4:8] == b"ftyp"

@@ -17,9 +17,9 @@ from made_up import (
     synthetic_flight,
 )
 
+from edl6dof.replay.pages import NAVIGATION, PAGES
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.sensing import RAYS
-from edl6dof.replay.views.pages import NAVIGATION, PAGES
 from edl6dof.telemetry.instrument_states import EXCLUDED, NOT_USED, USED
 
 pytest.importorskip("rerun")

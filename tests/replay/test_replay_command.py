@@ -18,8 +18,8 @@ from edl6dof.manifest import seal
 from edl6dof.replay import viewer
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.viewer import NoViewer
-from edl6dof.runs.folder import distinct_names
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.files import distinct_names
+from edl6dof.runs.run import write_run
 
 
 @pytest.fixture(scope="module")

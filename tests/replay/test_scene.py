@@ -17,13 +17,13 @@ from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.phase_plane_zones import ZoneParams, target_rate
+from edl6dof.replay.charts import boundaries, squeeze
 from edl6dof.replay.scene import craft_shapes
 from edl6dof.replay.scene.craft_shapes import canopy
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.poses import Site
 from edl6dof.replay.scene.tracks import Globe, planet
-from edl6dof.replay.views.charts import boundaries, squeeze
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.terrain_preview import planned_ellipse
 

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from made_up import END, MORTAR, SHELL, flight_on_instruments, read, synthetic_flight
 
+from edl6dof.replay.charts import axis_range
+from edl6dof.replay.lanes import fitted
+from edl6dof.replay.pages import body_eye
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.arrows import COVERED, Label, forces, laid_out, scales, screen
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.charts import axis_range
-from edl6dof.replay.views.lanes import fitted
-from edl6dof.replay.views.pages import body_eye
 from edl6dof.report.catalogue import BANK, RANGE, RATES
 
 RrdReader = pytest.importorskip("rerun.chunk").RrdReader

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from edl6dof.manifest import seal
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 
 
 @pytest.fixture(scope="session")

@@ -11,8 +11,7 @@ from edl6dof.manifest import seal
 from edl6dof.report.document import Listing, Report, Table, Text
 from edl6dof.report.figure import Figure
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 
 #: What a body without parts, flight software or limits has none of.
 PARTS = re.compile(

@@ -7,7 +7,7 @@ import pytest
 
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 from edl6dof.report.flight import common
-from edl6dof.report.plotly_figure import plotly_figure
+from edl6dof.report.page import plotly_figure
 
 
 @pytest.mark.parametrize(

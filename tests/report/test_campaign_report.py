@@ -11,10 +11,9 @@ import pytest
 
 from edl6dof.report.campaign import drivers, footprint, margins
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Table, Text
+from edl6dof.report.document import Table, Text, aligned
 from edl6dof.report.figure import Figure
-from edl6dof.report.flight import trajectory
-from edl6dof.report.numbers import aligned
+from edl6dof.report.flight import landing
 
 LIMITS = [("parachute_mach", "Mach at mortar fire", 2.1, "")]
 
@@ -88,7 +87,7 @@ def test_what_flies_until_its_time_is_up_has_no_target(goal, name):
     class Known(dict):
         scenario, summary, when = {"mission": {"goal": goal}}, {"figures": {}}, {}
 
-    figure = trajectory.ground_track(Known({trajectory.EAST: np.arange(3.0), trajectory.NORTH: np.zeros(3)}))
+    figure = landing.ground_track(Known({landing.EAST: np.arange(3.0), landing.NORTH: np.zeros(3)}))
     assert name in [trace.name for trace in figure.panels[0].traces]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from edl6dof.replay.views.pages import PAGES
+from edl6dof.replay.pages import PAGES
 from edl6dof.report import catalogue
 from edl6dof.report.catalogue import BOUND, CATALOGUE, STACKS, Plot, Stack, chosen
 from edl6dof.telemetry.channels import CHANNELS

@@ -13,7 +13,7 @@ from edl6dof.report.campaign.faults import became, blocks, headline
 from edl6dof.report.document import Table
 from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import write_figure
-from edl6dof.report.plotly_figure import plotly_figure
+from edl6dof.report.page import plotly_figure
 
 FOUND = {"name_right": True, "kind_right": True}
 

@@ -10,10 +10,9 @@ import pytest
 import edl6dof
 from edl6dof.manifest import seal
 from edl6dof.report.catalogue import CELLS
-from edl6dof.report.flight import hazard_maps
+from edl6dof.report.flight import landing
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 from edl6dof.telemetry.landing_map import CELL_CLASSES
 
 
@@ -28,7 +27,7 @@ def seen(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def drawn(seen):
-    return {figure.key: figure for figure in hazard_maps.figures(seen)}
+    return {figure.key: figure for figure in landing.hazard_maps(seen)}
 
 
 def named(panel):

@@ -14,8 +14,7 @@ from edl6dof.report import terminal
 from edl6dof.report.catalogue import STATES
 from edl6dof.report.flight import common, navigation_errors
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 from edl6dof.telemetry.channels import CHANNELS
 from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 
@@ -58,10 +57,10 @@ class MadeUp(dict):
 def made_up():
     run = MadeUp()
     t = run.t
-    for _, _, _, stem, suffix in navigation_errors.ESTIMATED:
-        for k, axis in enumerate(navigation_errors.AXES, 1):
-            run[f"nav.error{stem}_{axis}{suffix}"] = k * (100.0 - t)
-            run[f"nav.sigma{stem}_{axis}{suffix}"] = np.full(len(t), 50.0 * k)
+    for plot, _ in navigation_errors.ERRORS:
+        for k, one in enumerate(plot.apart(), 1):
+            error, sigma = one.channels
+            run[error], run[sigma] = k * (100.0 - t), np.full(len(t), 50.0 * k)
     run["nav.error_height_m"], run["nav.sigma_height_m"] = 0.01 * t, np.full(len(t), 1.0)
     run["nav.range_innovation"], run["nav.speed_innovation"] = np.full(len(t), 2.0), np.full(len(t), 3.0)
     run["sensed.gyros_saturated"] = np.where((t >= 21.0) & (t < 22.0), 0b11, 0)
@@ -183,7 +182,7 @@ def test_table_of_the_flight_agrees_with_its_figures(flown):
     rows = {row[0]: row for row in navigation_errors.at_moments(run).rows}
     height = flight.metrics["ignition_nav_height_m"]
     assert float(rows["height above the ground"][3].split(" ± ")[0]) == pytest.approx(height, abs=0.006)
-    speed = [float(rows[f"velocity {axis}"][4].split(" ± ")[0]) for axis in navigation_errors.AXES]
+    speed = [float(rows[f"velocity {axis}"][4].split(" ± ")[0]) for axis in ("north", "east", "down")]
     assert np.linalg.norm(speed) == pytest.approx(flight.metrics["touchdown_nav_velocity_m_s"], abs=0.002)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.report.page import drawing
+from edl6dof.report.page import TEMPLATE, drawing
 from edl6dof.report.palette import (
     DARK,
     GREEN,
@@ -25,7 +25,6 @@ from edl6dof.report.palette import (
     UNKNOWN,
     UNSEEN,
 )
-from edl6dof.report.plotly_figure import TEMPLATE
 
 #: What each kind of eye sees of linear red, green and blue, which it lacks wholly.  Source: Machado, Oliveira
 #: and Fernandes 2009.

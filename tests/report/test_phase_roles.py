@@ -18,12 +18,11 @@ from edl6dof.campaign.faults import phases_of
 from edl6dof.config.document.locate import resolve_scenario
 from edl6dof.interface.roles import LIFT, PARACHUTE, TRIM, begun, during, span
 from edl6dof.manifest import seal
+from edl6dof.replay.pages import TIMELINE
 from edl6dof.replay.recording import history, write_replay
-from edl6dof.replay.views.pages import TIMELINE
 from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.page import PLOTLY, page
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.run import Run, write_run
 from edl6dof.studies import hu2022, yan2016
 from edl6dof.telemetry.timeline import first_times
 

@@ -12,12 +12,10 @@ import plotly.graph_objects as go
 import pytest
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.report.document import Report, Section, Table, Text
+from edl6dof.report.document import Report, Section, Table, Text, significant
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace, thinned
 from edl6dof.report.flight.flight_report import flight_report
-from edl6dof.report.numbers import significant
-from edl6dof.report.page import drawing, page
-from edl6dof.report.plotly_figure import plotly_figure
+from edl6dof.report.page import drawing, page, plotly_figure
 from edl6dof.runs.files import atomic_file
 
 

@@ -14,12 +14,11 @@ from edl6dof.fsw.control.phase_plane_zones import target_rate
 from edl6dof.manifest import seal
 from edl6dof.report import label_layout
 from edl6dof.report.figure import Axis, Panel, Trace
-from edl6dof.report.flight import corridor, phase_planes, thrusters, trajectory
+from edl6dof.report.flight import landing, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.flight.phase_planes import aimed_rate, firing_error
-from edl6dof.report.plotly_figure import plotly_figure
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import write_run
+from edl6dof.report.page import plotly_figure
+from edl6dof.runs.run import Run, write_run
 
 
 @pytest.fixture(scope="module")
@@ -80,9 +79,9 @@ def test_path_rate_is_gravity_and_lift_over_speed(run):
 
 def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
     """Put the drag of each border back into density: there the limited quantity must be the limit."""
-    entry = corridor.entry_state(run)
+    entry = trajectory.entry_state(run)
     limit = run.scenario["limits"]
-    borders = {border.name.partition(" ")[0]: border.drag for border in corridor.borders(run, entry)}
+    borders = {border.name.partition(" ")[0]: border.drag for border in trajectory.borders(run, entry)}
     pressure = borders["dynamic"] / entry.drag_per_pressure
     assert pressure == pytest.approx(limit["entry_dynamic_pressure_pa"])
     density = 2.0 * borders["heat"] / entry.drag_per_pressure / entry.speed**2
@@ -91,12 +90,12 @@ def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
     assert flux[i] * np.sqrt(density) * entry.speed**3 == pytest.approx(
         limit["entry_heat_flux_w_cm2"], rel=1e-3
     )
-    load = borders["load"] * entry.load_per_pressure / entry.drag_per_pressure / corridor.G0
+    load = borders["load"] * entry.load_per_pressure / entry.drag_per_pressure / trajectory.G0
     assert load == pytest.approx(limit["entry_load_g0"])
 
 
 def test_drag_from_forces_is_what_the_flight_computer_measures(run):
-    drag, _ = corridor.aerodynamic_accelerations(run)
+    drag, _ = trajectory.aerodynamic_accelerations(run)
     hot = run["truth.dynamic_pressure_pa"] > 1500.0
     assert np.median(np.abs(drag[hot] / run["nav.drag_m_s2"][hot] - 1.0)) < 0.01
 
@@ -223,7 +222,7 @@ def test_planned_ellipse_is_drawn_to_scale_where_the_scenario_has_one(run, figur
     terrain = {**run.scenario["terrain"], "ellipse_length_m": 0.0}
     plain = Run(run.folder)
     plain.scenario = {**run.scenario, "terrain": terrain}
-    without = trajectory.landing_site(plain)
+    without = landing.landing_site(plain)
     assert [panel.title for panel in without.panels] == ["from the parachute on", "powered descent"]
     assert "allowed distance" in [trace.name for trace in without.panels[0].traces]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.document.regular import read_regular_text
-from edl6dof.environment.map_file import MapFile
+from edl6dof.environment.height_map import MapFile
 from edl6dof.kernels import kernel
 from edl6dof.spatial.table_index import held_cell
 from edl6dof.spatial.vector import clamp
@@ -42,14 +42,8 @@ class DtmParams(Params):
 
 @kernel
 def with_dtm(dtm, site_elevation, north, east, below):
-    """The ground of the model at a place (m from the site), where there is one: elevation (m) and rise per
-    metre towards north and east.
-
-    Args:
-        dtm: ``DTM``.
-        site_elevation: m.
-        north, east: the place.
-        below: the same three of the map.
+    """Elevation (m) and rise per metre towards north and east of the model at a place (m from the site),
+    where there is one; ``below``: the same three of the map.
     """
     edge = _EDGE * dtm.reach
     off = max(abs(north), abs(east))
@@ -113,11 +107,6 @@ class Raster(NamedTuple):
     y: float
     step_x: float
     step_y: float
-
-
-def dtm_path(name: str) -> Path:
-    """The file that a name means."""
-    return Path(name)
 
 
 @lru_cache(maxsize=4)
@@ -247,9 +236,7 @@ def _window(name: str, data: Any, x: np.ndarray, y: np.ndarray) -> Raster:
 
 
 def _sampled(name: str, raster: Raster, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Heights of a raster at places in its coordinates: bilinear; a grid finer than the places is averaged
-    first.
-    """
+    """Heights of a raster at places in its coordinates: bilinear, means of blocks where it is finer."""
     skip = max(int(np.ptp(x) / (NODES - 1) / abs(raster.step_x)), 1)
     if skip > 1:
         raster = _coarser(raster, skip)

@@ -43,9 +43,7 @@ def fractal_at(area, tiles, i, j):
 
 @kernel
 def fractal_row(area, tiles, i, j, heights):
-    """Write the heights of :func:`fractal_at` at the nodes from (``i``, ``j``) on towards the east, run by
-    run within the cells of the coarse tile.
-    """
+    """Write the heights of :func:`fractal_at` at the nodes from (``i``, ``j``) on towards the east."""
     (a, b), (a_next, b_next) = in_tiles(area, i, j), in_tiles(area, i, j + 1)
     step_a, step_b = a_next - a, b_next - b
     k, count = 0, heights.shape[0]

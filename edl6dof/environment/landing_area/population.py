@@ -1,17 +1,27 @@
-"""Things scattered over the ground at random, each with a place, a diameter and a character: craters and
-rocks.
+"""Craters and rocks, scattered over the ground at random, each with a place, a diameter and a character:
+their forms, how they join the ground that is there already, and where they are.
+
+A fresh crater is a bowl with a raised rim, a worn one a smooth hollow without rim; any mixture of the two is
+as likely as any other [E].  Rocks are half-ellipsoids in the numbers of Golombek's law: those of diameter D
+and more cover the share F(D) = k exp(-q D) of the ground, q = 1.79 + 0.152 / k per m; so 4 q k exp(-q D) /
+(pi D^2) of them lie on a square metre per metre of diameter.
 
 The number per area and diameter is ``amount * D**-(exponent + 1) * exp(-decay * D)``.  Diameters fall into
 classes, each up to twice as large as the one before; the members of a class lie in square cells, as many in
 each as a Poisson variable made of the cell's own bits.  A cell is so large that all members of a class that
 reach one cell of the lattice lie in a block of two by two.  Members are drawn from the power law, and stay
 with probability exp(-decay (D - smallest of the class)).
-Source: thinning: Lewis and Shedler, Naval Research Logistics 26, 403 (1979).
+
+Sources: fresh craters, depth 0.2 and rim 0.04 of the diameter: Pike, in Impact and Explosion Cratering
+(1977); ejecta thin with the cube of the distance: McGetchin et al., Earth Planet. Sci. Lett. 20, 226 (1973);
+worn ones, a twentieth of the diameter deep: [E].  Rocks: Golombek and Rapp, J. Geophys. Res. 102(E2), 4117
+(1997); height half the diameter: Golombek et al., J. Geophys. Res. 108(E12), 8086 (2003).  Thinning: Lewis
+and Shedler, Naval Research Logistics 26, 403 (1979).
 """
 
 from __future__ import annotations
 
-from math import frexp
+from math import frexp, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +32,54 @@ from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import exp, pow
 from edl6dof.spatial.random_numbers import Stream, random_bits, random_bits_at
 from edl6dof.spatial.table_index import endless_cell
+
+DEPTH, RIM = 0.2, 0.04
+WORN_DEPTH = 0.05
+#: Where a crater ends, in its radii.
+EDGE = 2.0
+
+
+@kernel
+def crater_height(diameter, freshness, square):
+    """Height (m) of a crater at the ``square`` (m2) of the distance from its middle; freshness 0 .. 1."""
+    s = 4.0 * square / (diameter * diameter)  # of the distance in radii
+    if s >= EDGE * EDGE:
+        return 0.0
+    worn = 1.0 - s / (EDGE * EDGE)
+    if s < 1.0:
+        fresh = RIM - DEPTH * (1.0 - s)
+    else:
+        last = 1.0 / (EDGE * EDGE * EDGE)
+        fresh = RIM * (1.0 / (s * sqrt(s)) - last) / (1.0 - last)
+    return diameter * (freshness * fresh - (1.0 - freshness) * WORN_DEPTH * worn * worn)
+
+
+#: Height of a rock over its diameter.
+HEIGHT = 0.5
+
+
+def rock_law(abundance: float) -> tuple[float, float]:
+    """Amount and decay (1/m) of the number amount exp(-decay D) / D^2 per m2 and m of diameter."""
+    if abundance == 0.0:
+        return 0.0, 0.0
+    decay = 1.79 + 0.152 / abundance
+    return 4.0 * decay * abundance / pi, decay
+
+
+@kernel
+def rock_height(diameter, square):
+    """Height (m) of a rock above the ground at the ``square`` (m2) of the distance from its middle."""
+    s = 4.0 * square / (diameter * diameter)
+    return HEIGHT * diameter * sqrt(1.0 - s) if s < 1.0 else 0.0
+
+
+@kernel
+def with_member(population, height, diameter, character, square):
+    """Height (m) of the ground ``height`` with a member: a crater adds to it, of rocks the highest stands."""
+    if population.stands:
+        return max(height, rock_height(diameter, square))
+    return height + crater_height(diameter, character, square)
+
 
 MAX_CLASSES = 16
 #: Most members that the cells of a class may hold on average.
@@ -49,15 +107,13 @@ _LOW = np.uint64(0xFFFF_FFFF)
 
 @kernel
 def first_cell(population, k, place):
-    """Lower (north or east) of the two cells of class ``k`` that hold all that reaches the cell of the
-    lattice that begins at ``place`` (m).
-    """
+    """Lower of the two cells of class ``k`` with all that reaches the lattice cell from ``place`` (m) on."""
     return endless_cell((place - population.reach * population.largest[k]) / population.cell[k])
 
 
 @kernel
 def last_cell(population, k, place):
-    """The last cell (northmost or eastmost) of class ``k`` that holds what reaches back to ``place`` (m)."""
+    """Last cell (northmost or eastmost) of class ``k`` that holds what reaches back to ``place`` (m)."""
     return endless_cell((place + population.reach * population.largest[k]) / population.cell[k])
 
 

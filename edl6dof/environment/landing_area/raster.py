@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.environment.landing_area.features import with_member
 from edl6dof.environment.landing_area.fractal import fractal_row
-from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
-from edl6dof.environment.landing_area.surface import share_at
+from edl6dof.environment.landing_area.population import (
+    cell_bits,
+    drawn_in,
+    first_cell,
+    last_cell,
+    member,
+    with_member,
+)
+from edl6dof.environment.landing_area.relief import share_at
 from edl6dof.environment.terrain import geodetic_of, regional
 from edl6dof.kernels import kernel
 from edl6dof.spatial.table_index import endless_cell
@@ -58,9 +64,7 @@ def lay_raster(terrain, grid, north, east, heights, work):
 
 @kernel
 def _finish_row(area, tiles, i, j, up, heights, work):
-    """Put the ground under the craters and rocks of a row that begins at the node (``i``, ``j``), at the
-    share ``up`` of the way from the one to the other row of ``work``.
-    """
+    """Put the ground under craters and rocks of a row, at the share ``up`` between those of ``work``."""
     count, north, south = heights.shape[0], work.north, work.south
     fractal_row(area, tiles, i, j, work.fractal[:count])
     whole = _share_of_node(area, i, j) == 1.0 and _share_of_node(area, i, j + count) == 1.0
@@ -81,26 +85,18 @@ def _share_of_node(area, i, j):
 
 @kernel
 def _lay_regional(terrain, grid, i, j, count, heights):
-    """Write heights (m) of what is coarser than the landing area, at every ``_APART``th of ``count`` nodes of
-    a row that begins at the node (``i``, ``j``), and at the one beyond.
+    """Write heights (m above the site's elevation) of what is coarser than the landing area, at every
+    ``_APART``th of ``count`` nodes of a row from the node (``i``, ``j``) on, and at the one beyond.
     """
-    for k in range((count + _APART - 1) // _APART + 1):
-        heights[k] = _regional(terrain, grid, i, j + k * _APART)
-
-
-@kernel
-def _regional(terrain, grid, i, j):
-    """Height (m) above the site's elevation of what is coarser than the landing area, at a node."""
     step = terrain.landing_area.cell
-    lat, lon = geodetic_of(terrain, i * step, j * step)
-    return regional(terrain, grid, lat, lon)[0] - terrain.site_elevation
+    for k in range((count + _APART - 1) // _APART + 1):
+        lat, lon = geodetic_of(terrain, i * step, (j + k * _APART) * step)
+        heights[k] = regional(terrain, grid, lat, lon)[0] - terrain.site_elevation
 
 
 @kernel
 def _paint(area, population, i, j, heights):
-    """Give the nodes what the members of a population that reach them are; ``heights`` begins at the node
-    (``i``, ``j``).
-    """
+    """Paint the members of a population onto ``heights``, whose first node is (``i``, ``j``)."""
     step = area.cell
     rows, columns = heights.shape
     for k in range(population.n):
@@ -123,8 +119,6 @@ def _paint(area, population, i, j, heights):
 
 @kernel
 def nodes_within(middle, reach, step, first, count):
-    """Range of indices, among ``count`` nodes from node ``first`` on, that lie less than ``reach`` (m) from
-    ``middle`` (m).
-    """
+    """Range of indices from node ``first`` on, of ``count``, less than ``reach`` (m) from ``middle`` (m)."""
     low, high = endless_cell((middle - reach) / step), endless_cell((middle + reach) / step)
     return max(low + 1 - first, 0), min(high + 1 - first, count)

@@ -8,26 +8,20 @@ from __future__ import annotations
 
 from math import copysign
 
-import numpy as np
-
 from edl6dof.interface.capacities import MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.effectors import FINE
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.vector import take3
 
 ROWS = 6  # force x, y, z; torque x, y, z
 NO_TORQUE = 1e-9  # N m, a demand that is none
 
-EFFECTIVENESS = np.dtype(
-    [
-        # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
-        ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
-        # configuration that it belongs to, plus one; 0 before the first
-        ("of", whole(0, 2**MAX_PARTS)),
-        ("mark", "f8"),  # sum of all entries, each times its place: what is worked out from them keeps it
-    ],
-    align=True,
+EFFECTIVENESS = record(
+    # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
+    ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
+    ("of", whole(0, 2**MAX_PARTS)),  # configuration that it belongs to, plus one; 0 before the first
+    ("mark", "f8"),  # sum of all entries, each times its place: what is worked out from them keeps it
 )
 
 
@@ -44,24 +38,15 @@ def effectiveness_matrix(thrusters, count, centre, matrix):
 
 @kernel
 def update_effectiveness(vehicle, configuration, effectiveness):
-    """Work out the effectiveness when the vehicle has another configuration, and so another centre of mass,
-    than before.
-    """
+    """Compute the effectiveness again when the configuration, and so the centre of mass, has changed."""
     if effectiveness.of != configuration + 1:
         effectiveness.of = configuration + 1
         centre = take3(vehicle.configuration[configuration].centre, 0)
         effectiveness_matrix(vehicle.thrusters, vehicle.n_thrusters, centre, effectiveness.matrix)
-        effectiveness.mark = mark_of(effectiveness.matrix, vehicle.n_thrusters)
-
-
-@kernel
-def mark_of(matrix, count):
-    """Sum of all entries, each times its place: two matrices with equal sums are taken for the same."""
-    total = 0.0
-    for i in range(count):
-        for row in range(ROWS):
-            total += (ROWS * i + row + 1.0) * matrix[i, row]
-    return total
+        effectiveness.mark = 0.0
+        for i in range(vehicle.n_thrusters):
+            for row in range(ROWS):
+                effectiveness.mark += (ROWS * i + row + 1.0) * effectiveness.matrix[i, row]
 
 
 @kernel
@@ -72,9 +57,7 @@ def usable(i, thrusters, healthy, mask):
 
 @kernel
 def fine_enough(share, matrix, thrusters, count, healthy, demand):
-    """Return whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a
-    ``share`` of it.
-    """
+    """Return whether the healthy fine thrusters can give the torque of ``demand``, up to a ``share``."""
     x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):
         if healthy[i] != 0 and thrusters[i].group == FINE:

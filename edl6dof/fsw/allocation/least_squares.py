@@ -14,14 +14,12 @@ Gauss and Southwell, Luo and Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.allocation.effectiveness import ROWS, fine_enough, usable
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import AXIAL, FINE
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import put3, take3
 
@@ -32,10 +30,7 @@ class LeastSquaresParams(Params):
     steps: int = param(200, "largest number of changes of a duty", ge=1, le=1000000)
     tolerance: float = param(4e-3, "change of duty below which the iteration stops", gt=0.0, lt=1.0)
     translating_tolerance: float = param(
-        2e-3,
-        "the same while translating, where force and torque compete and many small changes add up",
-        gt=0.0,
-        lt=1.0,
+        2e-3, "the same while translating, where many small changes add up", gt=0.0, lt=1.0
     )
     force_scale_n: float = param(
         600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0
@@ -49,17 +44,14 @@ class LeastSquaresParams(Params):
 
 #: Who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its
 #: use; products of the weighted effectiveness, duty for each slope, and the weights that these belong to.
-MEMORY = np.dtype(
-    [
-        ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
-        ("slope", "f8", (MAX_THRUSTERS,)),
-        ("price", "f8", (MAX_THRUSTERS,)),
-        ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
-        ("gain", "f8", (MAX_THRUSTERS,)),
-        ("gram_weight", "f8", (3,)),
-        ("gram_mark", "f8"),  # of the effectiveness
-    ],
-    align=True,
+MEMORY = record(
+    ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
+    ("slope", "f8", (MAX_THRUSTERS,)),
+    ("price", "f8", (MAX_THRUSTERS,)),
+    ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
+    ("gain", "f8", (MAX_THRUSTERS,)),
+    ("gram_weight", "f8", (3,)),
+    ("gram_mark", "f8"),  # of the effectiveness
 )
 
 
@@ -69,14 +61,13 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
 
     Args:
         params: least-squares record.
-        shared: what all methods have in common: torque scale, share of the fine thrusters.
-        vehicle: believed vehicle (thrusters).
-        healthy: whether each may be used (0 for no).
+        shared: settings of all methods: torque scale, share of the fine thrusters.
+        vehicle, healthy: believed thrusters, and flags of those in use.
         effectiveness: ``EFFECTIVENESS`` record.
         demand: ``DEMAND`` record: force and torque, groups that may fire, priorities.
         memory: ``MEMORY`` record.
         duty: written, 0..1 for each thruster.
-        unallocated: written, what the duties leave of the demand (force and torque in B, N and N m).
+        unallocated: written, demand less what the duties give (force and torque in B, N and N m).
     """
     p, thrusters, count = params, vehicle.thrusters, vehicle.n_thrusters
     translating, boosting = demand.translating != 0, demand.boosting != 0
@@ -107,14 +98,8 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
             if boosting and thrusters[i].group == AXIAL
             else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
         )
-    descend(
-        p.steps,
-        tolerance=p.translating_tolerance if translating else p.tolerance,
-        n=n,
-        count=count,
-        memory=memory,
-        duty=duty,
-    )
+    tolerance = p.translating_tolerance if translating else p.tolerance
+    descend(p.steps, tolerance, n, count, memory, duty=duty)
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]
     for k in range(n):
@@ -149,9 +134,7 @@ def update_products(weight, count, effectiveness, memory):
 
 @kernel
 def farthest(n, memory, duty):
-    """The thruster whose duty is farthest from its best value, and the way there; of equals the first in
-    order.
-    """
+    """Thruster whose duty is farthest from its best value, and the change; of equals the first in order."""
     order, slope, price, gain = memory.order, memory.slope, memory.price, memory.gain
     chosen, way, size = 0, 0.0, 0.0
     for k in range(n):
@@ -175,9 +158,5 @@ def descend(steps, tolerance, n, count, memory, duty):
 
 
 MEMBER = Member(
-    "least_squares",
-    LeastSquaresParams,
-    {"share_out": share_out},
-    "Bertsekas, Nonlinear Programming, section 2.7",
-    MEMORY,
+    "least_squares", LeastSquaresParams, {"share_out": share_out}, "Bertsekas, section 2.7", MEMORY
 )

@@ -1,4 +1,5 @@
-"""Thruster allocation: the family of methods, and the control cycle that runs the chosen one.
+"""Thruster allocation: the demand on the thrusters in a control cycle, the family of methods, and the step
+that runs the chosen one.
 
 A member has one kernel, ``share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty,
 unallocated)``: it writes ``duty`` (0..1 each) and the part of the demand that these do not give.  ``params``
@@ -18,15 +19,78 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from edl6dof.config.base import param
 from edl6dof.fsw.allocation import least_squares, table
 from edl6dof.fsw.allocation.effectiveness import ROWS
 from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.effectors import ATTITUDE, AXIAL, ENGINE_FULL, THRUSTER_GROUPS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record, whole
 from edl6dof.registry import Family
+from edl6dof.spatial.quaternion import to_frame
+from edl6dof.spatial.vector import add, put3, scale, take3, take4
+
+DEMAND = record(
+    ("attitude_error", "f8", (3,)),  # rad: error that the attitude controller works on, as it returned it
+    ("wrench", "f8", (ROWS,)),  # N and N m, B: force x, y, z and torque x, y, z on the vehicle
+    ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
+    ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
+    ("boosting", FLAG),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
+)
+
+
+@kernel
+def no_demand(demand):
+    """Ask for nothing."""
+    for i in range(ROWS):
+        demand.wrench[i] = 0.0
+
+
+@kernel
+def groups_of(phase, boosting, thrusters, count, healthy):
+    """Bit mask of the groups that may fire: of the phase, and axial ones to boost or for a lost one."""
+    mask = 1 << AXIAL if boosting else 0
+    for i in range(phase.n_thrusters):
+        mask |= 1 << phase.thrusters[i]
+    for i in range(count):
+        if thrusters[i].group == ATTITUDE and healthy[i] == 0:
+            mask |= 1 << AXIAL
+    return mask
+
+
+@kernel
+def largest_axial_force(vehicle, effectiveness):
+    """Axial force (N) of all axial thrusters: they help the engine as far as the torque allows."""
+    force = 0.0
+    for i in range(vehicle.n_thrusters):
+        if vehicle.thrusters[i].group == AXIAL:
+            force += effectiveness[i, 0]
+    return force
+
+
+@kernel
+def compose_demand(phase, vehicle, effectiveness, state, healthy, nav, goal, torque, error, demand):
+    """Combine the controller's ``torque`` (N m, B), the lateral force and thrust of guidance (``goal``), and
+    the groups that may give them into ``demand`` (``DEMAND``); ``error``: attitude error to remove, rad.
+    """
+    burns = state.ignited != 0
+    descending = burns and state.engine.by_thrusters > 0.0 and nav.t >= state.ignition_time - 1e-9
+    boosting = descending or (burns and goal.engine_mode == ENGINE_FULL)
+    put3(demand.attitude_error, 0, error)
+    no_demand(demand)
+    put3(demand.wrench, 3, torque)
+    if descending:
+        demand.wrench[0] = -state.engine.by_thrusters * goal.thrust
+    elif boosting:
+        demand.wrench[0] = largest_axial_force(vehicle, effectiveness)
+    if goal.translating != 0:
+        q = take4(nav.q_I2B)
+        north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
+        force = to_frame(q, add(scale(goal.force_N[0], north), scale(goal.force_N[1], east)))
+        demand.wrench[1], demand.wrench[2] = force[1], force[2]
+    demand.groups = groups_of(phase, boosting, vehicle.thrusters, vehicle.n_thrusters, healthy)
+    demand.translating, demand.boosting = goal.translating, 1 if boosting else 0
+
 
 ALLOCATORS = Family("thruster allocation", (least_squares.MEMBER, table.MEMBER))
 
@@ -59,14 +123,11 @@ share_out = ALLOCATORS.role(
 #: Share of the torque scale from which an unallocated torque counts as saturation.
 SATURATED_FROM = 0.2
 
-ALLOCATION = np.dtype(
-    [
-        ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster, 0..1
-        ("unallocated", "f8", (ROWS,)),  # demand less what the duties give, N and N m, B
-        ("saturated", FLAG),  # a torque was left unallocated: the integrators of attitude control stand still
-        ("method", ALLOCATORS.memory),
-    ],
-    align=True,
+ALLOCATION = record(
+    ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster, 0..1
+    ("unallocated", "f8", (ROWS,)),  # demand less what the duties give, N and N m, B
+    ("saturated", FLAG),  # a torque was left unallocated: the integrators of attitude control stand still
+    ("method", ALLOCATORS.memory),
 )
 
 
@@ -81,16 +142,8 @@ def is_anything(wrench):
 
 @kernel
 def allocate(share_out, params, vehicle, healthy, effectiveness, demand, out):
-    """Share the demand out over the thrusters.
-
-    Args:
-        share_out: the method that flies.
-        params: allocation record.
-        vehicle: believed vehicle (thrusters).
-        healthy: whether each thruster may be used.
-        effectiveness: ``EFFECTIVENESS`` record.
-        demand: ``DEMAND`` record.
-        out: ``ALLOCATION`` record, written.
+    """Share the ``demand`` (``DEMAND``) out over the thrusters by the method that flies, into ``out``
+    (``ALLOCATION``).
     """
     if is_anything(demand.wrench) or demand.boosting != 0:
         share_out(

@@ -25,10 +25,7 @@ class TableParams(Params):
     """Selection from a table of thrusters for each axis and sign."""
 
     alignment: float = param(
-        0.6,
-        "cosine between thruster's torque, or lateral force, and axis from which it is in the row",
-        gt=0.0,
-        lt=1.0,
+        0.6, "least cosine between torque, or lateral force, and axis of a thruster in a row", gt=0.0, lt=1.0
     )
 
 
@@ -54,9 +51,7 @@ def row_authority(alignment, matrix, vehicle, healthy, mask, row, sign):
 
 @kernel
 def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
-    """Give the demand left along an axis to the thrusters of its row in the groups of ``mask``, within the
-    pulse time they have left.
-    """
+    """Share the demand ``left`` along an axis among the thrusters of its row, within their pulse time."""
     sign = 1.0 if left[row] > 0.0 else -1.0
     total = row_authority(alignment, matrix, vehicle, healthy, mask, row=row, sign=sign)
     if total <= 0.0:
@@ -72,9 +67,7 @@ def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
 
 @kernel
 def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty, left):
-    """Give the torque left along an axis to the fine thrusters, to the coarse ones where it is too much for
-    them, and to both where these do not suffice.
-    """
+    """Give the torque ``left`` along an axis to the fine thrusters, else to the coarse ones, else to both."""
     need, sign = abs(left[row]), 1.0 if left[row] > 0.0 else -1.0
     if need <= 1e-9:
         return
@@ -91,9 +84,7 @@ def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty,
 
 @kernel
 def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
-    """Duties for a demanded force and torque by table; arguments as in
-    :func:`edl6dof.fsw.allocation.least_squares.share_out`.
-    """
+    """Duties by table; arguments as in :func:`edl6dof.fsw.allocation.least_squares.share_out`."""
     matrix, alignment = effectiveness.matrix, params.alignment
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]

@@ -16,7 +16,7 @@ from edl6dof.spatial.quaternion import (
     rotation_vector,
     to_frame,
 )
-from edl6dof.spatial.vector import cross, dot, scale, sub, take3
+from edl6dof.spatial.vector import cross, dot, scale, sub, take3, take4
 
 
 @kernel
@@ -42,19 +42,12 @@ def beyond(x, limit):
 
 
 @kernel
-def body_rate(nav):
-    """Inertial body rate, rad/s, in B."""
-    return nav.w_B[0], nav.w_B[1], nav.w_B[2]
-
-
-@kernel
 def path_rate(nav):
-    """Rate at which the planet-relative velocity turns, rad/s, in B, from gravity and measured specific
-    force.
+    """Rate at which the planet-relative velocity turns, rad/s, B, from gravity and measured specific force.
 
     Rotation of the planet and centrifugal terms are left out: they are below 0.01 deg/s.
     """
-    q = attitude(nav)
+    q = take4(nav.q_I2B)
     v = take3(nav.v_rel_I, 0)
     acceleration = sub(from_frame(q, take3(nav.specific_force_B, 0)), scale(nav.gravity, take3(nav.up_I, 0)))
     speed2 = max(nav.speed * nav.speed, 1.0)
@@ -62,32 +55,22 @@ def path_rate(nav):
 
 
 @kernel
-def attitude(nav):
-    """``q_I2B`` as a tuple."""
-    return nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3]
-
-
-@kernel
 def wind_attitude_error(nav, command):
-    """Rotation vector from the actual attitude to the commanded bank, angle of attack and zero sideslip, and
-    the rate to remove.
-
-    Both in B: error (goal minus actual, rad) and rate (actual minus goal, rad/s).
+    """Rotation vector in B from the actual attitude to the commanded bank and angle of attack without
+    sideslip (rad), and the rate to remove (rad/s).
     """
     up_I = take3(nav.up_I, 0)
     goal = attitude_from_wind_angles(take3(nav.v_rel_I, 0), up_I, command.bank, command.alpha, 0.0)
-    q = attitude(nav)
+    q = take4(nav.q_I2B)
     error = rotation_vector(multiply(conjugate(q), goal))
-    return error, sub(body_rate(nav), path_rate(nav))
+    return error, sub(take3(nav.w_B, 0), path_rate(nav))
 
 
 @kernel
 def velocity_axes(alpha, beta):
     """Axes of the velocity frame V in B: along the velocity, and those about which angle of attack and
-    (minus) sideslip turn.
-
-    They are the columns of the matrix C_cv of Hu et al. 2022, eq. 1, written for B instead of the paper's
-    frame c (x and z reversed).
+    (minus) sideslip turn: the columns of C_cv of Hu et al. 2022, eq. 1, for B instead of the paper's frame c
+    (x and z reversed).
     """
     (sa, ca), (sb, cb) = sincos(alpha), sincos(beta)
     return (ca * cb, sb, sa * cb), (-ca * sb, cb, -sa * sb), (-sa, 0.0, ca)
@@ -95,10 +78,7 @@ def velocity_axes(alpha, beta):
 
 @kernel
 def shortest_arc(a, b):
-    """Unit quaternion of the shortest rotation that carries the unit vector ``a`` onto ``b``.
-
-    Exactly opposite vectors leave the axis open: it is then one across ``a``.
-    """
+    """Unit quaternion of the shortest rotation from the unit vector ``a`` to ``b``, any if opposite."""
     s = 1.0 + dot(a, b)
     if s < 1e-12:
         across = cross(a, (0.0, 1.0, 0.0)) if abs(a[1]) < 0.9 else cross(a, (1.0, 0.0, 0.0))
@@ -113,8 +93,8 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
     is along ``direction_I``.
 
     The geographic frame has x of the paper's c up (B: down), y south.  Source: Hu et al. 2022, eqs. 2 and 3.
-    Figs. 9 and 10 make the paper's z the axis of the angle of attack, y of B; read so, this roll would be 90
-    deg off.  It stands because a lander that came flying south has 90 deg to roll to it, and the real one
+    Figs. 9 and 10 make the paper's z the axis of the angle of attack, y of B; with that, this roll would be
+    90 deg off.  It stands because a lander that came flying south has 90 deg to roll to it, and the real one
     rolled at 0.5 deg/s for 156 s with 7.7 deg left.
     """
     upright = from_axes(scale(-1.0, up_I), scale(-1.0, north_I), scale(-1.0, east_I))
@@ -123,23 +103,21 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
 
 @kernel
 def shortest_path_error(q, goal):
-    """Rotation vector in B from the attitude ``q`` straight to ``goal`` (goal minus actual, rad).  Source: Hu
-    et al. 2022, eq. 4.
-    """
+    """Rotation vector (rad, B) from the attitude ``q`` to ``goal``. Source: Hu et al. 2022, eq. 4."""
     return rotation_vector(multiply(conjugate(q), goal))
 
 
 @kernel
 def decoupled_error(q, goal):
-    """Error of the thrust direction (pitch, yaw) and of roll left once that is removed, as (roll, pitch, yaw)
-    in B, goal minus actual, rad.
+    """Error of the thrust direction (pitch, yaw) and of roll left once that is removed: roll, pitch, yaw in
+    B, goal minus actual, rad.
 
     The first rotation carries the thrust axis by the shortest path onto the goal's; the second, about the
     thrust axis, does the rest and is the roll error.  Source: Hu et al. 2022, Fig. 6 and eqs. 5-7.
-    Against the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error actual minus goal; here the
-    error is goal minus actual.  Eq. 6 gives 2 sin(phi/2) for the angle phi; the angle itself is used, which
-    agrees below 30 deg to 1.2 %.  Eq. 5 leaves no pitch and yaw error when the thrust points exactly the
-    wrong way; here some axis across it is turned about.
+    Differences from the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error actual minus goal;
+    here the error is goal minus actual.  Eq. 6 gives 2 sin(phi/2) for the angle phi; the angle itself is
+    used, which agrees below 30 deg to 1.2 %.  Eq. 5 leaves no pitch and yaw error when the thrust points
+    exactly the wrong way; here the vehicle turns about some axis across it.
     """
     thrust_axis = (-1.0, 0.0, 0.0)
     tilt = shortest_arc(thrust_axis, to_frame(q, from_frame(goal, thrust_axis)))

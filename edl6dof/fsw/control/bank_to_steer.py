@@ -17,12 +17,9 @@ crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.control.attitude_error import (
     beyond,
-    body_rate,
     gyroscopic_torque,
     inertia_torque,
     path_rate,
@@ -30,6 +27,7 @@ from edl6dof.fsw.control.attitude_error import (
 )
 from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, follow
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap
 from edl6dof.spatial.vector import add, dot, scale, sub, take3
@@ -45,11 +43,7 @@ class BankToSteerParams(Params):
     )
     rate_deadband_deg_s: float = param(0.4, "rate of angle of attack or sideslip that is left alone", ge=0.0)
     angle_limit_deg: float = param(
-        10.0,
-        "error of angle of attack or sideslip beyond which its angle loop closes",
-        status="published",
-        source="S1 4.1",
-        gt=0.0,
+        10.0, "angle error beyond which its loop closes", status="published", source="S1 4.1", gt=0.0
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
     held_alpha: ZoneParams = group(
@@ -57,7 +51,7 @@ class BankToSteerParams(Params):
     )
 
 
-MEMORY = np.dtype([("bank", AXIS), ("alpha", AXIS), ("beta", AXIS)], align=True)
+MEMORY = record(("bank", AXIS), ("alpha", AXIS), ("beta", AXIS))
 
 
 @kernel
@@ -74,7 +68,7 @@ def control(params, nav, goal, inputs, dt, memory):
     along, across, aside = velocity_axes(nav.alpha, nav.beta)
     if wing_out:
         along, across, aside = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    rate = sub(body_rate(nav), path_rate(nav))
+    rate = sub(take3(nav.w_B, 0), path_rate(nav))
     bank_error = wrap(goal.bank - nav.bank)
     alpha_goal = 0.0 if wing_out else goal.alpha
     roll = follow(p.bank, memory=memory.bank, error=bank_error, rate=dot(rate, along), dt=dt, frozen=frozen)
@@ -93,7 +87,7 @@ def control(params, nav, goal, inputs, dt, memory):
         pitch = damped(p, damping, dot(rate, across), alpha_error)
         yaw = damped(p, p.damping, dot(rate, aside), beta)
     acceleration = add(scale(roll, along), add(scale(pitch, across), scale(yaw, aside)))
-    torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, body_rate(nav)))
+    torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, take3(nav.w_B, 0)))
     return torque, (bank_error, alpha_error, beta)
 
 

@@ -15,12 +15,10 @@ With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 105 s.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.control.attitude_error import inertia_torque, wind_attitude_error
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import take3
 
@@ -35,14 +33,12 @@ class PhasePlaneParams(Params):
     acceleration_deg_s2: float = param(1.2, "angular acceleration of a firing", gt=0.0)
 
 
-MEMORY = np.dtype([("firing", whole(-1, 1), (3,))], align=True)
+MEMORY = record(("firing", whole(-1, 1), (3,)))
 
 
 @kernel
 def switch_axis(p, firing, error, rate):
-    """-1, 0 or +1: torque direction for one axis, with ``error`` = goal minus actual (rad) and ``rate``
-    (rad/s).
-    """
+    """Direction of torque, -1, 0 or +1, for ``error`` (goal minus actual, rad) and ``rate`` (rad/s)."""
     switching = error - rate * abs(rate) / (2.0 * p.acceleration) - p.lead * rate
     threshold = p.deadband * (p.hysteresis if firing != 0 else 1.0)
     if abs(switching) < threshold:

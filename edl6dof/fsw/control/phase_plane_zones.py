@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from math import copysign, sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.vector import clamp
 
 
@@ -33,12 +31,12 @@ class ZoneParams(Params):
 
 PID, PARABOLA, CONSTANT, LIMITER = range(4)
 
-AXIS = np.dtype([("integral", "f8"), ("zone", whole(PID, LIMITER))], align=True)
+AXIS = record(("integral", "f8"), ("zone", whole(PID, LIMITER)))
 
 
 @kernel
 def target_rate(zone, error, bandwidth):
-    """Signed rate wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone, rad/s.
+    """Signed rate (rad/s) wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone.
 
     The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is
     continuous.
@@ -61,8 +59,7 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
         motion: goal minus actual angle, rad; rate wanted outside the PID zone, rad/s (:func:`target_rate`, or
             this axis' part of a slew about another axis); actual minus goal rate, rad/s.
         dt: control cycle, s.
-        frozen: true if the integral stands still (the thrusters could not deliver the last demand, or
-            something else takes its place).
+        frozen: true if the integral stands still: thrusters fell short, or something else takes its place.
         bandwidth: factor on the natural frequency of the PID law; its damping ratio stays.
     """
     error, wanted, rate = motion
@@ -83,8 +80,6 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
 
 @kernel
 def follow(zone, memory, error, rate, dt, frozen):
-    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its
-    gains.
-    """
+    """Demanded acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains."""
     motion = (error, target_rate(zone, error, 1.0), rate)
     return axis_acceleration(zone, memory, motion, dt, frozen, bandwidth=1.0)

@@ -9,12 +9,11 @@ crossover 2.0 rad/s, phase margin 67 deg, gain margin 32 dB up and any gain down
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.attitude_error import beyond, body_rate, inertia_torque
+from edl6dof.fsw.control.attitude_error import beyond, inertia_torque
 from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, follow
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import take3
 
@@ -30,7 +29,7 @@ class RateDampingParams(Params):
     roll: ZoneParams = group(ZoneParams, "roll channel, to the local geographic frame")
 
 
-MEMORY = np.dtype([("roll", AXIS)], align=True)
+MEMORY = record(("roll", AXIS))
 
 
 @kernel
@@ -40,7 +39,7 @@ def control(params, nav, goal, inputs, dt, memory):
     error = (nav.roll_to_south, 0.0, 0.0)
     if inputs.phase_time < p.rest:
         return (0.0, 0.0, 0.0), error
-    w = body_rate(nav)
+    w = take3(nav.w_B, 0)
     roll = follow(
         p.roll, memory=memory.roll, error=nav.roll_to_south, rate=w[0], dt=dt, frozen=inputs.saturated != 0
     )

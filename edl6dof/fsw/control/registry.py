@@ -10,23 +10,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from edl6dof.fsw.control import bank_to_steer, off, phase_plane, rate_damping, thrust_vector
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Family
 from edl6dof.spatial.vector import put3, take3
 
 CONTROLLERS = Family(
     "attitude controller",
-    (
-        off.MEMBER,
-        phase_plane.MEMBER,
-        bank_to_steer.MEMBER,
-        rate_damping.MEMBER,
-        thrust_vector.MEMBER,
-    ),
+    (off.MEMBER, phase_plane.MEMBER, bank_to_steer.MEMBER, rate_damping.MEMBER, thrust_vector.MEMBER),
 )
 
 #: Settings of a phase that each controller uses; for those of plugins they are unknown.
@@ -44,23 +36,20 @@ else:  # which controllers there are, plugins included, is known only when it ru
     ControllerName = Literal[CONTROLLERS.names]
 
 #: Inputs of a controller in addition to navigation and the goal of guidance.
-CONTROL_INPUTS = np.dtype(
-    [
-        ("phase_time", "f8"),  # s: since the mission phase began
-        ("bandwidth", "f8"),  # wanted in this phase, over that of the controller's gains
-        ("hold_alpha", FLAG),  # in this phase thrusters hold the angle of attack
-        ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
-        ("saturated", FLAG),  # the thrusters could not deliver the last demand
-        ("wing_commanded", FLAG),  # the trim wing was commanded open
-        # N m, B: estimated; acts on the vehicle, so a controller subtracts it
-        ("disturbance_torque", "f8", (3,)),
-        ("disturbance_pole", "f8"),  # rad/s: convergence speed of that estimate
-        # N m, B: what the valve intervals of the last cycle gave beyond the duties they stand for
-        ("modulation_torque", "f8", (3,)),
-    ],
-    align=True,
+CONTROL_INPUTS = record(
+    ("phase_time", "f8"),  # s: since the mission phase began
+    ("bandwidth", "f8"),  # wanted in this phase, over that of the controller's gains
+    ("hold_alpha", FLAG),  # in this phase thrusters hold the angle of attack
+    ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
+    ("saturated", FLAG),  # the thrusters could not deliver the last demand
+    ("wing_commanded", FLAG),  # the trim wing was commanded open
+    # N m, B: estimated; acts on the vehicle, so a controller subtracts it
+    ("disturbance_torque", "f8", (3,)),
+    ("disturbance_pole", "f8"),  # rad/s: convergence speed of that estimate
+    # N m, B: what the valve intervals of the last cycle gave beyond the duties they stand for
+    ("modulation_torque", "f8", (3,)),
 )
-CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
+CONTROL = record(("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory))
 
 attitude_control = CONTROLLERS.role(
     "control", "params", "nav", "goal", "inputs", "dt", "memory", own=("params", "memory")
@@ -69,17 +58,8 @@ attitude_control = CONTROLLERS.role(
 
 @kernel
 def gather_inputs(vehicle, state, phase, phase_time, disturbance, saturated, excess, inputs):
-    """Fill the ``CONTROL_INPUTS`` record of this control cycle.
-
-    Args:
-        vehicle: believed vehicle.
-        state: ``VEHICLE_STATE`` record.
-        phase: mission phase.
-        phase_time: since it began, s.
-        disturbance: ``DISTURBANCE`` record.
-        saturated: whether the last demand was not delivered.
-        excess: torque that modulation gave beyond its duties, N m, B.
-        inputs: written.
+    """Fill ``inputs`` (``CONTROL_INPUTS``) for a control cycle ``phase_time`` s after the phase began;
+    ``excess``: torque that modulation gave beyond its duties (N m, B).
     """
     inputs.phase_time, inputs.bandwidth, inputs.hold_alpha = phase_time, phase.bandwidth, phase.hold_alpha
     put3(inputs.inertia, 0, take3(vehicle.configuration[state.configuration].inertia, 0))

@@ -27,12 +27,8 @@ from __future__ import annotations
 from math import sqrt
 from typing import Literal
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.control.attitude_error import (
-    attitude,
-    body_rate,
     decoupled_error,
     goal_attitude,
     inertia_torque,
@@ -40,9 +36,10 @@ from edl6dof.fsw.control.attitude_error import (
 )
 from edl6dof.fsw.control.phase_plane_zones import AXIS, ZoneParams, axis_acceleration, target_rate
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
-from edl6dof.spatial.vector import add, scale, sub, take3
+from edl6dof.spatial.vector import add, scale, sub, take3, take4
 
 DECOUPLED, SHORTEST_PATH = range(2)
 ESTIMATOR, INTEGRAL = range(2)
@@ -52,28 +49,19 @@ class ThrustVectorParams(Params):
     """Thrust-direction and roll control of the lander."""
 
     error: Literal["decoupled", "shortest_path"] = param(
-        "decoupled",
-        "attitude error: thrust direction and roll apart, or the shortest path",
-        status="published",
-        source="S1 6.2",
+        "decoupled", "thrust direction and roll apart, or shortest path", status="published", source="S1 6.2"
     )
     against_disturbance: Literal["estimator", "integral"] = param(
-        "estimator",
-        "what works against disturbance torques: their estimate, or the integral terms",
-        status="published",
-        source="S1 6.2",
+        "estimator", "compensation by the estimate or by integral terms", status="published", source="S1 6.2"
     )
     pitch_yaw: ZoneParams = group(ZoneParams, "pitch and yaw channels")
     roll: ZoneParams = group(ZoneParams, "roll channel")
 
 
-MEMORY = np.dtype(
-    [
-        ("axis", AXIS, (3,)),
-        ("modulation_torque", "f8", (3,)),  # N m: what modulation gave beyond its duties, filtered
-        ("compensation", "f8", (3,)),  # N m: what is taken off the demand
-    ],
-    align=True,
+MEMORY = record(
+    ("axis", AXIS, (3,)),
+    ("modulation_torque", "f8", (3,)),  # N m: what modulation gave beyond its duties, filtered
+    ("compensation", "f8", (3,)),  # N m: what is taken off the demand
 )
 
 
@@ -89,9 +77,7 @@ def thrust_direction(nav, goal):
 
 @kernel
 def slew_rates(p, error, bandwidth):
-    """Rates wanted outside the PID zones: that of roll, and those of pitch and yaw as one rotation (eq.
-    8).
-    """
+    """Rates wanted outside the PID zones: roll by itself, pitch and yaw as one rotation (eq. 8)."""
     roll = target_rate(p.roll, error[0], bandwidth)
     angle = sqrt(error[1] * error[1] + error[2] * error[2])
     share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0
@@ -120,7 +106,7 @@ def compensation(inputs, dt, memory):
 def control(params, nav, goal, inputs, dt, memory):
     """Demand the torque towards the commanded thrust direction and roll."""
     p, bandwidth = params, inputs.bandwidth
-    q, w = attitude(nav), body_rate(nav)
+    q, w = take4(nav.q_I2B), take3(nav.w_B, 0)
     wanted_attitude = goal_attitude(
         take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, goal)
     )
@@ -147,9 +133,5 @@ def control(params, nav, goal, inputs, dt, memory):
 
 
 MEMBER = Member(
-    "thrust_vector",
-    ThrustVectorParams,
-    {"control": control},
-    "Hu et al. 2022, section 6.1 and eqs. 2-9",
-    MEMORY,
+    "thrust_vector", ThrustVectorParams, {"control": control}, "Hu et al. 2022, sections 6.1 and 6.2", MEMORY
 )

@@ -15,8 +15,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
 from edl6dof.fsw.diagnosis.flow_evidence import (
@@ -52,7 +50,7 @@ from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, 
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, record, whole
 
 MAX_ISOLATED = 8
 #: Names of the kinds of fault, by number.
@@ -64,13 +62,7 @@ class DiagnosisParams(Params):
 
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
     load_noise: float = param(
-        0.01,
-        (
-            "lateral force over axial load, and pitch or yaw torque over it in m, by which air and riser "
-            "fluctuate"
-        ),
-        status="estimate",
-        ge=0.0,
+        0.01, "fluctuation of lateral force and pitch-yaw torque (m) over load", status="estimate", ge=0.0
     )
     load_noise_roll: float = param(0.001, "the same for roll torque", status="estimate", ge=0.0)
     torque_noise_nm: float = param(
@@ -102,29 +94,23 @@ class DiagnosisParams(Params):
 
 
 #: A thruster taken out of use, and why.
-ISOLATED = np.dtype(
-    [
-        ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-        ("kind", whole(NOTHING, DEGRADED)),
-        ("confidence", "f8"),
-        ("loss", "f8"),
-        ("t", "f8"),
-    ],
-    align=True,
+ISOLATED = record(
+    ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+    ("kind", whole(NOTHING, DEGRADED)),
+    ("confidence", "f8"),
+    ("loss", "f8"),
+    ("t", "f8"),
 )
-DIAGNOSIS = np.dtype(
-    [
-        ("residual", RESIDUAL),
-        ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
-        ("hypotheses", HYPOTHESES),
-        ("flow", FLOW),
-        ("leak", LEAK),
-        ("exercise", EXERCISE),
-        ("streak", COUNT),
-        ("isolated", ISOLATED, (MAX_ISOLATED,)),
-        ("n_isolated", whole(0, MAX_ISOLATED)),
-    ],
-    align=True,
+DIAGNOSIS = record(
+    ("residual", RESIDUAL),
+    ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
+    ("hypotheses", HYPOTHESES),
+    ("flow", FLOW),
+    ("leak", LEAK),
+    ("exercise", EXERCISE),
+    ("streak", COUNT),
+    ("isolated", ISOLATED, (MAX_ISOLATED,)),
+    ("n_isolated", whole(0, MAX_ISOLATED)),
 )
 
 
@@ -208,9 +194,7 @@ def isolate_most_probable(params, signals, memory):
 
 @kernel
 def isolate_dead(params, signals, i, loss, memory):
-    """Take a thruster out of use that did not respond when it was tested alone; its confidence is the
-    threshold.
-    """
+    """Take a thruster out of use that did not respond when tested alone; confidence: the threshold."""
     kind = kind_of(params, loss)
     record_fault(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
     signals.healthy[i] = 0
@@ -257,20 +241,18 @@ def update_streak(params, before, memory):
 
 
 @kernel
-def may_leak(params, b, load, residual, kind):
-    """Test whether a thruster of effectiveness ``b`` without a meter, with a suspected fault of ``kind``, may
-    be open: its effect is in the slow part, or air and riser may have absorbed it.
+def may_leak(params, signals, residual, best):
+    """Test whether the suspected thruster, without a meter, may be open: its effect is in the slow part, or
+    air and riser may have absorbed it.
     """
-    weight = weights(params, residual.slow, 0.0)
+    b, weight = signals.effectiveness[best.thruster], weights(params, residual.slow, 0.0)
     held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
-    return kind == STUCK_ON or held or params.load_noise * load > params.force_noise
+    return best.kind == STUCK_ON or held or params.load_noise * signals.load > params.force_noise
 
 
 @kernel
 def filter_missing_wrench(params, signals, memory):
-    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss: once
-    the slow part contains them, steady use shows nothing.
-    """
+    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss."""
     vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     for b in range(vehicle.branches.count):
         missing = memory.missing[b]
@@ -286,31 +268,17 @@ def filter_missing_wrench(params, signals, memory):
 
 @kernel
 def diagnose(params, signals, memory):
-    """Run one control cycle of diagnosis.
-
-    Args:
-        params: diagnosis record.
-        signals: ``DiagnosisSignals``.
-        memory: ``DIAGNOSIS`` record.
-    """
-    best, flow = memory.hypotheses, memory.flow
-    vehicle, metered, activity, effectiveness, load = (
-        signals.vehicle,
-        signals.metered,
-        signals.activity,
-        signals.effectiveness,
-        signals.load,
-    )
+    """Run one control cycle of diagnosis on ``DiagnosisSignals`` with ``memory`` (``DIAGNOSIS``)."""
+    best, flow, vehicle, metered = memory.hypotheses, memory.flow, signals.vehicle, signals.metered
+    share = signals.activity.share
     known = without_slow_part(params.slow, signals.unexplained, signals.dt, memory.residual)
     if params.enabled == 0:
         return
     if metered and read_meters(
-        params.flow, signals.instruments, vehicle, signals.used, activity.share, dt=signals.dt, memory=flow
+        params.flow, signals.instruments, vehicle, signals.used, share, dt=signals.dt, memory=flow
     ):
         keep = 1.0 - 1.0 / params.memory_cycles
-        update_flow_evidence(
-            params.flow, keep, vehicle, activity.share, memory.leak.latch_closed, memory=flow
-        )
+        update_flow_evidence(params.flow, keep, vehicle, share, memory.leak.latch_closed, memory=flow)
     if metered:
         filter_missing_wrench(params, signals, memory)
     if memory.leak.branch != NONE:
@@ -322,18 +290,7 @@ def diagnose(params, signals, memory):
     leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         if known > 0:
-            update_evidence(
-                params,
-                vehicle,
-                metered,
-                effectiveness,
-                activity,
-                load=load,
-                residual=memory.residual,
-                missing=memory.missing,
-                flow=flow,
-                memory=best,
-            )
+            update_evidence(params, signals, memory.residual, memory.missing, flow, memory=best)
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, signals.healthy, flow, memory=best)
         update_streak(params, before, memory)
@@ -341,7 +298,7 @@ def diagnose(params, signals, memory):
         if (
             memory.streak >= params.streak
             and not is_read(metered, suspected, flow)
-            and may_leak(params, effectiveness[best.thruster], load, memory.residual, best.kind)
+            and may_leak(params, signals, memory.residual, best)
         ):
             leaking, metered_leak = suspected, False
     if leaking != NONE:

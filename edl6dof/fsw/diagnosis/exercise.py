@@ -15,14 +15,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.diagnosis.flow_evidence import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 
 #: Share of the measured axial force that a test may add to it.
 AXIAL_SHARE = 0.2
@@ -50,7 +49,7 @@ class ExerciseParams(Params):
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 
-EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=True)
+EXERCISE = record(("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8"))
 
 
 class ExerciseSignals(NamedTuple):
@@ -128,9 +127,7 @@ def branch_is_measured(b, signals, memory):
 
 @kernel
 def retest(params, signals, memory):
-    """Thruster to test alone, of several the one that has rested longest; or the suspect of force and torque
-    with its opposite; or twice ``NONE``.
-    """
+    """Longest rested thruster to test alone; or the suspect with its opposite; or twice ``NONE``."""
     vehicle, diagnosis, t = signals.vehicle, signals.diagnosis, signals.t
     rested, oldest = NONE, t
     for i in range(vehicle.n_thrusters):
@@ -185,12 +182,8 @@ def longest_rested(params, signals, waiting, memory):
 @kernel
 def pair_to_test(params, signals, memory):
     """Choose the two thrusters to fire against each other from this control cycle on, the second ``NONE`` for
-    a single one; (``NONE``, ``NONE``) for no test.
-
-    Args:
-        params: exercise record.
-        signals: ``ExerciseSignals``.
-        memory: ``EXERCISE`` record.
+    a single one; (``NONE``, ``NONE``) for no test.  ``signals``: ``ExerciseSignals``; ``memory``:
+    ``EXERCISE``.
     """
     if params.enabled == 0:
         return NONE, NONE

@@ -32,13 +32,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
@@ -66,7 +64,7 @@ class FlowParams(Params):
 
     model_error: float = param(
         0.03,
-        "fraction by which the believed flow of a thruster may be wrong within a cycle, valve times among it",
+        "relative error of believed flow in a cycle, with valve times",
         status="estimate",
         ge=0.0,
         le=1.0,
@@ -80,34 +78,30 @@ class FlowParams(Params):
 
 
 #: Sums over cycles: residual times prediction and prediction squared, weighted; number of cycles.
-LOSS = np.dtype([("cross", "f8"), ("own", "f8"), ("cycles", COUNT)], align=True)
+LOSS = record(("cross", "f8"), ("own", "f8"), ("cycles", COUNT))
 
-FLOW = np.dtype(
-    [
-        ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
-        ("started", FLAG),
-        ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
-        ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
-        ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
-        ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
-        # loss of each branch, since the first sign of a loss if there is one
-        ("pool", LOSS, (MAX_BRANCHES,)),
-        ("seen", COUNT),  # branches in use since then
-        ("suspecting", FLAG),  # whether there is one
-        ("common", "f8"),  # loss of all branches
-        ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
-        ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
-        # reading of the others since a thruster of its branch shows a loss
-        ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
-        ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
-        ("meter_failed", FLAG, (MAX_BRANCHES,)),
-        ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
-        ("off", LOSS, (MAX_THRUSTERS,)),
-        ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
-        # whether something was missing while others of its branch fired, or its meter may have failed
-        ("doubtful", FLAG, (MAX_THRUSTERS,)),
-    ],
-    align=True,
+FLOW = record(
+    ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
+    ("started", FLAG),
+    ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
+    ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
+    ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
+    ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
+    ("pool", LOSS, (MAX_BRANCHES,)),  # loss of each branch, since the first sign of a loss if there is one
+    ("seen", COUNT),  # branches in use since then
+    ("suspecting", FLAG),  # whether there is one
+    ("common", "f8"),  # loss of all branches
+    ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+    ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
+    # reading of the others since a thruster of its branch shows a loss
+    ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
+    ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
+    ("meter_failed", FLAG, (MAX_BRANCHES,)),
+    ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
+    ("off", LOSS, (MAX_THRUSTERS,)),
+    ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
+    # whether something was missing while others of its branch fired, or its meter may have failed
+    ("doubtful", FLAG, (MAX_THRUSTERS,)),
 )
 
 
@@ -132,12 +126,12 @@ def forget_loss(loss):
 
 @kernel
 def read_meters(params, instruments, vehicle, used, share, dt, memory):
-    """Residual and weight of each branch for the measured cycle; returns whether there was one before it.
+    """Compute residual and weight of each branch for the measured cycle; returns whether there was one before
+    it.
 
     Args:
         params: flow record.
-        instruments: ``INSTRUMENTS`` record (errors of the meters).
-        vehicle: believed vehicle (thrusters, branches).
+        instruments, vehicle: errors of the meters; believed thrusters and branches.
         used: counts of the meters, kg, of the end of the measured cycle.
         share: share of that cycle in which each thruster should have given thrust.
         dt: control cycle, s.
@@ -166,9 +160,7 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 
 @kernel
 def monitor_rest(vehicle, memory):
-    """Count for each meter the cycles of rest in a row, in which no thruster of its branch was to fire, with
-    a flow that is less than an open valve lets through.
-    """
+    """Count for each meter the cycles of rest in a row with a flow less than an open valve lets through."""
     for b in range(vehicle.branches.count):
         if memory.expected[b] > 0.0:
             continue
@@ -189,9 +181,7 @@ def least_flow(vehicle, b):
 
 @kernel
 def impossible_meter(metered, branches, memory):
-    """First branch whose trusted meter reads a negative flow, or for some cycles one that no valve explains;
-    ``NONE`` if there is none.
-    """
+    """First branch whose trusted meter reads a flow that no valve explains, or ``NONE``."""
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
         backwards = flow < 0.0 and is_impossible(b, flow, memory)
@@ -238,9 +228,7 @@ def restart_pools(count, branches, memory):
 
 @kernel
 def cross_check(params, vehicle, share, memory):
-    """Record each meter's reading of the other thrusters once one of its branch shows a loss, and request
-    their firing until it has been read.
-    """
+    """Record how meters read the other thrusters once one shows a loss; request their firing until then."""
     of, count = vehicle.branches.of, vehicle.n_thrusters
     for i in range(count):
         memory.test_requested[i] = 0
@@ -281,9 +269,7 @@ def is_waiting(branches, memory):
 
 @kernel
 def fires_alone(expected, given):
-    """Test whether nearly all of the ``expected`` flow of a branch is that of the thruster which is to let
-    ``given`` through.
-    """
+    """Test whether nearly all of the ``expected`` flow of a branch is the ``given`` flow of one thruster."""
     return expected - given < ALONE * given
 
 
@@ -309,10 +295,10 @@ def update_flow_evidence(params, keep, vehicle, share, closed, memory):
 
     Args:
         params: flow record.
-        keep: what a cycle leaves of those before it.
-        vehicle: believed vehicle (thrusters, branches).
+        keep: factor on the evidence of the cycles before.
+        vehicle: believed thrusters and branches.
         share: share of the measured cycle in which each thruster should have given thrust.
-        closed: branches whose latch valve is closed.
+        closed: flags of the branches whose latch valve is closed.
         memory: ``FLOW`` record, updated.
     """
     find_common_loss(params, vehicle.branches, memory)
@@ -326,15 +312,8 @@ def update_flow_evidence(params, keep, vehicle, share, closed, memory):
         if share[i] > LEAST_USE:
             given = share[i] * (1.0 - memory.known_loss[i]) * flow
             if fires_alone(memory.expected[b], given):
-                add_loss_cycle(
-                    params,
-                    residual,
-                    prediction=-given,
-                    weight=weight,
-                    keep=keep,
-                    common=memory.common,
-                    loss=memory.off[i],
-                )
+                common, loss = memory.common, memory.off[i]
+                add_loss_cycle(params, residual, -given, weight, keep, common=common, loss=loss)
                 memory.doubtful[i] = 0
             elif (
                 -residual > (params.loss_least + memory.common) * given
@@ -370,9 +349,7 @@ def needs_trial(i, memory):
 
 @kernel
 def confirmed_loss(params, common, loss):
-    """Fraction of flow lost beyond the ``common`` loss and the evidence for it; zeros before enough cycles
-    confirm it, and for too small a one.
-    """
+    """Loss beyond the ``common`` one and the evidence for it; zeros if unconfirmed or too small."""
     if loss.cycles < LEAST_CYCLES:
         return 0.0, 0.0
     beyond = min(loss.cross / loss.own, 1.0) - common

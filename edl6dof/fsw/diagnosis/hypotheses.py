@@ -40,8 +40,6 @@ cycles and whose force and torque are one another's.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.diagnosis.flow_evidence import (
     CONFIRMED,
     LARGEST,
@@ -58,7 +56,7 @@ from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
@@ -69,33 +67,28 @@ NOTHING = 0
 
 #: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of
 #: cycles.
-SUMS = np.dtype([("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8")], align=True)
+SUMS = record(("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8"))
 
-HYPOTHESES = np.dtype(
-    [
-        ("off", SUMS, (MAX_THRUSTERS,)),
-        ("on", SUMS, (MAX_THRUSTERS,)),
-        ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
-        # the best one of the last cycle
-        ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # whose thrusters all fail so, NONE for one thruster
-        ("kind", whole(NOTHING, DEGRADED)),
-        ("loss", "f8"),
-        ("evidence", "f8"),
-        ("confidence", "f8"),
-        ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
-        ("lost", "f8", (MAX_BRANCHES,)),  # evidence that nothing flows through each branch
-        ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
-    ],
-    align=True,
+HYPOTHESES = record(
+    ("off", SUMS, (MAX_THRUSTERS,)),
+    ("on", SUMS, (MAX_THRUSTERS,)),
+    ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
+    # the best one of the last cycle
+    ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # whose thrusters all fail so, NONE for one thruster
+    ("kind", whole(NOTHING, DEGRADED)),
+    ("loss", "f8"),
+    ("evidence", "f8"),
+    ("confidence", "f8"),
+    ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
+    ("lost", "f8", (MAX_BRANCHES,)),  # evidence that nothing flows through each branch
+    ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
 )
 
 
 @kernel
 def collect(sums, keep, signature, along, square, every):
-    """Add one cycle to the sums of a hypothesis that predicts the residual ``signature`` times the thruster's
-    effectiveness.
-    """
+    """Add a cycle to the sums of a hypothesis whose residual is ``signature`` times the effectiveness."""
     sums.cross = keep * sums.cross + signature * along
     sums.own = keep * sums.own + signature * signature * square
     sums.all = keep * sums.all + every
@@ -130,9 +123,7 @@ def evidence(sums, size):
 
 @kernel
 def may_reach(least, sums, size):
-    """Test whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 rejects most hypotheses
-    without a logarithm.
-    """
+    """Test whether :func:`evidence` may reach ``least``: ln x <= x - 1 rejects most without a logarithm."""
     floor = COMPONENTS * sums.cycles
     explained = size * (2.0 * sums.cross - size * sums.own)
     left = max(sums.all - explained, 0.0)
@@ -163,23 +154,20 @@ def weights(params, wrench, load):
 
 
 @kernel
-def update_evidence(params, vehicle, metered, effectiveness, activity, load, residual, missing, flow, memory):
+def update_evidence(params, signals, residual, missing, flow, memory):
     """Add one cycle to the evidence of every hypothesis with a prediction; where there are meters, to that of
     a loss only if the thruster fires alone in its branch, so that both use the same cycles.
 
     Args:
         params: diagnosis record.
-        vehicle: believed vehicle (thrusters, branches).
-        metered: whether there are flow meters.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        activity: what they should have done in the measured cycle.
-        load: axial force of air and riser, N.
+        signals: ``DiagnosisSignals``.
         residual: ``RESIDUAL`` record: unexplained force and torque.
         missing: one for each branch: what its thrusters should have given since its meter shows a loss.
         flow: ``FLOW`` record.
         memory: ``HYPOTHESES`` record, updated.
     """
-    weight = weights(params, activity.wrench, load)
+    vehicle, activity, effectiveness = signals.vehicle, signals.activity, signals.effectiveness
+    weight = weights(params, activity.wrench, signals.load)
     keep = 1.0 - 1.0 / params.memory_cycles
     every = product(residual.value, residual.value, weight)
     for i in range(vehicle.n_thrusters):
@@ -187,7 +175,7 @@ def update_evidence(params, vehicle, metered, effectiveness, activity, load, res
         along = product(residual.value, effectiveness[i], weight)
         square = product(effectiveness[i], effectiveness[i], weight)
         expected = flow.expected[vehicle.branches.of[i]]
-        alone = not metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
+        alone = not signals.metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
         if share > LEAST_USE and alone:
             collect(memory.off[i], keep, signature=-share, along=along, square=square, every=every)
         if share < 1.0 - LEAST_USE:
@@ -221,9 +209,7 @@ def loss_evidence(params, sums, least, afresh):
 
 @kernel
 def stuck_on_evidence(sums, least):
-    """Evidence that a valve stays open, none below ``least``; it restarts where the evidence is
-    against it.
-    """
+    """Evidence that a valve stays open, none below ``least``; contrary evidence restarts it."""
     if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
         forget(sums)
     return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0
@@ -267,17 +253,15 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
 
 @kernel
 def weigh_explanations(params, flow, memory, b, found):
-    """Compare three explanations of a loss of flow at a thruster: the meter of its branch has failed, the
-    whole branch is dead, or the thruster itself has failed; returns the evidence for the thruster.
+    """Compare three explanations of a loss of flow at a thruster of branch ``b``: the meter of its branch has
+    failed, the whole branch is dead, or the thruster itself has failed; returns the evidence for the
+    thruster.
 
     Args:
-        params: diagnosis record.
-        flow: ``FLOW`` record.
-        memory: ``HYPOTHESES`` record; the evidence against the meter (``against``) and for a dead branch
+        memory: ``HYPOTHESES`` record; its evidence against the meter (``against``) and for a dead branch
             (``lost``) is raised.
-        b: branch of the thruster.
-        found: fraction of the flow lost; evidence of flow, force and torque for the loss; evidence of the
-            flow alone.
+        found: fraction of the flow lost; evidence of flow, force and torque for it; evidence of the flow
+            alone.
     """
     loss, most, by_flow = found
     if flow.meter_check[b] == CONFIRMED:

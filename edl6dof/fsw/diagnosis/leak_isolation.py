@@ -18,14 +18,12 @@ Source: none; keying an input to separate its effect from drifts is the lock-in 
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, NONE, is_impossible
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import exp
 
 UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
@@ -35,24 +33,21 @@ SURELY_BEFORE = 5  # cycles ago that a leak just detected had not begun
 LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
 MOST_LOOKS = 20  # after which the most probable is named, whatever its probability
 
-LEAK = np.dtype(
-    [
-        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
-        ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
-        ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
-        ("metered", FLAG),  # by a meter, one of them leaks
-        ("open", FLAG),  # the latch valve
-        ("cycles", COUNT),  # since it moved
-        ("looks", COUNT),
-        ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
-        ("after", "f8", (6,)),  # and since
-        ("flow", "f8"),  # kg/s, mean since
-        # share of the cycle before it moved in which each thruster was to be closed, and a leak shows
-        ("idle", "f8", (MAX_THRUSTERS,)),
-        ("sums", SUMS, (MAX_THRUSTERS,)),
-        ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-    ],
-    align=True,
+LEAK = record(
+    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
+    ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
+    ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
+    ("metered", FLAG),  # by a meter, one of them leaks
+    ("open", FLAG),  # the latch valve
+    ("cycles", COUNT),  # since it moved
+    ("looks", COUNT),
+    ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
+    ("after", "f8", (6,)),  # and since
+    ("flow", "f8"),  # kg/s, mean since
+    # share of the cycle before it moved in which each thruster was to be closed, and a leak shows
+    ("idle", "f8", (MAX_THRUSTERS,)),
+    ("sums", SUMS, (MAX_THRUSTERS,)),
+    ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
 )
 
 
@@ -108,8 +103,11 @@ def start_leak_isolation(params, signals, b, metered, residual, memory):
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         memory.idle[i] = 1.0 - signals.activity.share[i]
-        memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
-    close_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, memory)
+        on_branch = vehicle.branches.of[i] == b
+        memory.candidate[i] = 1 if on_branch and healthy[i] != 0 else 0
+        if on_branch:
+            healthy[i] = 0
+    memory.latch_closed[b] = 1
     mean_of(residual, 1, 1, memory.after)
     if metered and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
@@ -128,9 +126,7 @@ def restart_look(residual, memory):
 
 @kernel
 def most_probable(count, memory):
-    """Find the candidate that explains the looks best; returns its probability among all of them, and without
-    a meter among "none leaks" as well.
-    """
+    """Find the best candidate; returns its probability, without a meter against "none leaks" as well."""
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
@@ -178,15 +174,6 @@ def step_leak_isolation(params, signals, flow, residual, memory):
         memory.latch_closed[b] = 1 - memory.open
         restart_look(residual, memory)
     return UNDER_WAY, 0.0
-
-
-@kernel
-def close_branch(branches, count, b, healthy, memory):
-    """Close the latch valve of branch ``b``: none of its thrusters can be used."""
-    memory.latch_closed[b] = 1
-    for i in range(count):
-        if branches.of[i] == b:
-            healthy[i] = 0
 
 
 @kernel

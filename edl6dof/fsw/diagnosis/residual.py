@@ -9,25 +9,20 @@ dead thruster: either shows only in that it does not respond, and the latch valv
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 
 # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a
 # disturbance
 WINDOW = 15
 LEAST_MEAN = 3  # cycles that the first mean after a restart is made of
 
-RESIDUAL = np.dtype(
-    [
-        ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
-        ("slow", "f8", (6,)),
-        ("recent", "f8", (WINDOW, 6)),
-        ("taken", COUNT),
-        ("restarted", FLAG),
-    ],
-    align=True,
+RESIDUAL = record(
+    ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
+    ("slow", "f8", (6,)),
+    ("recent", "f8", (WINDOW, 6)),
+    ("taken", COUNT),
+    ("restarted", FLAG),
 )
 
 
@@ -39,15 +34,10 @@ def restart_residual(memory):
 
 @kernel
 def without_slow_part(time_constant, unexplained, dt, memory):
-    """Subtract the slow part; returns for how many cycles it has been known (0: not yet).
+    """Subtract the slow part of the ``unexplained`` force and torque of the last cycle (6; N, N m); returns
+    for how many cycles it has been known (0: not yet).  ``time_constant``: of the mean, s.
 
     At the start of the flight, in free fall, the slow part is taken to be zero.
-
-    Args:
-        time_constant: of the mean, s.
-        unexplained: unexplained force and torque of the last cycle (6), N and N m.
-        dt: control cycle, s.
-        memory: ``RESIDUAL`` record.
     """
     row = memory.taken % WINDOW
     older = memory.taken - WINDOW
@@ -66,10 +56,7 @@ def without_slow_part(time_constant, unexplained, dt, memory):
 
 @kernel
 def product(a, b, weight):
-    """Scalar product of two wrenches with the weights of lateral force, roll and pitch-yaw torque.
-
-    The axial force, which engine and drag spoil, does not count.
-    """
+    """Weighted scalar product of two wrenches without axial force, which engine and drag spoil."""
     return (
         weight[0] * (a[1] * b[1] + a[2] * b[2])
         + weight[1] * a[3] * b[3]

@@ -15,15 +15,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from edl6dof.config.base import group, param
 from edl6dof.fsw.estimation import first_order, unfiltered
-from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL, EngineShortfallParams
-from edl6dof.fsw.estimation.stuck_throttle_detection import STUCK_THROTTLE, StuckThrottleParams
+from edl6dof.fsw.estimation.engine_thrust import (
+    ENGINE_SHORTFALL,
+    STUCK_THROTTLE,
+    EngineShortfallParams,
+    StuckThrottleParams,
+)
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Family
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.frames import total_angle_of_attack
@@ -33,15 +35,12 @@ from edl6dof.spatial.vector import add, cross, inertia_times, put3, scale, sub, 
 #: into the third.
 KEPT = 3
 
-ACTIVITY = np.dtype(
-    [
-        ("open_time", "f8", (KEPT, MAX_THRUSTERS)),
-        ("close_time", "f8", (KEPT, MAX_THRUSTERS)),
-        # of the measured cycle in which each thruster should have given thrust
-        ("share", "f8", (MAX_THRUSTERS,)),
-        ("wrench", "f8", (6,)),  # mean force and torque that gives
-    ],
-    align=True,
+ACTIVITY = record(
+    ("open_time", "f8", (KEPT, MAX_THRUSTERS)),
+    ("close_time", "f8", (KEPT, MAX_THRUSTERS)),
+    # of the measured cycle in which each thruster should have given thrust
+    ("share", "f8", (MAX_THRUSTERS,)),
+    ("wrench", "f8", (6,)),  # mean force and torque that gives
 )
 
 
@@ -59,15 +58,8 @@ def remember_valves(valves, count, memory):
 
 @kernel
 def expect(effectiveness, count, begin, end, lag, memory):
-    """Work out ``memory.share`` and ``memory.wrench`` for the time from ``begin`` to ``end`` (s).
-
-    Args:
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        count: how many thrusters there are.
-        begin: start of the measured cycle.
-        end: its end.
-        lag: time by which thrust follows the valve, s.
-        memory: ``ACTIVITY`` record.
+    """Compute ``memory.share`` and ``memory.wrench`` (``ACTIVITY``) of ``count`` thrusters for the time from
+    ``begin`` to ``end`` (s); ``lag``: time by which thrust follows the valve, s.
     """
     for j in range(6):
         memory.wrench[j] = 0.0
@@ -87,27 +79,21 @@ def expect(effectiveness, count, begin, end, lag, memory):
 
 ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
 
-MEASURED = np.dtype(
-    [
-        ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
-        ("mass", "f8"),  # kg: believed
-        ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
-        ("last_rate", "f8", (3,)),  # rad/s, B: at its beginning
-        ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
-        ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
-        ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
-    ],
-    align=True,
+MEASURED = record(
+    ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
+    ("mass", "f8"),  # kg: believed
+    ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
+    ("last_rate", "f8", (3,)),  # rad/s, B: at its beginning
+    ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
+    ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
+    ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
 )
 
-DISTURBANCE = np.dtype(
-    [
-        ("torque", "f8", (3,)),  # N m, B: on the vehicle, without the commanded thrusters
-        ("force", "f8", (3,)),  # N, B: on the vehicle, without the commanded thrusters and gravity
-        ("pole", "f8"),  # rad/s: convergence speed of the torque
-        ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
-    ],
-    align=True,
+DISTURBANCE = record(
+    ("torque", "f8", (3,)),  # N m, B: on the vehicle, without the commanded thrusters
+    ("force", "f8", (3,)),  # N, B: on the vehicle, without the commanded thrusters and gravity
+    ("pole", "f8"),  # rad/s: convergence speed of the torque
+    ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
 )
 
 _Estimators: Any = ESTIMATORS.params_model(
@@ -129,11 +115,7 @@ class EstimationParams(_Estimators):
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
     held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a stuck throttle")
     force_angle_lag_s: float = param(
-        1.0,
-        "lag with which the angle of the unexplained force from the body axis is smoothed; outlasts a leak "
-        "that diagnosis stops",
-        status="design",
-        gt=0.0,
+        1.0, "lag of the force angle; outlasts a leak that diagnosis stops", status="design", gt=0.0
     )
 
 
@@ -147,7 +129,7 @@ def force_angle(lag, force_B, dt, last):
 
     A body of revolution feels air that meets it along its axis as a force along that axis, whatever the wind;
     a force across it shows an angle of attack, or a thruster that fires without a command.  The angle of
-    attack that navigation works out shows these only as far as the wind is known.  Source: the acceleration
+    attack that navigation computes shows these only as far as the wind is known.  Source: the acceleration
     ratios technique of entry reconstruction (Withers et al. 2003, Planetary and Space Science 51, 541-561),
     without its aerodynamic table.
 
@@ -160,27 +142,22 @@ def force_angle(lag, force_B, dt, last):
     return last + (1.0 - exp(-dt / lag)) * (total_angle_of_attack(scale(-1.0, force_B)) - last)
 
 
-ESTIMATION = np.dtype(
-    [
-        ("activity", ACTIVITY),
-        ("measured", MEASURED),
-        ("rate", "f8", (3,)),  # rad/s, B: the last measurement
-        ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
-        ("started", FLAG),
-        ("law", ESTIMATORS.memory),
-        ("engine_shortfall", ENGINE_SHORTFALL),
-        ("held_thrust", STUCK_THROTTLE),
-    ],
-    align=True,
+ESTIMATION = record(
+    ("activity", ACTIVITY),
+    ("measured", MEASURED),
+    ("rate", "f8", (3,)),  # rad/s, B: the last measurement
+    ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
+    ("started", FLAG),
+    ("law", ESTIMATORS.memory),
+    ("engine_shortfall", ENGINE_SHORTFALL),
+    ("held_thrust", STUCK_THROTTLE),
 )
 
 
 @kernel
 def unexplained_torque(inertia, w, last, applied, dt):
     """Mean torque (N m, B) over a cycle in which the rate went from ``last`` to ``w`` (rad/s), less the
-    ``applied`` one.
-
-    ``inertia`` is a tensor: xx, yy, zz, xy, xz, yz, kg m2.
+    ``applied`` one; ``inertia`` is a tensor: xx, yy, zz, xy, xz, yz, kg m2.
     """
     growth = inertia_times(inertia, scale(1.0 / dt, sub(w, last)))
     middle = scale(0.5, add(w, last))
@@ -198,8 +175,7 @@ def measure(inertia, mass, rate, gain, dt, memory):
     """Fill ``memory.measured`` for the cycle between the last inertial measurement and this one.
 
     Args:
-        inertia: believed principal moments, kg m2.
-        mass: believed mass, kg.
+        inertia, mass: believed principal moments, kg m2, and mass, kg.
         rate: measured body rate, rad/s, B.
         gain: count of the specific force, m/s, B.
         dt: control cycle, s.
@@ -221,29 +197,12 @@ def measure(inertia, mass, rate, gain, dt, memory):
 
 @kernel
 def estimate_disturbance(estimate, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
-    """Bring the estimate up to the latest inertial measurement.
-
-    Args:
-        estimate: the estimator that flies.
-        params: estimation record.
-        vehicle: believed vehicle.
-        state: ``VEHICLE_STATE`` record (configuration, mass).
-        nav: ``NAV`` record (readings of the inertial measurement unit).
-        imu_delay: age of these readings, s.
-        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        dt: control cycle, s.
-        memory: ``ESTIMATION`` record, updated.
-        out: ``DISTURBANCE`` record, written.
+    """Bring the estimate ``out`` (``DISTURBANCE``) up to the latest inertial measurement, which is
+    ``imu_delay`` s old, by the estimator that flies.
     """
     end = nav.t - imu_delay
-    expect(
-        effectiveness,
-        count=vehicle.n_thrusters,
-        begin=end - dt,
-        end=end,
-        lag=params.valve_lag,
-        memory=memory.activity,
-    )
+    activity = memory.activity
+    expect(effectiveness, vehicle.n_thrusters, end - dt, end, params.valve_lag, memory=activity)
     rate, gain = take3(nav.imu_rate_B, 0), take3(nav.imu_gain_B, 0)
     if memory.started != 0:
         inertia = take3(vehicle.configuration[state.configuration].inertia, 0)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.guidance_command import RELAXED, note_relaxed
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.fsw.guidance.powered.stopping import brake_in_time
-from edl6dof.fsw.guidance.powered.stuck_throttle_descent import descend_on_stuck_throttle
+from edl6dof.fsw.guidance.powered.stopping import brake_in_time, descend_on_stuck_throttle
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal_descent import (
     TERMINAL,
@@ -20,32 +17,21 @@ from edl6dof.fsw.guidance.powered.terminal_descent import (
     lateral_bias,
     start_or_throttle,
 )
-from edl6dof.fsw.mission.phases import (
-    G_AVOID,
-    G_DESCEND,
-    G_ENTRY,
-    G_HELD_THRUST,
-    G_HOLD_BANK,
-    G_HOVER,
-    G_POWERED,
-)
+from edl6dof.fsw.mission import G_AVOID, G_DESCEND, G_ENTRY, G_HELD_THRUST, G_HOLD_BANK, G_HOVER, G_POWERED
 from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, put3, scale, take3
+from edl6dof.spatial.vector import dot, put3, scale, take3, take4
 
-GUIDANCE = np.dtype(
-    [
-        ("entry", ENTRY_MEMORY),
-        ("target", POWERED_TARGET),
-        ("powered", POWERED_LAWS.memory),
-        ("at_full_thrust", FLAG),  # whatever the law wants
-        ("relaxed", RELAXED),
-        ("terminal", TERMINAL),
-    ],
-    align=True,
+GUIDANCE = record(
+    ("entry", ENTRY_MEMORY),
+    ("target", POWERED_TARGET),
+    ("powered", POWERED_LAWS.memory),
+    ("at_full_thrust", FLAG),  # whatever the law wants
+    ("relaxed", RELAXED),
+    ("terminal", TERMINAL),
 )
 
 
@@ -66,9 +52,7 @@ def switch_engine(mission, request, state, goal):
 
 @kernel
 def hold_bank(onboard, nav, goal):
-    """Command the preset bank towards the aim point, chosen at the start of the flight, before lift has any
-    effect.
-    """
+    """Command the preset bank towards the aim point, chosen at the start of the flight, before lift acts."""
     goal.range_to_go, goal.crossrange, goal.downrange_to_go = to_target(onboard, nav)
     if nav.t <= 0.0:
         bank = onboard.guidance.entry.preset_bank
@@ -77,10 +61,8 @@ def hold_bank(onboard, nav, goal):
 
 @kernel
 def keep_thrust_axis(nav, goal):
-    """Hold the current thrust axis until ignition: attitude control damps rates only, so that the lander does
-    not turn inside the departing backshell.
-    """
-    q = nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3]
+    """Hold the thrust axis until ignition, so as not to turn inside the departing backshell."""
+    q = take4(nav.q_I2B)
     axis = from_frame(q, (-1.0, 0.0, 0.0))
     north, east, up = take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0)
     put3(goal.thrust_direction_N, 0, (dot(axis, north), dot(axis, east), -dot(axis, up)))
@@ -126,17 +108,16 @@ def guide(laws, onboard, kind, k, begins, nav, state, disturbance, point, memory
 
     Args:
         laws: entry law, reversal logic and powered law that fly.
-        onboard: what the flight computer believes.
-        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
+        onboard: ``ONBOARD`` record.
+        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission`.
         k: number of the base cycle.
         begins: whether this guidance begins in this cycle.
-        nav: ``NAV`` record.
-        state: ``VEHICLE_STATE`` record (mass, engine).
+        nav, state: ``NAV`` and ``VEHICLE_STATE`` records.
         disturbance: ``DISTURBANCE`` record: the force is fed forward.
         point: ``LANDING_POINT`` record: where to land, as far as it is chosen.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
-        own: ``OWN`` record: what guidance itself wants, apart from commands from outside; written.
+        own: ``OWN`` record: the result of guidance itself, apart from commands from outside; written.
     """
     entry_law, bank_side, powered_law = laws
     rates = onboard.rates

@@ -5,22 +5,121 @@ Rule of Tianwen-1, claim 1 of Chinese patent CN108594802B: where the angle of th
 lies within a preset range, the image is halved along the velocity, else quartered about its centre; the part
 with the fewest obstacles is taken, and the thrust turned to its side.  Cells that show no ground count as
 obstacles.  The distance of the target and the choice by the drift of backshell and canopy are estimates.
+
+Backshell and canopy fall, once released, as a point mass with drag through the believed air.  At the height
+of the release, the wind is taken from the velocity of the vehicle under its parachute over several swings, as
+one alone is metres per second off.  It is unknown how much of its difference from the expected wind lasts
+farther down, since a gust dies in some hundred metres: there is a path for all of it, one for half and one
+for none.
 """
 
 from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.backshell_drift import DRIFT, LASTING, distance_from_drifts
+from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.kernels import kernel
-from edl6dof.records import whole
+from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, take3
+from edl6dof.spatial.vector import dot, take3, take4
+
+#: Points of the path, a second apart; steps of integration in each second.
+PATH_POINTS, STEPS = 160, 10
+#: Shares of the difference from the expected wind that last, each with a path of its own.
+LASTING = (0.0, 0.5, 1.0)
+
+#: Believed body that leaves the lander: backshell with the canopy that carries it.
+DRIFTER = record(
+    ("mass", "f8"),  # kg; 0: nothing leaves it
+    ("drag_area", "f8"),  # m2
+    ("length", "f8"),  # m: from the backshell to the canopy above it
+)
+
+DRIFT = record(
+    ("count", whole(0, PATH_POINTS)),
+    ("place_L", "f8", (PATH_POINTS, 3)),  # m: east and north of the landing site; height above the ground
+)
+
+
+@kernel
+def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
+    """Acceleration (north, east, down, m/s2) at an altitude (m); ``shift``: of the wind that is expected."""
+    density, _, _ = model_atmosphere(atmosphere, altitude)
+    wind_north, wind_east = expected_wind(atmosphere, altitude)
+    north, east = velocity[0] - wind_north - shift[0], velocity[1] - wind_east - shift[1]
+    down = velocity[2]
+    speed = sqrt(north * north + east * east + down * down)
+    drag = 0.5 * density * drifter.drag_area / drifter.mass * speed
+    return -drag * north, -drag * east, gravity - drag * down
+
+
+@kernel
+def follow_wind(time_constant, nav, dt, carried):
+    """Smooth the velocity that the vehicle is carried with (north, east, m/s) over ``time_constant`` (s)."""
+    share = min(dt / time_constant, 1.0)
+    carried[0] += share * (nav.v_N[0] - carried[0])
+    carried[1] += share * (nav.v_N[1] - carried[1])
+
+
+@kernel
+def predict_drifts(atmosphere, drifter, carried, nav, out):
+    """Predict a path for each share of ``LASTING``; arguments as of :func:`predict_drift`."""
+    for k in range(len(LASTING)):
+        predict_drift(atmosphere, drifter, carried, lasting=LASTING[k], nav=nav, out=out[k])
+
+
+@kernel
+def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
+    """Fly backshell and canopy from the state of the vehicle at their release to the ground.
+
+    Args:
+        atmosphere, drifter: believed air and wind; ``DRIFTER`` record.
+        carried: velocity that the vehicle was carried with, see :func:`follow_wind`.
+        lasting: share of its difference from the expected wind that lasts.
+        nav: ``NAV`` record at their release.
+        out: ``DRIFT`` record, written; the last point is where they come to the ground.
+    """
+    out.count = 0
+    if drifter.mass <= 0.0:
+        return
+    wind_north, wind_east = expected_wind(atmosphere, nav.altitude)
+    shift = (lasting * (carried[0] - wind_north), lasting * (carried[1] - wind_east))
+    north, east, height = nav.site_L[1], nav.site_L[0], nav.height
+    v_n, v_e, v_d = nav.v_N[0], nav.v_N[1], nav.v_N[2]
+    step, below = 1.0 / STEPS, nav.altitude - nav.height
+    for k in range(PATH_POINTS):
+        out.place_L[k, 0], out.place_L[k, 1], out.place_L[k, 2] = east, north, max(height, 0.0)
+        out.count = k + 1
+        if height <= 0.0:
+            return
+        for _ in range(STEPS):
+            # midpoint rule
+            a = fall(atmosphere, drifter, nav.gravity, below + height, shift, velocity=(v_n, v_e, v_d))
+            half = (v_n + 0.5 * step * a[0], v_e + 0.5 * step * a[1], v_d + 0.5 * step * a[2])
+            middle = below + height - 0.5 * step * v_d
+            a = fall(atmosphere, drifter, nav.gravity, middle, shift, velocity=half)
+            north, east, height = north + step * half[0], east + step * half[1], height - step * half[2]
+            v_n, v_e, v_d = v_n + step * a[0], v_e + step * a[1], v_d + step * a[2]
+
+
+@kernel
+def distance_from_drifts(drifts, east, north):
+    """Least horizontal distance (m) of a place from any point of the paths; 1e9 without a path."""
+    least = 1e9
+    for path in range(len(LASTING)):
+        place_L = drifts[path].place_L
+        for k in range(1, drifts[path].count):
+            e0, n0 = place_L[k - 1, 0], place_L[k - 1, 1]
+            e1, n1 = place_L[k, 0] - e0, place_L[k, 1] - n0
+            along = e1 * (east - e0) + n1 * (north - n0)
+            share = min(max(along / max(e1 * e1 + n1 * n1, 1e-12), 0.0), 1.0)
+            off_e, off_n = east - e0 - share * e1, north - n0 - share * n1
+            least = min(least, sqrt(off_e * off_e + off_n * off_n))
+    return least
+
 
 #: Most parts of an image.
 MAX_PARTS_OF_IMAGE = 4
@@ -30,11 +129,10 @@ class CoarseParams(Params):
     """Coarse avoidance at the start of powered descent."""
 
     halved_from_deg: float = param(
-        3.0, "angle of velocity to the vertical from which the image is halved", status="estimate",
-        ge=0.0, le=90.0,
-    )  # fmt: skip
+        3.0, "velocity off the vertical from which the image is halved", status="estimate", ge=0.0, le=90.0
+    )
     halved_to_deg: float = param(
-        60.0, "angle of velocity to the vertical up to which it is", status="estimate", ge=0.0, le=90.0
+        60.0, "velocity off the vertical up to which it is", status="estimate", ge=0.0, le=90.0
     )
     divert_m: float = param(
         170.0, "distance of the target into the part that is chosen", status="estimate", ge=0.0
@@ -43,25 +141,20 @@ class CoarseParams(Params):
         12.0, "time for which the target runs ahead with the drift", status="estimate", ge=0.0, le=60.0
     )
     keep_clear_m: float = param(
-        150.0, "least distance of the target from the predicted drift of backshell and canopy",
-        status="estimate", ge=0.0,
-    )  # fmt: skip
+        150.0, "least distance of the target from the drift of the backshell", status="estimate", ge=0.0
+    )
     wind_time_s: float = param(
-        10.0, "time over which the velocity under the parachute is taken for the wind", status="estimate",
-        gt=0.1, le=100.0,
-    )  # fmt: skip
+        10.0, "time over which drift under the canopy is taken for wind", status="estimate", gt=0.1, le=100.0
+    )
 
 
-COARSE = np.dtype(
-    [
-        ("parts", whole(0, MAX_PARTS_OF_IMAGE)),  # that the image was cut into
-        ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # that was taken
-        ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of each part that is obstacle or not seen
-        ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
-        ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: of each target from the drift
-        ("drift", DRIFT, (len(LASTING),)),
-    ],
-    align=True,
+COARSE = record(
+    ("parts", whole(0, MAX_PARTS_OF_IMAGE)),  # that the image was cut into
+    ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # that was taken
+    ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of each part that is obstacle or not seen
+    ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
+    ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: of each target from the drift
+    ("drift", DRIFT, (len(LASTING),)),
 )
 
 
@@ -112,7 +205,7 @@ def count_obstacles(camera, parts, along, across, out):
 @kernel
 def lay_targets(p, nav, along, across, out):
     """Target of each part: ahead with the drift, and off into the part."""
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     for part in range(out.parts):
         y, z = direction_of(out.parts, part, along, across)
         into = from_frame(q, (0.0, y, z))
@@ -125,18 +218,14 @@ def lay_targets(p, nav, along, across, out):
 @kernel
 def choose_part(p, camera, nav, out):
     """Take the part of fewest obstacles whose target keeps clear of the drift; where none does, the one that
-    keeps clearest.
+    keeps clearest; returns its target, east and north of the landing site (m).
 
     Args:
         p: coarse parameters.
-        camera: ``CAMERA`` record: the image.
-        nav: ``NAV`` record when it was taken.
+        camera, nav: ``CAMERA`` record, the image; ``NAV`` record when it was taken.
         out: ``COARSE`` record with the drift predicted, written.
-
-    Returns:
-        Its target, east and north of the landing site (m).
     """
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     side = sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1])
     slant = atan2(side, nav.v_N[2])
     north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)

@@ -4,44 +4,43 @@ from them; which runs, and when.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.units import G0
-from edl6dof.fsw.hazard.backshell_drift import follow_wind, predict_drifts
-from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part
-from edl6dof.fsw.hazard.distance_transform import ENVELOPE, clearances
-from edl6dof.fsw.hazard.elevation_map import ELEVATION_MAP, add_range, begin_map, fill_holes
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
-from edl6dof.fsw.hazard.safety import SAFETY_MAP
-from edl6dof.fsw.hazard.site_selection import CHOICE, choose_spot, least_bad
-from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
+from edl6dof.fsw.hazard.coarse_avoidance import COARSE, choose_part, follow_wind, predict_drifts
+from edl6dof.fsw.hazard.elevation_map import (
+    ELEVATION_MAP,
+    FOOTPRINT,
+    SAFETY_MAP,
+    add_range,
+    assess,
+    begin_map,
+    fill_holes,
+)
+from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, choose_spot, clearances, least_bad
+from edl6dof.fsw.mission import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, TIME_IF_EVER
+from edl6dof.records import FLAG, TIME_IF_EVER, record
 from edl6dof.spatial.elementary import cos, sin
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3, take4
 
-HAZARD = np.dtype(
-    [
-        ("exposed", FLAG),  # the camera was triggered
-        ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
-        ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
-        ("scan_t", TIME_IF_EVER),  # s: first block of the scan
-        ("spot_t", TIME_IF_EVER),  # s: spot chosen
-        ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
-        ("way_L", "f8", (3,)),  # m: from there, by the velocity since
-        ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
-        ("coarse", COARSE),
-        ("elevation_map", ELEVATION_MAP),
-        ("footprint", FOOTPRINT),
-        ("safety_map", SAFETY_MAP),
-        ("envelope", ENVELOPE),
-        ("choice", CHOICE),
-    ],
-    align=True,
+HAZARD = record(
+    ("exposed", FLAG),  # the camera was triggered
+    ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
+    ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
+    ("scan_t", TIME_IF_EVER),  # s: first block of the scan
+    ("spot_t", TIME_IF_EVER),  # s: spot chosen
+    ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
+    ("way_L", "f8", (3,)),  # m: from there, by the velocity since
+    ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
+    ("coarse", COARSE),
+    ("elevation_map", ELEVATION_MAP),
+    ("footprint", FOOTPRINT),
+    ("safety_map", SAFETY_MAP),
+    ("envelope", ENVELOPE),
+    ("choice", CHOICE),
 )
 
 
@@ -56,7 +55,7 @@ def to_site(frame, turn, v_I):
 @kernel
 def body_axes(planet, frame, nav):
     """Axes x, y, z of B, each as east, north, up of the landing site."""
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     angle = planet.rotation_rate * nav.t
     turn = (cos(angle), sin(angle))
     return (
@@ -70,8 +69,8 @@ def body_axes(planet, frame, nav):
 def place_of_eye(eye, centre, memory, axes_L):
     """East, north, up of the landing site (m) of an eye; ``centre``: of mass, B.
 
-    It has moved since the scan began by the integral of the velocity: the altitude as navigated jumps by
-    metres with the ground that the radar meets, and would lay a step into the map wherever it does.
+    It has moved since the scan began by the integral of the velocity: the navigated altitude jumps by metres
+    with the ground that the radar meets, and each jump would put a step into the map.
     """
     arm = sub(take3(eye.place, 0), centre)
     off = add(scale(arm[0], axes_L[0]), add(scale(arm[1], axes_L[1]), scale(arm[2], axes_L[2])))
@@ -97,34 +96,19 @@ def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
             direction = cell_direction(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
-            add_range(
-                lidar.range[i, j],
-                direction_B=direction,
-                eye_L=eye_L,
-                axes_L=axes_L,
-                weight=1.0,
-                elevation_map=elevation_map,
-            )
+            add_range(lidar.range[i, j], direction, eye_L, axes_L, weight=1.0, elevation_map=elevation_map)
 
 
 @kernel
 def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
-    """Take the points of a pair of images into the map; ``sharp``: standard deviation of a point of the
-    lidar, m.
-    """
+    """Take the points of a pair of images into the map; ``sharp``: standard deviation of a lidar point, m."""
     for i in range(STEREO_CELLS):
         for j in range(STEREO_CELLS):
             distance = stereo.range[i, j]
             blunt = max(deviation_at(eye, distance) / sharp, 1.001)
             direction = cell_direction(eye.tangent, STEREO_CELLS, i, j)
-            add_range(
-                distance,
-                direction_B=direction,
-                eye_L=eye_L,
-                axes_L=axes_L,
-                weight=1.0 / (blunt * blunt),
-                elevation_map=elevation_map,
-            )
+            weight = 1.0 / (blunt * blunt)
+            add_range(distance, direction, eye_L, axes_L, weight, elevation_map=elevation_map)
 
 
 @kernel
@@ -136,29 +120,15 @@ def begins_to_scan(params, nav, elapsed):
 
 @kernel
 def work_out(classify, params, terminal, deviation, nav, state, memory):
-    """Classify the cells of the map, and choose the spot.
-
-    Args:
-        classify: kernel of the selected detection method.
-        params: hazard parameters.
-        terminal: parameters of the terminal phases: how the spot is flown to.
-        deviation: of the elevation of a point, m.
-        nav: ``NAV`` record.
-        state: ``VEHICLE_STATE`` record.
-        memory: ``HAZARD`` record, map included, updated.
+    """Classify the cells of the map, and choose the spot; ``deviation``: of the elevation of a point, m;
+    ``terminal``: parameters of the terminal phases, how the spot is flown to; ``memory``: ``HAZARD`` record,
+    updated.
     """
     elevation_map, footprint, safety_map = memory.elevation_map, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, elevation_map)
     assess(elevation_map, params.footprint_radius, footprint)
-    classify(
-        params.detection,
-        params,
-        elevation_map,
-        footprint,
-        radius=params.footprint_radius,
-        deviation=deviation,
-        out=safety_map,
-    )
+    radius = params.footprint_radius
+    classify(params.detection, params, elevation_map, footprint, radius, deviation=deviation, out=safety_map)
     clearances(safety_map.cell_class, elevation_map.cell, memory.envelope, safety_map.clearance)
     here_L = (nav.site_L[0], nav.site_L[1])
     choose_spot(
@@ -213,15 +183,8 @@ def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, com
         eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
         take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.elevation_map)
         if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
-            work_out(
-                classify,
-                params,
-                onboard.guidance.powered.terminal,
-                deviation=sharp,
-                nav=nav,
-                state=state,
-                memory=memory,
-            )
+            terminal = onboard.guidance.powered.terminal
+            work_out(classify, params, terminal, sharp, nav, state=state, memory=memory)
             point.fine_L[0], point.fine_L[1] = memory.choice.spot_L[0], memory.choice.spot_L[1]
             point.fine_known, memory.spot_t = 1, nav.t
 
@@ -233,16 +196,14 @@ def detect_nothing(classify, onboard, kind, elapsed, sensed, nav, state, memory,
 
 @kernel
 def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
-    """One base cycle of hazard detection.
+    """Run one base cycle of hazard detection.
 
     Args:
-        classify: the way of detection that flies.
-        onboard: what the flight computer believes.
-        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
-        elapsed: time since its beginning, s.
-        sensed: ``SENSED`` record: the eyes.
-        nav: ``NAV`` record.
-        state: ``VEHICLE_STATE`` record.
+        classify: member that flies.
+        onboard: ``ONBOARD`` record.
+        kind, elapsed: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission`; time
+            since its beginning, s.
+        sensed, nav, state: ``SENSED``, ``NAV`` and ``VEHICLE_STATE`` records.
         memory: ``HAZARD`` record, updated.
         point: ``LANDING_POINT`` record, written when a choice is made.
         command: ``COMMAND`` record: requests to camera and lidar, written.
@@ -255,15 +216,7 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
         look_ahead(onboard, sensed, nav, memory, point, command=command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
         look_down(
-            classify,
-            onboard,
-            elapsed,
-            sensed,
-            nav,
-            state=state,
-            memory=memory,
-            point=point,
-            command=command,
+            classify, onboard, elapsed, sensed, nav, state=state, memory=memory, point=point, command=command
         )
     elif kind == G_AVOID and point.fine_known == 0:
         # nothing was seen: the point below is as good as any

@@ -1,15 +1,27 @@
-"""A map of elevations from ranges and the pose in which each was taken.
+"""A map of elevations from ranges and the pose in which each was taken; at every cell, the plane that the
+lander would stand on, and what would reach up under it.
 
 Rows run north, columns east.  A cell holds the weighted mean of the points in it, the highest of those of the
 sharpest instrument, and their weight: the inverse of the variance of the mean, in units of that of one such
 point.  A cell without a point is unknown: its weight is zero.
+
+The footprint is a disc, as the lander's azimuth at touchdown is free: its legs stand somewhere on the rim.
+The plane is that of least squares over the means of the cells of the disc, whose moments are known, so that
+level and rises follow from three running sums (cells that enter less cells that leave, chord by chord); the
+roughness is the largest distance of a cell from the plane, square to it: of a rock under the belly, or of a
+hole under a leg.  Source of the two measures: Johnson, Klumpp, Collier and Wolf, "Lidar-based hazard
+avoidance for safe landing on Mars", J. Guidance 25(6) 2002 (there with a robust plane in place of least
+squares).
 """
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from edl6dof.kernels import kernel
+from edl6dof.records import record, whole
 from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import add, scale
 
@@ -18,16 +30,13 @@ MAP_CELLS = 256
 #: A hole is filled where so many of the eight cells around it are known, in so many rounds.
 NEIGHBOURS_TO_FILL, FILL_ROUNDS = 3, 2
 
-ELEVATION_MAP = np.dtype(
-    [
-        ("cell", "f8"),  # m: side of a cell
-        ("corner_L", "f8", (2,)),  # m: east and north of the landing site of the map's corner
-        ("level", "f8"),  # m: up of the landing site from which the elevations count
-        ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m
-        ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m
-        ("weight", "f4", (MAP_CELLS, MAP_CELLS)),
-    ],
-    align=True,
+ELEVATION_MAP = record(
+    ("cell", "f8"),  # m: side of a cell
+    ("corner_L", "f8", (2,)),  # m: east and north of the landing site of the map's corner
+    ("level", "f8"),  # m: up of the landing site from which the elevations count
+    ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+    ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+    ("weight", "f4", (MAP_CELLS, MAP_CELLS)),
 )
 
 
@@ -46,9 +55,7 @@ def begin_map(side, centre_L, elevation_map):
 
 @kernel
 def cell_of(elevation_map, east, north):
-    """Return row and column of the cell that holds a point, or of the nearest cell for one outside the map;
-    and whether the map holds it.
-    """
+    """Row and column of the cell of a point, or of the nearest cell; and whether the map holds it."""
     i, up = cell((north - elevation_map.corner_L[1]) / elevation_map.cell, MAP_CELLS)
     j, right = cell((east - elevation_map.corner_L[0]) / elevation_map.cell, MAP_CELLS)
     return i, j, 0.0 <= up < 1.0 and 0.0 <= right < 1.0
@@ -64,9 +71,7 @@ def middle_of(elevation_map, i, j):
 
 @kernel
 def add_point(point_L, weight, elevation_map):
-    """Take in a point (east, north, up of the landing site, m) of a ``weight``; one of at least a whole
-    weight counts for the highest too.
-    """
+    """Add a point (east, north, up of the site, m); a ``weight`` of 1 or more counts for the highest, too."""
     i, j, held = cell_of(elevation_map, point_L[0], point_L[1])
     if not held:
         return
@@ -81,11 +86,9 @@ def add_point(point_L, weight, elevation_map):
 
 @kernel
 def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
-    """Take in the point at ``distance`` (m) along a unit direction in B from the eye.
+    """Add the point at ``distance`` (m, none where not positive) along the unit vector ``direction_B``.
 
     Args:
-        distance: range, m; none where it is not positive.
-        direction_B: line of sight.
         eye_L: place of the eye, east, north, up of the landing site, m.
         axes_L: unit axes x, y, z of B, each as east, north, up.
         weight: of the point, see above.
@@ -100,9 +103,7 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
 
 @kernel
 def fill_holes(weight, elevation_map):
-    """Give cells of less than a ``weight`` the mean of the better known ones around them, at that weight;
-    what has too few of them stays as it is.
-    """
+    """Fill cells of less than ``weight`` with the mean of better known neighbours, at that weight."""
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):
             for j in range(1, MAP_CELLS - 1):
@@ -125,3 +126,138 @@ def _fill(i, j, weight, elevation_map):
     if count >= NEIGHBOURS_TO_FILL:
         elevation_map.mean[i, j] = elevation_map.highest[i, j] = total / count
         elevation_map.weight[i, j] = -weight
+
+
+#: Largest radius of a footprint in cells.
+MAX_RADIUS = 32
+#: Value of slope and roughness where the footprint is not all known; no footprint is so bad.
+UNKNOWN = np.float32(1e3)
+
+_ROW = MAP_CELLS + 2 * MAX_RADIUS + 2
+
+#: The planes of a row of cells, and the sums that they follow from.
+PLANES = record(
+    ("known", "f8", (_ROW,)),
+    ("sum", "f8", (_ROW,)),
+    ("east_sum", "f8", (_ROW,)),
+    ("north_sum", "f8", (_ROW,)),
+    ("level", "f4", (MAP_CELLS,)),  # m
+    ("rise_east", "f4", (MAP_CELLS,)),  # per metre
+    ("rise_north", "f4", (MAP_CELLS,)),
+    ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
+    ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
+    ("limit", "f4", (MAP_CELLS,)),  # m: how far off the plane a cell may be, along the vertical
+    ("kept", "f4", (MAP_CELLS,)),  # probability that none is farther
+)
+
+FOOTPRINT = record(
+    ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
+    ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
+    ("planes", PLANES),
+)
+
+#: Classes of a cell.
+SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)
+CELL_CLASSES = ("safe", "edge", "slope", "rock")
+
+SAFETY_MAP = record(
+    ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
+    ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
+    ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
+)
+
+
+@kernel
+def chord(radius, row):
+    """Half chord, in cells, of a disc of ``radius`` cells in a ``row`` off its middle; row 0: its reach."""
+    return cell(sqrt(radius * radius - row * row), MAX_RADIUS + 1)[0]
+
+
+@kernel
+def add_cells(elevation_map, i, row, sign, shift, planes):
+    """Add the cells of row ``i`` of the map, which is that many a ``row`` off the middle, to the running sums
+    ``shift`` columns farther on, where they enter the footprint (``sign`` 1) or leave it (-1).
+    """
+    first, end = shift, shift + MAP_CELLS
+    mean, weight = elevation_map.mean[i], elevation_map.weight[i]
+    known, total = planes.known[first:end], planes.sum[first:end]
+    east, north = planes.east_sum[first:end], planes.north_sum[first:end]
+    for c in range(MAP_CELLS):
+        z = sign * float(mean[c])
+        known[c] += sign if weight[c] > 0.0 else 0.0
+        total[c] += z
+        east[c] += c * z
+        north[c] += row * z
+
+
+@kernel
+def fit_row(elevation_map, radius, i, planes):
+    """Planes of the footprints around all cells of row ``i``, none of which reaches beyond the map."""
+    reach = chord(radius, 0)
+    for c in range(_ROW):
+        planes.known[c] = planes.sum[c] = planes.east_sum[c] = planes.north_sum[c] = 0.0
+    cells, second = 0, 0.0
+    for row in range(-reach, reach + 1):
+        half = chord(radius, row)
+        cells += 2 * half + 1
+        second += row * row * (2 * half + 1)
+        add_cells(elevation_map, i=i + row, row=row, sign=-1.0, shift=reach + half + 1, planes=planes)
+        add_cells(elevation_map, i=i + row, row=row, sign=1.0, shift=reach - half, planes=planes)
+    known = total = east = north = 0.0
+    for c in range(MAP_CELLS + reach):
+        known += planes.known[c]
+        total += planes.sum[c]
+        east += planes.east_sum[c]
+        north += planes.north_sum[c]
+        j = c - reach
+        if j < 0:
+            continue
+        planes.level[j] = total / cells
+        planes.rise_east[j] = (east - j * total) / second
+        planes.rise_north[j] = north / second
+        planes.whole[j] = 1.0 if known > cells - 0.5 else 0.0
+
+
+@kernel
+def stray_row(elevation_map, radius, i, planes):
+    """Largest distance (m, up or down) of a cell of each footprint around row ``i`` from its plane."""
+    reach = chord(radius, 0)
+    first, last = reach, MAP_CELLS - reach
+    # views that begin at the first column: an index that is never negative keeps the innermost loop short
+    level, farthest = planes.level[first:last], planes.farthest[first:last]
+    rise_east, rise_north = planes.rise_east[first:last], planes.rise_north[first:last]
+    for j in range(last - first):
+        farthest[j] = 0.0
+    for row in range(-reach, reach + 1):
+        half, north = chord(radius, row), np.float32(row)
+        for column in range(-half, half + 1):
+            east, top = np.float32(column), elevation_map.highest[i + row, first + column : last + column]
+            for j in range(last - first):
+                off = abs(top[j] - level[j] - rise_east[j] * east - rise_north[j] * north)
+                farthest[j] = off if off > farthest[j] else farthest[j]
+
+
+@kernel
+def assess(elevation_map, radius_m, out):
+    """Compute slope and roughness of the footprint around every cell of a map without holes.
+
+    Args:
+        elevation_map: ``ELEVATION_MAP`` record.
+        radius_m: of the footprint, m; at most ``MAX_RADIUS`` cells of it count.
+        out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
+    """
+    radius = min(radius_m / elevation_map.cell, float(MAX_RADIUS))
+    reach = chord(radius, 0)
+    planes, side = out.planes, np.float32(elevation_map.cell)
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            out.slope[i, j] = out.roughness[i, j] = UNKNOWN
+    for i in range(reach, MAP_CELLS - reach):
+        fit_row(elevation_map, radius, i, planes)
+        stray_row(elevation_map, radius, i, planes)
+        for j in range(reach, MAP_CELLS - reach):
+            if planes.whole[j] > 0.0:
+                east, north = planes.rise_east[j] / side, planes.rise_north[j] / side
+                steep = east * east + north * north
+                out.slope[i, j] = sqrt(steep)
+                out.roughness[i, j] = planes.farthest[j] / sqrt(1.0 + steep)

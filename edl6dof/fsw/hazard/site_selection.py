@@ -4,30 +4,98 @@ the points chosen, which guidance and the mission read.
 The cost of a spot is its distance, and its missing clearance and its propellant expressed in metres of
 distance.  Rings of growing distance are searched until none farther out can cost less.  Spots that the search
 passed over are remembered with the reason, one for each footprint.
+
+The clearance of a cell is its distance from the nearest hazard, by the exact Euclidean distance transform:
+two passes of lower envelopes of parabolas, in time proportional to the number of cells.  Source: Felzenszwalb
+and Huttenlocher, "Distance transforms of sampled functions", Theory of Computing 8 (2012), 415-428.
 """
 
 from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, cell_of, middle_of
-from edl6dof.fsw.hazard.safety import CELL_CLASSES, SAFE, TOO_ROUGH
+from edl6dof.fsw.hazard.elevation_map import CELL_CLASSES, MAP_CELLS, SAFE, TOO_ROUGH, cell_of, middle_of
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
+
+#: Square of a distance that no two cells have.
+_FAR = 1e9
+
+ENVELOPE = record(
+    ("given", "f8", (MAP_CELLS,)),  # the sampled function
+    ("apex", whole(0, MAP_CELLS - 1), (MAP_CELLS,)),  # where each parabola of the envelope stands
+    ("begins", "f8", (MAP_CELLS + 1,)),  # from where on it is the lowest
+    ("squared", "f4", (MAP_CELLS, MAP_CELLS)),  # distance along the columns, squared
+)
+
+
+@kernel
+def along_columns(hazard, work):
+    """Squared distance (cells) to the nearest hazard of the same column."""
+    for j in range(MAP_CELLS):
+        last = -(10**5)
+        for i in range(MAP_CELLS):
+            if hazard[i, j] != 0:
+                last = i
+            work.squared[i, j] = min(float((i - last) * (i - last)), _FAR)
+        last = 10**5
+        for i in range(MAP_CELLS - 1, -1, -1):
+            if hazard[i, j] != 0:
+                last = i
+            work.squared[i, j] = min(float((last - i) * (last - i)), float(work.squared[i, j]))
+
+
+@kernel
+def lower_envelope(n, work):
+    """Parabolas of the lower envelope of those that stand on the ``n`` values given; returns how many."""
+    count = 0
+    work.apex[0], work.begins[0], work.begins[1] = 0, -_FAR, _FAR
+    for q in range(1, n):
+        at = _crossing(q, work.apex[count], work)
+        while at <= work.begins[count]:
+            count -= 1
+            at = _crossing(q, work.apex[count], work)
+        count += 1
+        work.apex[count], work.begins[count], work.begins[count + 1] = q, at, _FAR
+    return count + 1
+
+
+@kernel
+def _crossing(q, p, work):
+    """Where the parabola on ``q`` begins to lie below the one on ``p``."""
+    return ((work.given[q] + q * q) - (work.given[p] + p * p)) / (2.0 * (q - p))
+
+
+@kernel
+def clearances(hazard, cell, work, out):
+    """Distance (m) of the middle of each cell from that of the nearest hazard.
+
+    Args:
+        hazard: flags of the cells, 0 where there is none, shape (``MAP_CELLS``, ``MAP_CELLS``).
+        cell: side of a cell, m.
+        work: ``ENVELOPE`` record, scratch.
+        out: distances, written, of the same shape; of a map without hazards larger than any.
+    """
+    along_columns(hazard, work)
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            work.given[j] = work.squared[i, j]
+        lower_envelope(MAP_CELLS, work)
+        k = 0
+        for j in range(MAP_CELLS):
+            while work.begins[k + 1] < j:
+                k += 1
+            off = j - work.apex[k]
+            out[i, j] = cell * sqrt(off * off + work.given[work.apex[k]])
+
 
 #: The points to land at that hazard detection has chosen.
-LANDING_POINT = np.dtype(
-    [
-        ("coarse_known", FLAG),  # coarse hazard avoidance has chosen
-        # m, L: east and north of the landing site, above which powered descent ends
-        ("coarse_L", "f8", (2,)),
-        ("fine_known", FLAG),  # hazard avoidance has chosen the spot to land on
-        ("fine_L", "f8", (2,)),  # m, L: east and north of the landing site, where the lander is to stand
-    ],
-    align=True,
+LANDING_POINT = record(
+    ("coarse_known", FLAG),  # coarse hazard avoidance has chosen
+    ("coarse_L", "f8", (2,)),  # m, L: east and north of the landing site, above which powered descent ends
+    ("fine_known", FLAG),  # hazard avoidance has chosen the spot to land on
+    ("fine_L", "f8", (2,)),  # m, L: east and north of the landing site, where the lander is to stand
 )
 
 #: Most spots that are remembered as passed over.
@@ -49,38 +117,25 @@ class ChoiceParams(Params):
 
 
 #: A spot that the search passed over.
-REJECTED = np.dtype(
-    [
-        ("spot_L", "f8", (2,)),  # m: east and north of the landing site
-        ("cell_class", whole(0, len(CELL_CLASSES) - 1)),
-    ],
-    align=True,
+REJECTED = record(
+    ("spot_L", "f8", (2,)),  # m: east and north of the landing site
+    ("cell_class", whole(0, len(CELL_CLASSES) - 1)),
 )
 
-CHOICE = np.dtype(
-    [
-        ("found", FLAG),  # whether there was a safe spot
-        ("spot_L", "f8", (2,)),  # m: east and north of the landing site
-        ("clearance", "f8"),  # m
-        ("cost", "f8"),  # m
-        ("n_rejected", whole(0, MAX_REJECTED)),
-        ("rejected", REJECTED, (MAX_REJECTED,)),
-    ],
-    align=True,
+CHOICE = record(
+    ("found", FLAG),  # whether there was a safe spot
+    ("spot_L", "f8", (2,)),  # m: east and north of the landing site
+    ("clearance", "f8"),  # m
+    ("cost", "f8"),  # m
+    ("n_rejected", whole(0, MAX_REJECTED)),
+    ("rejected", REJECTED, (MAX_REJECTED,)),
 )
 
 
 @kernel
 def cost_of(params, distance, clearance, speed, time, flow):
-    """Cost of a spot, m.
-
-    Args:
-        params: choice parameters.
-        distance: of the spot, m.
-        clearance: of the spot, m.
-        speed: with which it is flown to, m/s.
-        time: that the descent takes anyway, s.
-        flow: of propellant in hover, kg/s.
+    """Cost (m) of a spot at a ``distance`` with a ``clearance`` (m); ``speed``: with which it is flown to,
+    m/s; ``time``: that the descent takes anyway, s; ``flow``: of propellant in hover, kg/s.
     """
     lacks = max(params.clearance - clearance, 0.0)
     propellant = flow * max(distance / speed - time, 0.0)
@@ -108,8 +163,7 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
 
     Args:
         params: choice parameters.
-        elevation_map: ``ELEVATION_MAP`` record: where the map lies.
-        safety_map: ``SAFETY_MAP`` record.
+        elevation_map, safety_map: ``ELEVATION_MAP`` and ``SAFETY_MAP`` records.
         here_L: the point below.
         apart: distance by which spots that are passed over and remembered differ, m.
         speed, time, flow: as of :func:`cost_of`.
@@ -140,8 +194,8 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
 
 @kernel
 def least_bad(elevation_map, footprint, safety_map, here_L, out):
-    """Where no spot is safe: that of the least roughness among those that are not too steep, of several the
-    nearest; where none is known, the point below.
+    """Choose, where no spot is safe, that of the least roughness among those that are not too steep, of
+    several the nearest; where none is known, the point below.
     """
     out.spot_L[0], out.spot_L[1] = here_L
     out.clearance, least = 0.0, 1e9

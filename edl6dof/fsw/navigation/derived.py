@@ -11,18 +11,27 @@ A projection on that velocity would count part of the lift as drag, with a sign 
 angle. A wrong trim angle has a small effect: lift times the difference. Lift is the part across the air of
 the expected wind, because a projection by the trim would lose drag times the difference, which is the
 information sought; it has to be filtered for the wind that was not expected.
+
+The ratio of measured drag to that of the believed air and vehicle, and the speed, pass fading-memory filters.
+Changes by the vehicle's own motion (climb, deceleration, drag coefficient) are in the believed drag at once;
+the rest (gusts, density waves, thrusters, noise) passes a first-order filter. Where the air is as believed,
+or differs by a factor, the filtered drag is the measured one without lag. In a wind the lift does work on the
+planet-relative velocity, and none on the air-relative one: the speed that believed drag and energy are formed
+with changes by drag and gravity alone, and takes up the rest slowly. Otherwise the reference drag, a function
+of energy, would change with every change of the bank angle. Source: the fading-memory filters of density and
+lift-to-drag ratio of numerical entry guidance (Brunner & Lu 2008, eqs. 33-34; Lu 2014, section V.C); that of
+the speed is this software's.
 """
 
 from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
-from edl6dof.fsw.guidance.entry.airframe import trim_alpha
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.airframe import believed_aero, trim_alpha
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
-from edl6dof.spatial.elementary import acos, atan2, exp, sincos
+from edl6dof.records import FLAG, record
+from edl6dof.spatial.elementary import acos, atan2, exp, sin, sincos
 from edl6dof.spatial.frames import (
     bank_angle,
     fixed_to_ned,
@@ -35,62 +44,56 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes, to_frame
 from edl6dof.spatial.table_index import between, held_cell
-from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, clamp, dot, norm, put3, put4, scale, sub, take3, take4
 
-NAV = np.dtype(
-    [
-        ("t", "f8"),  # s: flight time
-        ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
-        ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
-        ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
-        # rad/s, B: rate of B relative to I as the inertial unit read it, some cycles ago
-        ("imu_rate_B", "f8", (3,)),
-        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force since the start, of the same age
-        ("v_rel_I", "f8", (3,)),  # m/s, I: planet-relative velocity
-        ("up_I", "f8", (3,)),  # 1, I: unit vector up, along the geodetic vertical
-        ("north_I", "f8", (3,)),  # 1, I: unit vector north
-        ("east_I", "f8", (3,)),  # 1, I: unit vector east
-        ("radius", "f8"),  # m: distance from the centre of the planet
-        ("latitude", "f8"),  # rad: geodetic, positive north
-        ("longitude", "f8"),  # rad: positive east, -pi to pi
-        ("altitude", "f8"),  # m: height above the reference ellipsoid
-        ("height", "f8"),  # m: height of the centre of mass above the ground below
-        ("speed", "f8"),  # m/s: magnitude of the planet-relative velocity
-        # rad: of the planet-relative velocity above the horizontal, positive climbing
-        ("flight_path_angle", "f8"),
-        ("azimuth", "f8"),  # rad: of the planet-relative velocity, from north, positive to the east
-        ("v_N", "f8", (3,)),  # m/s, N: planet-relative velocity north, east, down
-        ("site_L", "f8", (3,)),  # m, L: position east, north, up of the landing site
-        ("alpha", "f8"),  # rad: angle of attack atan2(w, u) of the planet-relative velocity; positive nose up
-        # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
-        ("beta", "f8"),
-        ("bank", "f8"),  # rad: about the planet-relative velocity, 0 with lift up, positive right wing down
-        ("alpha_in_air", "f8"),  # rad: angle of attack in the expected wind, sign as alpha
-        ("beta_in_air", "f8"),  # rad: sideslip in the expected wind, sign as beta
-        ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the expected wind, 0 to pi
-        ("mach", "f8"),  # Mach number of the planet-relative speed in the believed atmosphere
-        # m/s2: measured, along the air that meets the vehicle at its trim; positive against the motion
-        ("drag", "f8"),
-        ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
-        ("dynamic_pressure", "f8"),  # Pa: from the believed density and the planet-relative speed
-        # m2/s2: kinetic and potential energy per mass, zero at rest on the equatorial radius
-        ("energy", "f8"),
-        ("gravity", "f8"),  # m/s2: magnitude of mu / radius^2
-        ("tilt", "f8"),  # rad: angle between the thrust axis (-x of B) and up, 0 to pi
-        # rad: roll error about +x of B, goal minus actual; the goal has y of B to the south
-        ("roll_to_south", "f8"),
-        ("footpad_contact", FLAG),  # a footpad touches the ground
-        ("wing_open", FLAG),  # end switch of the trim wing
-    ],
-    align=True,
+NAV = record(
+    ("t", "f8"),  # s: flight time
+    ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
+    ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
+    ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
+    # rad/s, B: rate of B relative to I as the inertial unit read it, some cycles ago
+    ("imu_rate_B", "f8", (3,)),
+    ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force since the start, of the same age
+    ("v_rel_I", "f8", (3,)),  # m/s, I: planet-relative velocity
+    ("up_I", "f8", (3,)),  # 1, I: unit vector up, along the geodetic vertical
+    ("north_I", "f8", (3,)),  # 1, I: unit vector north
+    ("east_I", "f8", (3,)),  # 1, I: unit vector east
+    ("radius", "f8"),  # m: distance from the centre of the planet
+    ("latitude", "f8"),  # rad: geodetic, positive north
+    ("longitude", "f8"),  # rad: positive east, -pi to pi
+    ("altitude", "f8"),  # m: height above the reference ellipsoid
+    ("height", "f8"),  # m: height of the centre of mass above the ground below
+    ("speed", "f8"),  # m/s: magnitude of the planet-relative velocity
+    # rad: of the planet-relative velocity above the horizontal, positive climbing
+    ("flight_path_angle", "f8"),
+    ("azimuth", "f8"),  # rad: of the planet-relative velocity, from north, positive to the east
+    ("v_N", "f8", (3,)),  # m/s, N: planet-relative velocity north, east, down
+    ("site_L", "f8", (3,)),  # m, L: position east, north, up of the landing site
+    ("alpha", "f8"),  # rad: angle of attack atan2(w, u) of the planet-relative velocity; positive nose up
+    # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
+    ("beta", "f8"),
+    ("bank", "f8"),  # rad: about the planet-relative velocity, 0 with lift up, positive right wing down
+    ("alpha_in_air", "f8"),  # rad: angle of attack in the expected wind, sign as alpha
+    ("beta_in_air", "f8"),  # rad: sideslip in the expected wind, sign as beta
+    ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the expected wind, 0 to pi
+    ("mach", "f8"),  # Mach number of the planet-relative speed in the believed atmosphere
+    # m/s2: measured, along the air that meets the vehicle at its trim; positive against the motion
+    ("drag", "f8"),
+    ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
+    ("dynamic_pressure", "f8"),  # Pa: from the believed density and the planet-relative speed
+    ("energy", "f8"),  # m2/s2: kinetic and potential energy per mass, zero at rest on the equatorial radius
+    ("gravity", "f8"),  # m/s2: magnitude of mu / radius^2
+    ("tilt", "f8"),  # rad: angle between the thrust axis (-x of B) and up, 0 to pi
+    # rad: roll error about +x of B, goal minus actual; the goal has y of B to the south
+    ("roll_to_south", "f8"),
+    ("footpad_contact", FLAG),  # a footpad touches the ground
+    ("wing_open", FLAG),  # end switch of the trim wing
 )
 
 
 @kernel
 def model_atmosphere(table, altitude):
-    """Density (kg/m3), speed of sound (m/s) and density scale height (m) of the onboard atmosphere at
-    ``altitude`` (m).
-    """
+    """Believed density (kg/m3), speed of sound (m/s) and density scale height (m) at ``altitude`` (m)."""
     i, f = held_cell((altitude - table.bottom) / table.spacing, table.ln_density.shape[0] - 1)
     slope = table.ln_density[i + 1] - table.ln_density[i]
     density = exp(table.ln_density[i] + f * slope)
@@ -107,23 +110,18 @@ def expected_wind(table, altitude):
 
 @kernel
 def drag_and_lift(force_B, alpha):
-    """Drag and lift (m/s2) in a specific force of a vehicle that meets the air at ``alpha`` (rad) without
-    sideslip; lift is up at zero bank.
-    """
+    """Drag and lift (m/s2; up at zero bank) in a specific force at an angle of attack ``alpha`` (rad)."""
     s, c = sincos(alpha)
     return -(force_B[0] * c + force_B[2] * s), force_B[0] * s - force_B[2] * c
 
 
 @kernel
 def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
-    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``), with the believed planet, atmosphere and
-    vehicle and the local frame of the landing site.
-    """
+    """Fill ``nav`` (``NAV``) from ``estimate`` with believed planet, air, vehicle and frame of the site."""
     t = estimate.t
     nav.t = t
-    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
-    for i in range(4):
-        nav.q_I2B[i] = q[i]
+    q = take4(estimate.q_I2B)
+    put4(nav.q_I2B, q)
     for i in range(3):
         nav.w_B[i] = estimate.w_B[i]
         nav.specific_force_B[i] = estimate.specific_force_B[i]
@@ -175,3 +173,45 @@ def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
     # roll of y_B about the upward x_C away from south, seen with the thrust axis brought to the vertical
     nav.roll_to_south = atan2(dot(y, east), -dot(y, north))
     nav.footpad_contact, nav.wing_open = estimate.footpad_contact, estimate.wing_open
+
+
+class DragFilterParams(Params):
+    """Fading memories of measured drag and speed."""
+
+    time_constant_s: float = param(
+        1.0, "memory of the drag ratio; 0: drag and energy as measured", status="estimate", ge=0.0, le=100.0
+    )
+    speed_time_constant_s: float = param(
+        10.0, "memory of changes of speed not by drag and gravity", status="estimate", gt=0.0, le=100.0
+    )
+    least_drag_m_s2: float = param(
+        0.5, "drag below which drag and energy are as measured", status="estimate", gt=0.0
+    )
+
+
+#: Time (s), filtered speed (m/s), rate of the speed (m/s2), filtered ratio of drag; ratio 0: not started.
+DRAG_FILTER = record(("t", "f8"), ("speed", "f8"), ("rate", "f8"), ("ratio", "f8"))
+
+
+@kernel
+def filter_drag(params, atmosphere, vehicle, nav, memory):
+    """Replace drag and energy of ``nav`` by the filtered drag and the energy at the filtered speed."""
+    p = params
+    density, _, _ = model_atmosphere(atmosphere, nav.altitude)
+    area, _ = believed_aero(vehicle, nav.mach, nav.speed)
+    per_square = 0.5 * density * area / vehicle.entry_mass
+    if p.time_constant == 0.0 or min(nav.drag, per_square * nav.speed * nav.speed) < p.least_drag:
+        memory.ratio = 0.0
+        return
+    rate = -nav.drag - nav.gravity * sin(nav.flight_path_angle)
+    if memory.ratio == 0.0:
+        memory.speed, memory.ratio = nav.speed, nav.drag / (per_square * nav.speed * nav.speed)
+    else:
+        dt = nav.t - memory.t
+        memory.speed += 0.5 * dt * (memory.rate + rate)
+        memory.speed += (1.0 - exp(-dt / p.speed_time_constant)) * (nav.speed - memory.speed)
+        ratio = nav.drag / (per_square * memory.speed * memory.speed)
+        memory.ratio += (1.0 - exp(-dt / p.time_constant)) * (ratio - memory.ratio)
+    memory.t, memory.rate = nav.t, rate
+    nav.drag = memory.ratio * per_square * memory.speed * memory.speed
+    nav.energy += 0.5 * (memory.speed * memory.speed - nav.speed * nav.speed)

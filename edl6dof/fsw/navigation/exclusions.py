@@ -18,17 +18,15 @@ Source: this project.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import locked_beams
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import dot, norm, scale, take3, unit
+from edl6dof.spatial.vector import dot, norm, scale, take3, take4, unit
 
 
 class BeamWatchParams(Params):
@@ -36,66 +34,41 @@ class BeamWatchParams(Params):
 
     enabled: bool = param(True, "whether beams are excluded")
     refused_looks: int = param(
-        30,
-        "looks in which a beam is refused, less those in which it is used, at which it is excluded",
-        ge=1,
-        le=10000,
+        30, "refused less used looks of a beam at which it is excluded", ge=1, le=10000
     )
     silent_looks: int = param(
         30, "looks in a row without an echo of it alone at which it is excluded", ge=1, le=10000
     )  # fmt: skip
     silent_angle_deg: float = param(
-        45.0,
-        "angle to the vertical beyond which a healthy beam may have no echo: limit of incidence less a slope",
-        status="estimate",
-        gt=0.0,
-        le=90.0,
+        45.0, "angle to the vertical beyond which a beam may lack an echo", status="estimate", gt=0.0, le=90.0
     )
     agreed_looks: int = param(100, "looks in a row in which it must agree to be used again", ge=1, le=10000)
 
 
-_SCORES = np.dtype(
-    [
-        ("refused", COUNT, (MAX_BEAMS,)),  # score
-        ("silent", COUNT, (MAX_BEAMS,)),  # looks in a row
-        ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
-    ],
-    align=True,
+_SCORES = record(
+    ("refused", COUNT, (MAX_BEAMS,)),  # score
+    ("silent", COUNT, (MAX_BEAMS,)),  # looks in a row
+    ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
 )
-BEAM_WATCH = np.dtype([("range", _SCORES), ("speed", _SCORES)], align=True)
+BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES))
 
 
 @kernel
 def watch_beams(params, instruments, radar, solution, health, memory):
     """Exclude ranges and speeds of beams, or use them again, after the filter has processed the ``radar``."""
     if params.enabled != 0 and solution.looked != 0:
-        n_beams = instruments.n_beams
-        locked = locked_beams(radar, n_beams)
-        due = steep_beams(params, instruments, solution)
-        watch_readings(
-            params,
-            n_beams,
-            locked,
-            due,
-            refused=solution.ranges_refused,
-            healthy=health.beam_range,
-            memory=memory.range,
-        )
-        watch_readings(
-            params,
-            n_beams,
-            locked,
-            due,
-            refused=solution.speeds_refused,
-            healthy=health.beam_speed,
-            memory=memory.speed,
-        )
+        count, due = instruments.n_beams, steep_beams(params, instruments, solution)
+        locked = locked_beams(radar, count)
+        refused = solution.ranges_refused
+        watch_readings(params, count, locked, due, refused, healthy=health.beam_range, memory=memory.range)
+        refused = solution.speeds_refused
+        watch_readings(params, count, locked, due, refused, healthy=health.beam_speed, memory=memory.speed)
 
 
 @kernel
 def steep_beams(params, instruments, solution):
     """Bits of the beams that meet the ground so steeply that they must have an echo."""
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     down = to_frame(q, scale(-1.0, unit(take3(solution.r_I, 0))))
     least, bits = cos(params.silent_angle), 0
     for i in range(instruments.n_beams):
@@ -146,15 +119,13 @@ class StarWatchParams(Params):
     )
 
 
-STAR_WATCH = np.dtype([("without", "f8")], align=True)  # s: duration without an expected fix
+STAR_WATCH = record(("without", "f8"))  # s: duration without an expected fix
 
 
 @kernel
 def watch_stars(params, planet, instruments, requested, stars, motion, solution, health, memory):
-    """Exclude the star tracker, or use it again, after a cycle of ``motion``.
-
-    Args:
-        requested: one flag for each event of the mission that was requested.
+    """Exclude the star tracker, or use it again, after a cycle of ``motion``; ``requested``: a flag for each
+    event of the mission that was requested.
     """
     if params.enabled == 0 or instruments.star_sigma == 0.0:
         return
@@ -180,29 +151,21 @@ INERTIAL_UNIT = STAR_TRACKER + 1
 #: Changes that the log holds.
 MAX_CHANGES = 32
 
-CHANGE = np.dtype(
-    [
-        ("t", "f8"),  # s, flight time
-        ("number", whole(0, INERTIAL_UNIT)),  # of the instrument that changed
-        ("back", FLAG),  # 0: it went out of use; 1: it came back
-    ],
-    align=True,
+CHANGE = record(
+    ("t", "f8"),  # s, flight time
+    ("number", whole(0, INERTIAL_UNIT)),  # of the instrument that changed
+    ("back", FLAG),  # 0: it went out of use; 1: it came back
 )
-EXCLUSIONS = np.dtype(
-    [
-        ("out", FLAG, (INERTIAL_UNIT + 1,)),  # instruments out of use
-        ("changes", CHANGE, (MAX_CHANGES,)),
-        ("n_changes", whole(0, MAX_CHANGES)),
-    ],
-    align=True,
+EXCLUSIONS = record(
+    ("out", FLAG, (INERTIAL_UNIT + 1,)),  # instruments out of use
+    ("changes", CHANGE, (MAX_CHANGES,)),
+    ("n_changes", whole(0, MAX_CHANGES)),
 )
 
 
 @kernel
 def note_changes(instruments, t, health, motion, memory):
-    """Log at ``t`` (s) the changes of ``health`` (``INSTRUMENT_HEALTH``) and ``motion`` since the last
-    cycle.
-    """
+    """Log at ``t`` (s) the changes of ``health`` and ``motion`` since the last cycle."""
     for i in range(instruments.n_gyros):
         _note(t, GYROS + i, health.gyro[i], memory)
     for i in range(instruments.n_accelerometers):

@@ -4,40 +4,36 @@ accelerometers, less the estimated biases, referred to the centre of mass.
 
 from __future__ import annotations
 
-import numpy as np
-
+from edl6dof.fsw.navigation.gyro_gaps import RATE_BRIDGE, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.parity_test import NONE, PARITY, parity_test, restart_parity_test
-from edl6dof.fsw.navigation.rate_bridging import RATE_BRIDGE, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.redundancy import (
     REDUNDANT,
+    exclude_stale_flags,
     least_squares,
     prepare,
     take_increments,
     usable,
+    usable_gyros,
     without_one,
 )
-from edl6dof.fsw.navigation.saturation import exclude_stale_flags, usable_gyros
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
 
 #: Largest rate while it is bridged, over the range of the gyros.
 MOST = 2.0
 
 #: Memory of the processing of the inertial unit.
-INERTIAL_MEMORY = np.dtype(
-    [
-        ("t", "f8"),  # s, flight time of the last reading
-        ("first", "f8"),  # s, flight time of the first one
-        ("begun", FLAG),  # whether there was one
-        ("gyros", REDUNDANT),
-        ("accelerometers", REDUNDANT),
-        ("gyro_parity", PARITY),
-        ("accelerometer_parity", PARITY),
-        ("rate_bridge", RATE_BRIDGE),
-        ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
-    ],
-    align=True,
+INERTIAL_MEMORY = record(
+    ("t", "f8"),  # s, flight time of the last reading
+    ("first", "f8"),  # s, flight time of the first one
+    ("begun", FLAG),  # whether there was one
+    ("gyros", REDUNDANT),
+    ("accelerometers", REDUNDANT),
+    ("gyro_parity", PARITY),
+    ("accelerometer_parity", PARITY),
+    ("rate_bridge", RATE_BRIDGE),
+    ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
 )
 
 
@@ -57,17 +53,13 @@ def take_reading(instruments, t, inertial, memory):
 
 @kernel
 def read_motion(params, instruments, body, dt, inertial, solution, health, memory, motion):
-    """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds.
+    """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds, positive.
 
     Args:
         params: ``NavigationParams`` record.
-        instruments: ``INSTRUMENTS`` record.
-        body: believed configuration of the vehicle.
-        dt: since the last reading, s, positive.
-        inertial: ``INERTIAL`` record.
-        solution: ``SOLUTION`` record, of which the biases are used.
-        health: ``INSTRUMENT_HEALTH`` record, updated.
-        memory: ``INERTIAL_MEMORY`` record, updated.
+        instruments, body: ``INSTRUMENTS`` record; believed configuration of the vehicle.
+        inertial, solution: ``INERTIAL`` record; ``SOLUTION`` record, of which the biases are used.
+        health, memory: ``INSTRUMENT_HEALTH`` and ``INERTIAL_MEMORY`` records, updated.
     """
     put3(motion.last_angle, 0, take3(motion.angle, 0))
     put3(motion.last_gain, 0, scale(dt / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0)))
@@ -79,21 +71,11 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     _rotation(params, instruments, dt, inertial, solution, health=health, memory=memory, motion=motion)
     lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))
     arrived = known_before == 0 and motion.rate_known != 0
+    bridge, most = memory.rate_bridge, MOST * instruments.gyro_range
     if motion.rate_known == 0:
-        bridge_rate(
-            body,
-            lever,
-            gain,
-            most=MOST * instruments.gyro_range,
-            dt=dt,
-            memory=memory.rate_bridge,
-            motion=motion,
-        )
-    elif memory.rate_bridge.push > 0.0:
-        most = MOST * instruments.gyro_range
-        end_bridge(
-            body, lever, gain, most, dt, rate_before=rate_before, memory=memory.rate_bridge, motion=motion
-        )
+        bridge_rate(body, lever, gain, most, dt, memory=bridge, motion=motion)
+    elif bridge.push > 0.0:
+        end_bridge(body, lever, gain, most, dt, rate_before=rate_before, memory=bridge, motion=motion)
     # from the unit to the centre of mass
     angle = scale(dt, take3(motion.rate, 0)) if arrived else take3(motion.angle, 0)
     turned = scale(1.0 / dt, cross(angle, cross(angle, lever)))
@@ -105,11 +87,8 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
 @kernel
 def _force(params, instruments, dt, inertial, solution, health, memory, motion):
     """Velocity gained at the unit (m/s, B); that of the cycle before while too few accelerometers work."""
-    axis, number, redundant = (
-        instruments.accelerometer_axis,
-        instruments.n_accelerometers,
-        memory.accelerometers,
-    )
+    axis, number = instruments.accelerometer_axis, instruments.n_accelerometers
+    redundant = memory.accelerometers
     in_use = usable(number, health.accelerometer, inertial.accelerometer_saturated)
     _choose(params.parity, axis, number, in_use, redundant, parity=memory.accelerometer_parity)
     motion.force_known = redundant.solvable
@@ -147,9 +126,7 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 
 @kernel
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Write angle turned and rate at the end of the cycle into ``motion``; both keep their values while too
-    few gyros are usable.
-    """
+    """Write angle turned and rate at the end of the cycle into ``motion``, if enough gyros are usable."""
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
     in_use = usable_gyros(
         params.saturation, instruments, dt, healthy=health.gyro, inertial=inertial, redundant=redundant

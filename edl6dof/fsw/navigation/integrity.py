@@ -14,17 +14,15 @@ saturated gyro turned the attitude over, a negative height followed, and the par
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
 from edl6dof.fsw.navigation.recovery import declare_lost
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, whole
+from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, norm, take3
+from edl6dof.spatial.vector import dot, norm, take3, take4
 
 #: The checks, a bit for each.
 BELOW_GROUND, JUMP, SPEED, ABOVE_HORIZON = 1, 2, 4, 8
@@ -51,26 +49,21 @@ class GuardParams(Params):
     horizon_deg: float = param(10.0, "least angle of a beam below the horizon", ge=0.0, le=90.0)
 
 
-INTEGRITY = np.dtype(
-    [
-        ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # checks failed in this cycle
-        ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
-        ("begun", FLAG),  # a height was output
-        ("height", "f8"),  # m: last output
-        ("sigma", "f8"),  # m: standard deviation of it by the filter
-        ("withheld", "f8"),  # s: duration of a withheld height
-        ("held", "f8"),  # m: output while the attitude is lost
-        ("looks", COUNT),  # looks of the radar in a row that contradicted the speed
-    ],
-    align=True,
+INTEGRITY = record(
+    ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # checks failed in this cycle
+    ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
+    ("begun", FLAG),  # a height was output
+    ("height", "f8"),  # m: last output
+    ("sigma", "f8"),  # m: standard deviation of it by the filter
+    ("withheld", "f8"),  # s: duration of a withheld height
+    ("held", "f8"),  # m: output while the attitude is lost
+    ("looks", COUNT),  # looks of the radar in a row that contradicted the speed
 )
 
 
 @kernel
 def height_and_climb(planet, site, r, v, terrain):
-    """Height above the ground (m) that lies ``terrain`` higher than the landing site, its rate (m/s), and the
-    unit vector up (I).
-    """
+    """Height above ground ``terrain`` over the site (m), its rate (m/s), and the unit vector up (I)."""
     s_lat, c_lat, s_lon, c_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
     up = ned_to_fixed(s_lat, c_lat, s_lon, c_lon, (0.0, 0.0, -1.0))
     spin = planet.rotation_rate
@@ -101,9 +94,7 @@ def plausible_height(params, height, climb, sigma, contact, dt, memory):
 
 @kernel
 def beams_contradict_speed(params, instruments, health, radar, speed, sigma, memory):
-    """Test whether the beams have contradicted ``speed`` (m/s, relative to the planet; ``sigma``: its
-    standard deviation) for several looks in a row.
-    """
+    """Test whether the beams have contradicted ``speed`` (m/s, ``sigma``) for several looks in a row."""
     velocity, seen = velocity_from_beams(instruments, health, radar)
     if seen:
         off = abs(norm(velocity) - speed) > params.speed_margin + params.sigmas * sigma
@@ -130,15 +121,11 @@ def check_solution(params, instruments, health, sensed, speed, sigma, q, up, mem
     """Complete the checks, note the first failure of each, and declare the attitude lost where one fails.
 
     Args:
-        params: ``GuardParams`` record.
-        instruments: ``INSTRUMENTS`` record.
-        health: ``INSTRUMENT_HEALTH`` record.
-        sensed: ``SENSED`` record.
+        params, instruments, health, sensed: ``GuardParams``, ``INSTRUMENTS``, ``INSTRUMENT_HEALTH`` and
+            ``SENSED`` records.
         speed, sigma: relative to the planet and its standard deviation, m/s.
-        q: attitude ``q_I2B``.
-        up: unit vector, I.
-        memory: ``INTEGRITY`` record, updated.
-        recovery: ``RECOVERY`` record, updated.
+        q, up: attitude ``q_I2B``; unit vector, I.
+        memory, recovery: ``INTEGRITY`` and ``RECOVERY`` records, updated.
     """
     if beams_contradict_speed(params, instruments, health, sensed.radar, speed, sigma=sigma, memory=memory):
         memory.failed |= SPEED
@@ -164,3 +151,30 @@ def height_while_lost(instruments, health, radar, memory):
             memory.held = seen
     memory.height = memory.held
     return memory.held
+
+
+@kernel
+def check_integrity(onboard, sensed, memory, estimate):
+    """Set a plausible height of ``estimate``; start the recovery where the solution cannot be true."""
+    params, solution, instruments = onboard.navigation.guards, memory.solution, onboard.instruments
+    r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
+    height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
+    height = plausible_height(
+        params,
+        height,
+        climb,
+        sigma=solution.sigma_height,
+        contact=sensed.footpad_contact,
+        dt=memory.motion.dt,
+        memory=memory.integrity,
+    )
+    spin = onboard.planet.rotation_rate
+    speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
+    q = take4(estimate.q_I2B)
+    check_solution(
+        params, instruments, memory.health, sensed, speed, sigma=norm(take3(solution.sigma_v, 0)), q=q, up=up,
+        memory=memory.integrity, recovery=memory.recovery,
+    )  # fmt: skip
+    if memory.recovery.lost != 0:
+        height = height_while_lost(instruments, memory.health, sensed.radar, memory.integrity)
+    estimate.height_above_ground = height

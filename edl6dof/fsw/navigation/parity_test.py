@@ -18,12 +18,10 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.redundancy import MAX_AXES, MAX_PARITY
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, record, whole
 from edl6dof.spatial.elementary import erfc, exp
 
 #: No instrument.
@@ -50,25 +48,19 @@ class ParityParams(Params):
 
 
 #: Fast or slow test: the suspect, and for how many cycles in a row.
-PARITY_STATE = np.dtype(
-    [
-        ("statistic", "f8"),  # p'p / sigma^2
-        ("suspect", whole(NONE, MAX_AXES - 1)),  # index of the instrument
-        ("seen", COUNT),  # cycles in a row
-    ],
-    align=True,
+PARITY_STATE = record(
+    ("statistic", "f8"),  # p'p / sigma^2
+    ("suspect", whole(NONE, MAX_AXES - 1)),  # index of the instrument
+    ("seen", COUNT),  # cycles in a row
 )
-PARITY = np.dtype(
-    [
-        ("limit", "f8"),  # of both statistics
-        ("vector", "f8", (MAX_PARITY,)),  # p of this cycle, in the unit of a count
-        ("mean", "f8", (MAX_PARITY,)),  # p by time, low-passed, in that unit a second
-        ("mean_variance", "f8"),  # of it, for one instrument: from noise
-        ("mean_lasting", "f8"),  # standard deviation from what stays from cycle to cycle
-        ("fast", PARITY_STATE),  # at the vector of the cycle
-        ("slow", PARITY_STATE),  # at its mean
-    ],
-    align=True,
+PARITY = record(
+    ("limit", "f8"),  # of both statistics
+    ("vector", "f8", (MAX_PARITY,)),  # p of this cycle, in the unit of a count
+    ("mean", "f8", (MAX_PARITY,)),  # p by time, low-passed, in that unit a second
+    ("mean_variance", "f8"),  # of it, for one instrument: from noise
+    ("mean_lasting", "f8"),  # standard deviation from what stays from cycle to cycle
+    ("fast", PARITY_STATE),  # at the vector of the cycle
+    ("slow", PARITY_STATE),  # at its mean
 )
 
 
@@ -85,10 +77,9 @@ def restart_parity_test(params, n_parity, memory):
 
 @kernel
 def parity_test(params, new, lasting, dt, redundant, number, memory):
-    """Run both tests on the increments of a cycle of ``dt`` seconds. Returns the instrument to leave out of
-    the cycle and the one to exclude for good (``NONE``: none).
-
-    ``new`` and ``lasting``: variances of an increment, from noise and from errors that stay.
+    """Run both tests on the increments of a cycle of ``dt`` seconds; ``new`` and ``lasting``: variances of an
+    increment, from noise and from errors that stay. Returns the instrument to leave out of the cycle and the
+    one to exclude for good (``NONE``: none).
     """
     if redundant.n_parity == 0:
         return NONE, NONE
@@ -131,21 +122,14 @@ def isolate(vector, redundant, number):
     """Instrument whose failure alone explains most of a parity vector."""
     found, most = NONE, 0.0
     for i in range(number):
-        along, square = _along(vector, redundant, i)
+        along = square = 0.0
+        for k in range(redundant.n_parity):
+            v = redundant.parity[k, i]
+            along += vector[k] * v
+            square += v * v
         if square > 1e-6 and along * along > most * square:
             found, most = i, along * along / square
     return found
-
-
-@kernel
-def _along(vector, redundant, i):
-    """Scalar product of a parity vector with column ``i`` of V, and the square of the column."""
-    along = square = 0.0
-    for k in range(redundant.n_parity):
-        v = redundant.parity[k, i]
-        along += vector[k] * v
-        square += v * v
-    return along, square
 
 
 _BISECTIONS = 60

@@ -68,9 +68,7 @@ def velocity_from_beams(instruments, health, radar):
 
 @kernel
 def height_from_beams(instruments, health, radar, down):
-    """Mean height (m) of the antenna above the points where the beams meet the ground, along ``down`` (unit
-    vector, B); 0 where no beam has an echo.
-    """
+    """Mean height (m) of the antenna over the beams' spots, along ``down`` (unit, B); 0 without an echo."""
     total, count = 0.0, 0
     for i in range(instruments.n_beams):
         if radar.locked[i] != 0 and health.beam_range[i] != 0:
@@ -116,9 +114,7 @@ def horizontal(up):
 
 @kernel
 def ground_normal(up, slope):
-    """Normal (I) of ground that rises by ``slope`` per metre towards north and east, of length one along
-    ``up``.
-    """
+    """Normal (I), of length one along ``up``, of ground that rises by ``slope`` per metre north and east."""
     north, east = horizontal(up)
     return sub(up, add(scale(slope[0], north), scale(slope[1], east)))
 
@@ -127,9 +123,7 @@ def ground_normal(up, slope):
 def expected_range(u, up, normal, height, radius):
     """Range (m) along ``u`` to ground ``height`` (m) below on a sphere of ``radius``, with a ``normal`` of
     length one along ``up``; minus the component of ``u`` along the normal; horizontal distance of the spot
-    (m).
-
-    ``u`` must not be flatter than ``STEEPEST``.
+    (m).  ``u`` must not be flatter than ``STEEPEST``.
     """
     steepness = -dot(u, normal)
     off = abs(height) / steepness * norm(cross(u, up))

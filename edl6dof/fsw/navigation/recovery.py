@@ -13,16 +13,14 @@ Astronautics 43(1), 2022.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
 from edl6dof.fsw.navigation.strapdown import adopt_attitude, attitude_at, gravity_I, level_axes, turn_by
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, put4, scale, sub, take3, take4, unit
 
 
 class RecoveryParams(Params):
@@ -37,17 +35,14 @@ class RecoveryParams(Params):
     )
 
 
-RECOVERY = np.dtype(
-    [
-        ("lost", FLAG),  # the attitude is not to be trusted
-        ("gap", "f8"),  # s: duration of the bridged rate; 0 while it is known
-        ("begun", FLAG),  # the radar has measured a velocity since
-        ("since", "f8"),  # s: time since then
-        ("velocity", "f8", (3,)),  # m/s: that velocity, in the axes used for I
-        ("gained", "f8", (3,)),  # m/s: integral of the specific force since, in the same axes
-        ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
-    ],
-    align=True,
+RECOVERY = record(
+    ("lost", FLAG),  # the attitude is not to be trusted
+    ("gap", "f8"),  # s: duration of the bridged rate; 0 while it is known
+    ("begun", FLAG),  # the radar has measured a velocity since
+    ("since", "f8"),  # s: time since then
+    ("velocity", "f8", (3,)),  # m/s: that velocity, in the axes used for I
+    ("gained", "f8", (3,)),  # m/s: integral of the specific force since, in the same axes
+    ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
 )
 
 
@@ -66,11 +61,8 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     Args:
         params: ``RecoveryParams`` record.
         onboard: ``ONBOARD`` record: planet, site and instruments.
-        health: ``INSTRUMENT_HEALTH`` record.
-        sensed: ``SENSED`` record.
-        motion: ``MOTION`` record.
-        memory: ``RECOVERY`` record, updated.
-        solution: ``SOLUTION`` record, updated.
+        health, sensed, motion: ``INSTRUMENT_HEALTH``, ``SENSED`` and ``MOTION`` records.
+        memory, solution: ``RECOVERY`` and ``SOLUTION`` records, updated.
     """
     if motion.rate_known == 0:
         memory.gap, memory.begun = memory.gap + motion.dt, 0
@@ -90,7 +82,7 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
         adopt_attitude(sensed, motion, solution)
         memory.lost = 0
         return
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     memory.since += motion.dt
     put3(memory.gained, 0, add(take3(memory.gained, 0), from_frame(q, take3(motion.gain, 0))))
     at_antenna, seen = velocity_from_beams(onboard.instruments, health, sensed.radar)
@@ -113,28 +105,23 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
 
 @kernel
 def _set_upright(planet, gravity, solution):
-    """Turn the attitude until ``gravity`` (any length, in the axes used for I) is that of the planet; returns
-    the rotation.
-    """
+    """Turn the attitude until ``gravity`` (any length) is that of the planet; returns the rotation."""
     true = gravity_I(planet, take3(solution.r_I, 0))
     axis = cross(gravity, true)
     angle = scale(atan2(norm(axis), dot(gravity, true)), unit(axis))
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     turned = turn_by(q, to_frame(q, angle))
-    for i in range(4):
-        solution.q_I2B[i] = turned[i]
+    put4(solution.q_I2B, turned)
     return turn_by((1.0, 0.0, 0.0, 0.0), angle)
 
 
 @kernel
 def _take_over(onboard, health, radar, velocity, solution):
-    """Set the velocity of the solution to ``velocity`` (m/s, I, relative to the planet), and the height to
-    that of the echoes.
-    """
+    """Set the velocity to ``velocity`` (m/s, I, planet-relative), and the height to that of the echoes."""
     r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
     put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))
     _, _, up, altitude = level_axes(onboard.planet, r, solution.t)
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     seen = height_from_beams(onboard.instruments, health, radar, to_frame(q, scale(-1.0, up)))
     height = altitude - onboard.site.altitude - solution.terrain
     put3(solution.r_I, 0, add(r, scale(seen - height, up)))

@@ -1,23 +1,27 @@
-"""Redundant instruments along individual axes: the vector that they measure, by least squares, and their
-parity vector.
+"""Redundant instruments along individual axes: the vector that they measure, by least squares, their parity
+vector, and those whose flag says that they reached the end of their range.
 
 The matrices belong to the set of instruments in use and are kept until the set changes. With axes as rows of
 H the vector is (H'H)^-1 H' z. The parity vector p = V z holds the part of z that no vector explains: V H = 0,
 V V' = 1, and V upper triangular.
 
+A flagged gyro is left out, or taken to read that end.  A flag that stays on while the other instruments read
+a motion far inside the range is itself a failure, and its instrument is excluded.
+
 Source: Potter and Deckert, Minimax failure detection and identification in redundant gyro and accelerometer
-systems, J. Spacecraft 10(4), 1973: V is the Cholesky factor of 1 - H (H'H)^-1 H'.
+systems, J. Spacecraft 10(4), 1973: V is the Cholesky factor of 1 - H (H'H)^-1 H'; flags: T. Tolker-Nielsen,
+EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017): as long as the flag stayed on, the
+limit of the range was integrated as a constant rate, while the body oscillated.
 """
 
 from __future__ import annotations
 
-from math import sqrt
+from math import copysign, sqrt
 
-import numpy as np
-
+from edl6dof.config.base import Params, param
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_GYROS
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import FLAG, record, whole
 from edl6dof.spatial.vector import dot, inertia_solve, scale, sub, take3
 
 #: Instruments of one kind, and the most that there can be beyond three.
@@ -27,20 +31,17 @@ MAX_PARITY = MAX_AXES - 3
 #: of V.
 _SPANS, _NEW = 1e-3, 1e-9
 
-REDUNDANT = np.dtype(
-    [
-        ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument: the set that the matrices are of
-        ("solvable", FLAG),  # whether their axes span space
-        ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
-        ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
-        ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; zero but in columns of those in use
-        ("count", "f8", (MAX_AXES,)),  # of each at the last reading
-        ("increment", "f8", (MAX_AXES,)),  # count since the reading before
-        ("flagged", "f8", (MAX_AXES,)),  # s: duration of a flag of saturation that the motion contradicts
-        # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
-        ("end", "f8", (MAX_AXES,)),
-    ],
-    align=True,
+REDUNDANT = record(
+    ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument: the set that the matrices are of
+    ("solvable", FLAG),  # whether their axes span space
+    ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
+    ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
+    ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; zero but in columns of those in use
+    ("count", "f8", (MAX_AXES,)),  # of each at the last reading
+    ("increment", "f8", (MAX_AXES,)),  # count since the reading before
+    ("flagged", "f8", (MAX_AXES,)),  # s: duration of a flag of saturation that the motion contradicts
+    # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
+    ("end", "f8", (MAX_AXES,)),
 )
 
 
@@ -64,9 +65,7 @@ def take_increments(counts, number, memory):
 
 @kernel
 def prepare(axis, number, in_use, memory):
-    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` of ``number`` instruments
-    along ``axis`` (rows of H).
-    """
+    """Compute the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` along ``axis``."""
     memory.in_use, memory.n_parity, memory.solvable = in_use, 0, 0
     xx = yy = zz = xy = xz = yz = 0.0
     for i in range(number):
@@ -133,3 +132,56 @@ def without_one(axis, memory, left_out, readings, vector):
     column = (memory.inverse[0, left_out], memory.inverse[1, left_out], memory.inverse[2, left_out])
     excess = (readings[left_out] - dot(a, vector)) / (1.0 - dot(a, column))
     return sub(vector, scale(excess, column))
+
+
+class SaturationParams(Params):
+    """Gyros at the end of their range."""
+
+    left_out: bool = param(
+        True, "whether they are left out while flagged; otherwise read as the end of range that they reached"
+    )
+
+
+@kernel
+def usable_gyros(params, instruments, dt, healthy, inertial, redundant):
+    """Bits of the gyros to use. Where flagged gyros are not left out, their increments become the end of the
+    range that they reached first, for as long as the flag is on.
+    """
+    number = instruments.n_gyros
+    if params.left_out != 0:
+        return usable(number, healthy, inertial.gyro_saturated)
+    bits = 0
+    for i in range(number):
+        if healthy[i] != 0:
+            bits |= 1 << i
+        if inertial.gyro_saturated[i] == 0:
+            redundant.end[i] = 0.0
+            continue
+        if redundant.end[i] == 0.0:
+            redundant.end[i] = copysign(1.0, redundant.increment[i])
+        redundant.increment[i] = redundant.end[i] * instruments.gyro_range * dt
+    return bits
+
+
+#: Share of the range below which a motion is far inside it.
+_FAR_INSIDE = 0.5
+
+
+@kernel
+def exclude_stale_flags(patience, axis, number, end, flags, vector, dt, healthy, flagged):
+    """Exclude instruments whose flag has been contradicted by the motion for more than ``patience`` s.
+
+    Args:
+        axis: of each of ``number`` instruments.
+        end: of the range, rad/s or m/s2.
+        flags: of saturation, as the instruments report them.
+        vector: increment of ``dt`` seconds by the others.
+        healthy, flagged: flags; s, duration of each contradicted flag; updated.
+    """
+    for i in range(number):
+        if flags[i] == 0 or abs(dot(take3(axis[i], 0), vector)) > _FAR_INSIDE * end * dt:
+            flagged[i] = 0.0
+        elif healthy[i] != 0:
+            flagged[i] += dt
+            if flagged[i] > patience:
+                healthy[i] = 0

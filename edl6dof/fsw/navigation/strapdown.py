@@ -18,7 +18,7 @@ from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, put4, scale, sub, take3, take4
 
 
 @kernel
@@ -57,9 +57,7 @@ def rotation_vector_of(motion):
 
 @kernel
 def gain_in_first_axes(motion):
-    """Velocity that the specific force gave in the cycle, m/s, in the axes that B had at its beginning:
-    rotation and two-sample sculling.
-    """
+    """Velocity gained in the cycle, m/s, in the first axes of B: rotation and two-sample sculling."""
     angle, gain = take3(motion.angle, 0), take3(motion.gain, 0)
     last_angle, last_gain = take3(motion.last_angle, 0), take3(motion.last_gain, 0)
     rotation = scale(0.5, cross(angle, gain))
@@ -71,15 +69,14 @@ def gain_in_first_axes(motion):
 def integrate(planet, motion, solution):
     """Propagate ``solution`` (``SOLUTION``) over the cycle of ``motion`` (``MOTION``)."""
     dt = motion.dt
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
     gravity = gravity_I(planet, add(r, scale(0.5 * dt, v)))
     change = add(from_frame(q, gain_in_first_axes(motion)), scale(dt, gravity))
     put3(solution.r_I, 0, add(r, scale(dt, add(v, scale(0.5, change)))))
     put3(solution.v_I, 0, add(v, change))
     turned = turn_by(q, rotation_vector_of(motion))
-    for i in range(4):
-        solution.q_I2B[i] = turned[i]
+    put4(solution.q_I2B, turned)
     solution.t += dt
 
 
@@ -101,9 +98,8 @@ def adopt_attitude(sensed, motion, solution):
     """Set the attitude to that of the star tracker, turned back to the time of the solution."""
     stars = sensed.stars.q_I2B
     back = scale(solution.t - sensed.t, take3(motion.rate, 0))
-    q = turn_by((stars[0], stars[1], stars[2], stars[3]), back)
-    for i in range(4):
-        solution.q_I2B[i] = q[i]
+    q = turn_by(take4(stars), back)
+    put4(solution.q_I2B, q)
 
 
 @kernel
@@ -130,5 +126,5 @@ def attitude_at(solution, motion, t):
     """Attitude extrapolated from the last inertial reading to flight time ``t``."""
     half = 0.5 * (t - solution.t)
     w = take3(motion.rate, 0)
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     return normalise(multiply(q, (1.0, half * w[0], half * w[1], half * w[2])))

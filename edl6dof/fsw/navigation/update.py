@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.fsw.navigation.exclusions import (
     BEAM_WATCH,
     EXCLUSIONS,
@@ -13,38 +11,35 @@ from edl6dof.fsw.navigation.exclusions import (
     watch_stars,
 )
 from edl6dof.fsw.navigation.filters.registry import GIVEN, NAVIGATION_FILTERS
-from edl6dof.fsw.navigation.gap_smoothing import GAP_SMOOTHING, smooth_gap
+from edl6dof.fsw.navigation.gyro_gaps import GAP_SMOOTHING, smooth_gap
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
-from edl6dof.fsw.navigation.integrity import INTEGRITY
-from edl6dof.fsw.navigation.output import check_integrity, extrapolate, take_given
+from edl6dof.fsw.navigation.integrity import INTEGRITY, check_integrity
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.fsw.navigation.strapdown import align, integrate
+from edl6dof.fsw.navigation.strapdown import align, gravity_I, integrate, turn_by
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, put3, put4, scale, sub, take3, take4
 
 #: Time between two readings (s) below which they are one.
 LEAST_TIME = 1e-9
 
 #: Memory of navigation.
-NAVIGATION = np.dtype(
-    [
-        ("estimate", ESTIMATE),
-        ("inertial", INERTIAL_MEMORY),
-        ("motion", MOTION),
-        ("solution", SOLUTION),
-        ("gap_smoothing", GAP_SMOOTHING),
-        ("recovery", RECOVERY),
-        ("integrity", INTEGRITY),
-        ("centre", "f8", (3,)),  # m, B: centre of mass that the solution refers to
-        ("health", INSTRUMENT_HEALTH),
-        ("beam_watch", BEAM_WATCH),
-        ("star_watch", STAR_WATCH),
-        ("exclusions", EXCLUSIONS),
-        ("filter", NAVIGATION_FILTERS.memory),
-    ],
-    align=True,
+NAVIGATION = record(
+    ("estimate", ESTIMATE),
+    ("inertial", INERTIAL_MEMORY),
+    ("motion", MOTION),
+    ("solution", SOLUTION),
+    ("gap_smoothing", GAP_SMOOTHING),
+    ("recovery", RECOVERY),
+    ("integrity", INTEGRITY),
+    ("centre", "f8", (3,)),  # m, B: centre of mass that the solution refers to
+    ("health", INSTRUMENT_HEALTH),
+    ("beam_watch", BEAM_WATCH),
+    ("star_watch", STAR_WATCH),
+    ("exclusions", EXCLUSIONS),
+    ("filter", NAVIGATION_FILTERS.memory),
 )
 
 
@@ -53,10 +48,8 @@ def estimate_state(filters, onboard, state, sensed, memory):
     """Bring ``memory.estimate`` up to the cycle of ``sensed``.
 
     Args:
-        filters: functions that start the navigation filter that flies and correct with it.
-        onboard: ``ONBOARD`` record.
-        state: ``VEHICLE_STATE`` record: parts that are gone.
-        sensed: ``SENSED`` record.
+        filters: kernels of the navigation filter that flies: start and correct.
+        onboard, state, sensed: ``ONBOARD``, ``VEHICLE_STATE`` (parts that are gone) and ``SENSED`` records.
         memory: ``NAVIGATION`` record, updated.
     """
     estimate = memory.estimate
@@ -135,13 +128,43 @@ def watch(onboard, state, sensed, memory):
 
 @kernel
 def follow_centre(centre, motion, solution, before):
-    """Refer the solution to the new centre of mass (m, B) once a part has left; ``before``: the centre that
-    it referred to, updated.
-    """
+    """Refer the solution to the new centre of mass (m, B) once a part has left; ``before`` is updated."""
     arm = sub(centre, take3(before, 0))
     if dot(arm, arm) == 0.0:
         return
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     put3(solution.r_I, 0, add(take3(solution.r_I, 0), from_frame(q, arm)))
     put3(solution.v_I, 0, add(take3(solution.v_I, 0), from_frame(q, cross(take3(motion.rate, 0), arm))))
     put3(before, 0, centre)
+
+
+@kernel
+def extrapolate(planet, motion, solution, estimate):
+    """Extrapolate ``solution`` from the last reading to the cycle of ``estimate``, except its height."""
+    age = estimate.t - solution.t
+    q = take4(solution.q_I2B)
+    r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
+    rate = take3(motion.rate, 0)
+    force = scale(1.0 / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0))
+    gained = scale(age, add(from_frame(q, force), gravity_I(planet, r)))
+    r = add(r, scale(age, add(v, scale(0.5, gained))))
+    put3(estimate.r_I, 0, r)
+    put3(estimate.v_I, 0, add(v, gained))
+    turned = turn_by(q, scale(age, rate))
+    put4(estimate.q_I2B, turned)
+    put3(estimate.w_B, 0, rate)
+    put3(estimate.specific_force_B, 0, force)
+    put3(estimate.imu_rate_B, 0, rate)
+
+
+@kernel
+def take_given(sensed, estimate):
+    """Copy the readings of ideal instruments."""
+    put4(estimate.q_I2B, sensed.q_I2B)
+    put3(estimate.r_I, 0, take3(sensed.r_I, 0))
+    put3(estimate.v_I, 0, take3(sensed.v_I, 0))
+    put3(estimate.w_B, 0, take3(sensed.w_B, 0))
+    put3(estimate.specific_force_B, 0, take3(sensed.specific_force_B, 0))
+    put3(estimate.imu_rate_B, 0, take3(sensed.imu_rate_B, 0))
+    put3(estimate.imu_gain_B, 0, take3(sensed.imu_gain_B, 0))
+    estimate.height_above_ground = sensed.height_above_ground

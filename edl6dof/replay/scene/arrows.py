@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
+from edl6dof.replay.pages import FIELD_DEG, body_eye
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
 from edl6dof.replay.scene.mesh import RGB
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import FIELD_DEG, body_eye
 from edl6dof.spatial import rotations as turns
 
 VELOCITY, LIFT, THRUST, TORQUE = (110, 230, 240), (130, 235, 120), (255, 190, 90), (240, 110, 220)
@@ -41,9 +41,7 @@ STEP, MOST_STEPS = 0.12, 24
 
 
 class Arrow(NamedTuple):
-    """An arrow at each row: name, colour, values in L, shape (rows, 3), rows in which it is shown, unit, and
-    the value of 1 m.
-    """
+    """An arrow at each row: values in L, shape (rows, 3), rows in which it is shown, and value of 1 m."""
 
     name: str
     colour: RGB
@@ -73,7 +71,8 @@ class Arrows(Recorder):
             length = np.linalg.norm(ahead, axis=-1)
             shown = arrow.shown & np.isfinite(length) & (length > LEAST * size)
             self._arrow(arrow, rows, start, ahead, shown)
-            texts = _texts(arrow._replace(values=arrow.values[few]))
+            values = np.nan_to_num(np.linalg.norm(arrow.values[few], axis=-1)).tolist()
+            texts = [f"{arrow.name} {_amount(value, arrow.unit)}" for value in values]
             label = Label(plane.seen((start + ahead)[few]), shown[few], max(map(len, texts)), True)
             names.append((label, texts, arrow.colour))
         for (name, end), colour in zip(self._frames(rows, way).items(), AXES * 2, strict=True):
@@ -98,8 +97,7 @@ class Arrows(Recorder):
         Returns:
             ends of the axes from the centre of mass, m in L, shape (rows, 3), by their names.
         """
-        rr, motion = self.rr, self.motion
-        size = self.motion.shape.size
+        rr, motion, size = self.rr, self.motion, self.motion.shape.size
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
         right = np.cross(down, way)
         right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
@@ -108,12 +106,9 @@ class Arrows(Recorder):
         axes[steep] = np.eye(3)
         self.static(f"{self.root}/near/velocity_frame", rr.TransformAxes3D(axis_length=VELOCITY_AXES * size))
         self.poses(f"{self.root}/near/velocity_frame", self.t[rows], turn=turns.from_axes(axes))
-        middle = [self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"]
-        self.static(
-            f"{self.root}/vehicle/attitude_frame",
-            rr.Transform3D(translation=middle),
-            rr.TransformAxes3D(axis_length=BODY_AXES * size),
-        )
+        middle = rr.Transform3D(translation=[self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"])
+        entity = f"{self.root}/vehicle/attitude_frame"
+        self.static(entity, middle, rr.TransformAxes3D(axis_length=BODY_AXES * size))
         body = BODY_AXES * size * np.eye(3)
         ends = {f"{name}B": turns.rotate(motion.rotation[rows], body[k]) for k, name in enumerate("xyz")}
         return ends | {f"{name}V": VELOCITY_AXES * size * axes[:, :, k] for k, name in enumerate("xyz")}
@@ -133,7 +128,7 @@ class Arrows(Recorder):
 
 
 def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
-    """Return lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever present."""
+    """Return those of lift, thrust (N) and disturbance torque (N m) that ever act, at some rows."""
     columns, turn = flight.columns, motion.rotation[rows]
     way = _way(motion, rows)[0]
     force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
@@ -143,13 +138,7 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
     torque = turns.rotate(turn, vector(columns, "truth.disturbance", "x y z", "_nm")[rows])
     found = (
         ("lift", LIFT, lift, lifting & (flight.t[rows] < flight.when.get("mortar", np.inf)), "N"),
-        (
-            "thrust",
-            THRUST,
-            -thrust[:, None] * ahead,
-            thrust > 1.0,
-            "N",
-        ),
+        ("thrust", THRUST, -thrust[:, None] * ahead, thrust > 1.0, "N"),
         ("disturbance", TORQUE, torque, ~np.isfinite(motion.canopy[rows, 0]), "N m"),
     )
     size = motion.shape.size
@@ -186,15 +175,10 @@ def _round_up(value: float) -> float:
 
 
 def _amount(value: float, unit: str) -> str:
-    """A value with its unit, in thousands from 1000 on, but for a speed."""
-    if value < 1000.0 or unit == "m/s":
-        return f"{value:,.3g} {unit}" if value < 1000.0 else f"{value:,.0f} {unit}"
-    return f"{value / 1000.0:,.3g} k{unit}"
-
-
-def _texts(arrow: Arrow) -> list[str]:
-    values = np.nan_to_num(np.linalg.norm(arrow.values, axis=-1)).tolist()
-    return [f"{arrow.name} {_amount(value, arrow.unit)}" for value in values]
+    """A value with its unit, in thousands from 1000 unless it is a speed."""
+    if value < 1000.0:
+        return f"{value:,.3g} {unit}"
+    return f"{value:,.0f} {unit}" if unit == "m/s" else f"{value / 1000.0:,.3g} k{unit}"
 
 
 class Screen(NamedTuple):
@@ -219,11 +203,11 @@ class Screen(NamedTuple):
         return flat * (distance / depth)[..., None]
 
     def placed(self, points: np.ndarray) -> np.ndarray:
-        """Places on the plane, m from the vehicle, shape (..., 3)."""
+        """Return places on the plane, m from the vehicle, shape (..., 3)."""
         return points[..., :1] * self.right + points[..., 1:] * self.up
 
     def box(self, letters: int) -> np.ndarray:
-        """Half width and half height (m) of a label's box."""
+        """Return half width and half height (m) of a label's box."""
         width = LETTER_PX * letters + 2.0 * MARGIN_PX
         return 0.5 * self.metres_per_px * np.array([width, HEIGHT_PX])
 

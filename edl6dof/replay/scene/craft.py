@@ -29,7 +29,7 @@ SHIELD_COLD, COLD, HOT = (np.array(c, float) for c in ((104, 84, 70), (255, 255,
 _GLOWS, _BRIGHT, _RADIATED = 798.0, 1900.0, 5.670374419e-12
 #: Colour and size (points of the screen) of the spark that shows a firing thruster from any distance.
 SPARK, _SPARK_SIZE = (255, 196, 96), 2.5
-#: Share of the thrust, and duty of a thruster, from which on a flame is seen.
+#: Least share of the thrust, and least duty of a thruster, with a flame.
 _LEAST_LEVEL, _LEAST_DUTY = 0.01, 0.02
 #: Length (m) of a flame that is out.
 _GONE = 1e-4
@@ -77,8 +77,8 @@ class Vehicle(Recorder):
     def _piece(
         self, name: str, part: str | None, mesh: Mesh, place: np.ndarray, cold: np.ndarray | None = None
     ) -> None:
-        """Write one piece until it is released, glowing if its ``cold`` tint is given; the user's own mesh
-        replaces all pieces that are not parts.
+        """Write one piece until its release, glowing if its ``cold`` tint is given; one that is no part only
+        without the user's own mesh.
         """
         entity, own = f"{self.root}/vehicle/{name}", self.own_mesh(part)
         if part is None and own is not None:
@@ -137,9 +137,7 @@ class Vehicle(Recorder):
             self.at(self.t[released], f"{self.root}/backshell/trim_wing", mesh, last)
 
     def _failure(self, jet: Any) -> None:
-        """Write a thruster red while it has failed, with a mark that is visible through the hull and that
-        names the fault once it is isolated.
-        """
+        """Write a failed thruster in red, with a mark outside the hull that names the fault once isolated."""
         entity = f"{self.root}/vehicle/failed/{jet.name}"
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
@@ -148,9 +146,8 @@ class Vehicle(Recorder):
             self.at(self.t[begin], f"{entity}/mark", self.point(place, "failed", PALE_RED))
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))
-        known = self.flight.diagnosed.get(jet.name)
-        if known is not None:
-            self.at(known.t_s, f"{entity}/mark", self.point(place, known.text, PALE_RED))
+        if (known := self.flight.diagnosed.get(jet.name)) is not None:
+            self.at(known[0], f"{entity}/mark", self.point(place, known[1], PALE_RED))
 
 
 class Descent(Recorder):
@@ -218,9 +215,9 @@ class Flames(Recorder):
 
     def _thrusters(self) -> None:
         jets = self.vehicle.rcs.thrusters
-        if not jets or self.flight.duty.shape[1] != len(jets):
-            return
         duty = self.flight.duty
+        if not jets or duty.shape[1] != len(jets):
+            return
         back = turns.xyzw(turns.from_x_to(-np.array([jet.direction for jet in jets])))
         places = np.array([jet.position_m for jet in jets])
         size = np.array([1.5 * max(jet.thrust_n / 250.0, 0.05) ** 0.4 for jet in jets])
@@ -230,10 +227,8 @@ class Flames(Recorder):
             return
         which, length = np.nonzero(shown)[1], length[shown]
         scales = np.column_stack([length, 0.37 * length, 0.37 * length])
-        poses = self.rr.InstancePoses3D.columns(
-            translations=places[which], quaternions=back[which], scales=scales
-        )
-        self._flames("thruster_plumes", rows, poses.partition(shown.sum(axis=1)))
+        pose = {"translations": places[which], "quaternions": back[which], "scales": scales}
+        self._flames("thruster_plumes", rows, pose, shown.sum(axis=1))
         # points of one size on the screen: a flame is too small to be seen from afar
         sparks = {"positions": places[np.nonzero(firing[rows])[1]]}
         entity, look = f"{self.root}/vehicle/thruster_sparks", {"colors": SPARK, "radii": -_SPARK_SIZE}
@@ -241,11 +236,11 @@ class Flames(Recorder):
 
     def _engines(self) -> None:
         engines = self.vehicle.own_engines
-        thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
         full = sum(engine.full_thrust_n for engine in engines)
         if full <= 0.0:
             return
-        level = thrust / full  # telemetry holds the thrust of all engines together
+        # telemetry holds the thrust of all engines together
+        level = np.nan_to_num(self.flight["truth.engine_thrust_n"]) / full
         flicker = 1.0 + 0.06 * np.sin(2.0 * np.pi * 7.3 * self.t)
         burns = (level > _LEAST_LEVEL)[:, None]
         length, shown, rows = _burning(((0.8 + 3.2 * level) * flicker)[:, None], burns)
@@ -254,15 +249,16 @@ class Flames(Recorder):
         girth = np.minimum(0.55 + 0.35 * level[rows], length[:, 0])
         scales = np.column_stack([length[:, 0], girth, girth])
         back = turns.xyzw(turns.from_x_to(-np.array([engine.direction for engine in engines])))
-        poses = self.rr.InstancePoses3D.columns(
-            translations=np.tile([engine.nozzle_m for engine in engines], (len(scales), 1)),
-            quaternions=np.tile(back, (len(scales), 1)),
-            scales=np.repeat(scales, len(engines), axis=0),
-        )
-        self._flames("engine_plume", rows, poses.partition(len(engines) * shown.sum(axis=1)))
+        pose = {
+            "translations": np.tile([engine.nozzle_m for engine in engines], (len(scales), 1)),
+            "quaternions": np.tile(back, (len(scales), 1)),
+            "scales": np.repeat(scales, len(engines), axis=0),
+        }
+        self._flames("engine_plume", rows, pose, len(engines) * shown.sum(axis=1))
 
-    def _flames(self, name: str, rows: np.ndarray, poses: Any) -> None:
-        """Write a white core in an orange mantle, from the first of ``rows`` on."""
+    def _flames(self, name: str, rows: np.ndarray, pose: dict[str, Any], each: np.ndarray) -> None:
+        """Write white cores in orange mantles from the first of ``rows``; ``each``: flames in each row."""
+        poses = self.rr.InstancePoses3D.columns(**pose).partition(each)
         for layer, opacity in (("core", 255), ("mantle", 120)):
             entity = f"{self.root}/vehicle/{name}/{layer}"
             shape = self.mesh(plume(layer == "core"), albedo_factor=[255, 255, 255, opacity])

@@ -24,8 +24,9 @@ DARK: RGB = (58, 60, 68)
 PANEL: RGB = (38, 52, 110)
 ORANGE: RGB = (226, 92, 40)
 SHIELD: RGB = (255, 214, 176)
-#: Colours by segment around and step along a profile.
+#: Colours by segment around and step along a profile; parts by base and scale.
 Paint = Callable[[int, int], RGB]
+Builder = Callable[[float, float], Mesh]
 #: Radius (m) of the aeroshell that a lander of scale one fits into, and the room kept around it (share).
 _RADIUS, _ROOM = 1.7, 0.97
 
@@ -38,26 +39,21 @@ def striped(base: RGB, every: int, factor: float) -> Paint:
 
 
 def _gores(each: int) -> Paint:
-    """Paint with stripes of so many segments in two colours."""
+    """Paint with stripes of two colours, each of this many segments."""
     return lambda i, j: ORANGE if i // each % 2 == 0 else WHITE
 
 
 def heat_shield(shape: Outline) -> Mesh:
-    """Sphere-cone forebody with its shoulder, closed behind; drawn light, tinted by its temperature later."""
-    nose, edge = shape.forebody[0], shape.forebody[-1]
+    """Return a sphere-cone forebody with its shoulder, closed behind; light, for its temperature tints it."""
+    nose, knee, edge = (shape.forebody[k] for k in (0, 6, -1))
     thick = 0.018 * edge[1]
-    knee = shape.forebody[6]
-    inside = [
-        edge,
-        (edge[0] + 0.6 * thick, edge[1] - 1.6 * thick),
-        (knee[0] - 2.0 * thick, knee[1]),
-        (nose[0] - 2.0 * thick, 1e-4),
-    ]
+    rim = (edge[0] + 0.6 * thick, edge[1] - 1.6 * thick)
+    inside = [edge, rim, (knee[0] - 2.0 * thick, knee[1]), (nose[0] - 2.0 * thick, 1e-4)]
     return merge([revolve(shape.forebody, striped(SHIELD, 8, 0.86), 64), revolve(inside, DARK, 64)])
 
 
 def backshell(shape: Outline) -> Mesh:
-    """Cones with panel stripes, a rim and the lid; open in front."""
+    """Return cones with panel stripes, a rim and the lid; open in front."""
     corners = shape.afterbody
     (x0, r0), (x2, r2) = corners[0], corners[-1]
     panels = [revolve(list(ends), striped(WHITE, 8, 0.72), 64) for ends in pairwise(corners)]
@@ -80,30 +76,26 @@ def body(shape: Outline) -> Mesh:
 
 
 def trim_wing(vehicle: VehicleParams, shape: Outline) -> Mesh:
-    """Mesh of the first surface: origin at its hinge, x along the span, z facing the flow when open."""
+    """Return the first surface: origin at its hinge, x along the span, z facing the flow when open."""
     surface = vehicle.surfaces[0]
     side = sqrt(surface.area_m2)
     span = abs(surface.position_z_m) - wing_hinge(vehicle, shape)[1]
     plate = box((span, 0.0, 0.03), (side, side, 0.035), ORANGE)
-    arms = [
-        rod((0.0, k * 0.35 * side, 0.0), (span - 0.5 * side, k * 0.35 * side, 0.03), 0.022, SILVER)
-        for k in (-1.0, 1.0)
-    ]
+    reach = span - 0.5 * side
+    arms = [rod((0.0, y, 0.0), (reach, y, 0.03), 0.022, SILVER) for y in (-0.35 * side, 0.35 * side)]
     edge = rod((span + 0.5 * side, -0.5 * side, 0.03), (span + 0.5 * side, 0.5 * side, 0.03), 0.028, WHITE)
     return merge([plate, edge, *arms])
 
 
 def wing_hinge(vehicle: VehicleParams, shape: Outline) -> tuple[np.ndarray, float]:
-    """Hinge of the first surface on the aeroshell (m in B), and its distance from the axis (m)."""
+    """Return the hinge of the first surface (m in B), and its distance from the axis (m)."""
     x, out = vehicle.surfaces[0].position_x_m, np.sign(vehicle.surfaces[0].position_z_m)
     radius = float(shape.radius_at(np.array(x))) if shape.afterbody else shape.radius
     return np.array([x, 0.0, radius * out]), radius
 
 
 def wing_axes(vehicle: VehicleParams, shape: Outline, opening: np.ndarray) -> np.ndarray:
-    """Return the axes of the wing's mesh in B as columns, shape (..., 3, 3): along the backshell when closed,
-    square to the axis when open.
-    """
+    """Return the wing's axes in B as columns, shape (..., 3, 3): closed along the backshell, open square."""
     flank = shape.flank_angle if shape.afterbody else 0.0
     swing = (1.0 - opening) * (0.5 * pi + flank)
     ahead = np.array([1.0, 0.0, 0.0])
@@ -129,34 +121,24 @@ def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
     turn = np.linspace(0.0, 2.0 * pi, gores, endpoint=False)
     rim = np.stack([np.full(gores, skirt), 0.97 * r * np.cos(turn), 0.97 * r * np.sin(turn)], axis=-1)
     riser = np.array([0.13 * length, 0.0, 0.0])
-    top = rim + [band + gap, 0.0, 0.0]
-    lines = [
-        np.stack([np.broadcast_to(riser, rim.shape), rim], axis=1),
-        np.stack([rim + [band, 0.0, 0.0], top], axis=1),
-    ]
-    return mesh, np.concatenate([np.array([[[0.0, 0.0, 0.0], riser]]), *lines])
+    lower = np.stack([np.broadcast_to(riser, rim.shape), rim], axis=1)
+    upper = np.stack([rim + [band, 0.0, 0.0], rim + [band + gap, 0.0, 0.0]], axis=1)
+    return mesh, np.concatenate([np.array([[[0.0, 0.0, 0.0], riser]]), lower, upper])
 
 
 def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
-    """Return body, deck and rover, as large as the aeroshell allows, with struts to the thrusters; ``None``
-    for a vehicle without a lander (``lander: none``).
-    """
+    """Return body, deck and rover, as large as the aeroshell allows, and struts to the thrusters, if any."""
     if shape.lander == "none":
         return None
-    build = _platform if shape.lander == "platform" else _stage
     base, scale = _base(vehicle, shape), shape.radius / _RADIUS
-    parts = [build]
-    if shape.lander == "rover":
-        parts.append(_rover)
+    parts = [_platform if shape.lander == "platform" else _stage, *[_rover] * (shape.lander == "rover")]
     while scale > 0.02 and not _inside(parts, base, scale, shape):
         scale *= 0.95
     struts = [_strut(jet, base, scale) for jet in vehicle.rcs.thrusters]
     return merge([*(part(base, scale) for part in parts), *struts])
 
 
-def _inside(
-    parts: Sequence[Callable[[float, float], Mesh]], base: float, scale: float, shape: Outline
-) -> bool:
+def _inside(parts: Sequence[Builder], base: float, scale: float, shape: Outline) -> bool:
     """True if all of a lander lies inside the aeroshell, if there is one."""
     if not shape.afterbody:
         return True
@@ -209,10 +191,8 @@ def _rover(base: float, scale: float) -> Mesh:
         box(at(0.88, 0.30, -0.45), size(0.08, 0.22, 0.10), WHITE),
     ]
     for side in (-1.0, 1.0):
-        parts += [
-            rod(at(0.15, side * 0.42, z), at(0.15, side * 0.58, z), 0.15 * scale, DARK)
-            for z in (-0.5, 0.0, 0.5)
-        ]
+        for z in (-0.5, 0.0, 0.5):
+            parts.append(rod(at(0.15, side * 0.42, z), at(0.15, side * 0.58, z), 0.15 * scale, DARK))
         parts.append(box(at(0.02, side * 0.45, 0.0), size(0.03, 0.22, 1.6), SILVER))
     return merge(parts)
 
@@ -233,14 +213,14 @@ def nozzles(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
 
 
 def nozzle(jet: Any, colour: RGB, size: float = 1.0) -> Mesh:
-    """The nozzle of one thruster of the vehicle file; its flame leaves against the thrust direction."""
+    """Return the nozzle of one thruster, whose flame leaves against the thrust direction."""
     place, back = np.array(jet.position_m), -np.array(jet.direction)
     length = size * (0.16 if jet.thrust_n > 100.0 else 0.09)
     return rod(place - length * back, place + 0.02 * (size - 1.0) * back, 0.2 * length, colour, 0.5 * length)
 
 
 def bell(engine: Any, scale: float) -> Mesh:
-    """The bell of an engine, its mouth at the nozzle and open against the thrust."""
+    """Return the bell of an engine, its mouth at the nozzle and open against the thrust."""
     back = -np.array(engine.direction)
     profile = [(-0.30 * scale, 0.10 * scale), (-0.10 * scale, 0.17 * scale), (0.0, 0.25 * scale)]
     return revolve(profile, DARK, 32, (np.array(engine.nozzle_m), back))

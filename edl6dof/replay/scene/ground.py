@@ -14,7 +14,8 @@ import numpy as np
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import Landscape, sky
-from edl6dof.replay.scene.mesh import Mesh, bright, disc, grid_triangles, rock, sphere
+from edl6dof.replay.scene.mesh import bright, disc, grid_triangles, rock, sphere
+from edl6dof.report.flight.common import circle
 from edl6dof.scenario.terrain_preview import planned_ellipse
 from edl6dof.spatial import rotations as turns
 
@@ -46,8 +47,6 @@ class Ground(Recorder):
 
     def statics(self) -> None:
         """Write landscape, rocks, rings around touchdown and target, and the planned ellipse."""
-        if self.number:
-            return
         motion, scenario = self.motion, self.flight.scenario
         self.static("site", self.rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
@@ -76,8 +75,6 @@ class Ground(Recorder):
 
     def motions(self) -> None:
         """Write the sky, which moves with the vehicle and darkens with height."""
-        if self.number:
-            return
         look = self.motion.site.appearance
         rows = np.flatnonzero(self.motion.height < look.sky_top_m)[::12]
         if len(rows) == 0:
@@ -94,20 +91,17 @@ class Ground(Recorder):
         self.columns("site/sky/dome", self.t[rows], tints)
 
     def _ring(self, landscape: Landscape, radius: float, centre: np.ndarray) -> np.ndarray:
-        turn = np.linspace(0.0, 2.0 * np.pi, 181)
-        east, north = centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
+        east, north = circle(centre[:2].tolist(), radius, 181)
         return np.column_stack([east, north, landscape.height(east, north) + 0.1 + 2e-3 * radius])
 
     def _rocks(self, landscape: Landscape) -> None:
-        rocks, look = landscape.rocks(), self.motion.site.appearance
-        upright = turns.xyzw(turns.about_z(rocks.headings))
+        places, sizes, headings = landscape.rocks()
+        site, upright = self.motion.site, turns.xyzw(turns.about_z(headings))
         for kind in range(KINDS_OF_ROCK):
-            some = slice(kind, None, KINDS_OF_ROCK)
-            poses = self.rr.InstancePoses3D(
-                translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some]
-            )
-            mesh = self.mesh(rock(kind, look.rock, self.motion.site.light))
-            self.static(f"site/ground/rocks/{kind}", mesh, poses)
+            own = slice(kind, None, KINDS_OF_ROCK)
+            pose = {"translations": places[own], "quaternions": upright[own], "scales": sizes[own]}
+            mesh = self.mesh(rock(kind, site.appearance.rock, site.light))
+            self.static(f"site/ground/rocks/{kind}", mesh, self.rr.InstancePoses3D(**pose))
 
 
 class NearGround(Recorder):
@@ -136,8 +130,7 @@ class NearGround(Recorder):
         for layer, share in enumerate(_LAYERS):
             above = rr.Transform3D(translation=[0.0, 0.0, 0.03 + 0.004 * layer], scale=[share, share, 1.0])
             self.at(self.t[rows[0]], f"{entity}/{layer}", self.mesh(plate), above)
-            tints = rr.Mesh3D.columns(albedo_factor=tint)
-            self.columns(f"{entity}/{layer}", self.t[seldom], tints)
+            self.columns(f"{entity}/{layer}", self.t[seldom], rr.Mesh3D.columns(albedo_factor=tint))
 
     def _width(self) -> float:
         """Radius (m) of the shadow: of the footpads' circle once the vehicle is a lander."""
@@ -158,21 +151,27 @@ class NearGround(Recorder):
         thick = np.clip(np.log(np.maximum(pressure / _LIFTS, 1e-9)) / np.log(_THICK / _LIFTS), 0.0, 1.0)
         raised = thick > 0.0
         keep = np.flatnonzero(and_next(raised))
-        if not raised.any():
+        if not len(keep):
             return
-        colour = np.array(self.motion.site.appearance.haze)
+        puff = self._puff()
         for ring in range(_RINGS):
             run = np.mod(self.t[rows[keep]] / _RUNS_S + ring / _RINGS, 1.0)
             wide = (1.5 + 1.2 * _SPREAD * height[keep]) * (0.5 + 2.5 * run)
             opaque = np.where(raised[keep], _DUST * thick[keep] * np.sin(np.pi * run), 0.0)
             entity = f"{self.root}/near_ground/dust/{ring}"
-            self.at(self.t[rows[keep[0]]], f"{entity}/puffs", self.mesh(_puff(colour)), self._ring(ring))
+            self.at(self.t[rows[keep[0]]], f"{entity}/puffs", puff, self._puffs(ring))
             size = np.column_stack([wide, wide, 0.4 * wide + 0.3])
             self.poses(entity, self.t[rows[keep]], lies[keep], turn[keep], size)
             tint = np.column_stack([np.full((len(keep), 3), 255.0), opaque]).astype(np.uint8)
             self.columns(f"{entity}/puffs", self.t[rows[keep]], rr.Mesh3D.columns(albedo_factor=tint))
 
-    def _ring(self, seed: int) -> rr.InstancePoses3D:
+    def _puff(self) -> rr.Mesh3D:
+        """A ball of unit radius."""
+        place = sphere(9, 16, 0.01)
+        tone = np.array(self.motion.site.appearance.haze) * (0.94 + 0.06 * place[..., 2:])
+        return self.mesh(bright(place.reshape(-1, 3), grid_triangles(9, 16), tone.reshape(-1, 3)))
+
+    def _puffs(self, seed: int) -> rr.InstancePoses3D:
         """Places and sizes of the puffs of a ring of unit radius."""
         random = np.random.default_rng(seed)
         turn, out = random.uniform(0.0, 2.0 * np.pi, _PUFFS), random.uniform(0.45, 1.0, _PUFFS)
@@ -192,10 +191,3 @@ class NearGround(Recorder):
         normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
         half = np.column_stack([1.0 + normal[:, 2], -normal[:, 1], normal[:, 0], np.zeros(len(places))])
         return np.column_stack([places, up]), half / np.linalg.norm(half, axis=-1, keepdims=True)
-
-
-def _puff(colour: np.ndarray) -> Mesh:
-    """A ball of unit radius."""
-    place = sphere(9, 16, 0.01)
-    tone = colour * (0.94 + 0.06 * place[..., 2:])
-    return bright(place.reshape(-1, 3), grid_triangles(9, 16), tone.reshape(-1, 3))

@@ -2,8 +2,8 @@
 finer than the map.
 
 The mesh widens geometrically from the touchdown to the other side of the planet, so that it is fine where the
-camera ends up and a globe from afar; the ground of a landing area is drawn on a square grid there besides,
-with the rocks that lie on it.  Decoration is the same for every flight to a site, fades out where a vehicle
+camera ends up and a globe from afar; the ground of a landing area is also drawn on a square grid there, with
+the rocks that lie on it.  Decoration is the same for every flight to a site, fades out where a vehicle
 stands, and is unknown to the simulation.
 """
 
@@ -40,7 +40,7 @@ _COVER = 0.055
 NEAR, SPACING = 36.0, 0.25
 #: How far (m) the wide mesh lies below that square, and within which of its middle's half side.
 _SUNK, _WITHIN = 1.5, 0.97
-#: Diameter (m) from which on rocks of a landing area are drawn as such; smaller ones are bumps of the mesh.
+#: Least diameter (m) of rocks of a landing area that are drawn as such; smaller ones are bumps of the mesh.
 _SMALLEST_ROCK = 0.4
 
 
@@ -56,7 +56,7 @@ class Landscape:
     """The planet's ground, in arcs around ``touchdown``."""
 
     def __init__(self, site: Site, touchdown: np.ndarray) -> None:
-        self._seed = np.abs([site.origin[0], site.origin[1], site.origin[2]]).astype(np.int64)
+        self._seed = np.abs(site.origin).astype(np.int64)
         self._random = np.random.default_rng(self._seed)
         self._site = site
         self._centre = np.asarray(touchdown, float)[:2]
@@ -138,8 +138,8 @@ class Landscape:
 
     def _true_rocks(self) -> Rocks:
         """The rocks of the landing area."""
-        middle_east, middle_north = self._centre.tolist()
-        place = self._site.rocks(middle_east, middle_north, 4.0 * NEAR, _SMALLEST_ROCK)
+        middle = float(self._centre[0]), float(self._centre[1])
+        place = self._site.rocks(*middle, 4.0 * NEAR, _SMALLEST_ROCK)
         east, north, diameter = place.T
         up = self._site.ground(east, north)[1] - 0.5 * diameter
         sizes = diameter[:, None] * [1.1, 1.1, 1.5]
@@ -149,17 +149,13 @@ class Landscape:
     def _boulders(self, count: int = 700) -> Rocks:
         """Decoration: more small ones than large ones, none under the lander."""
         random = self._random
-        distance, turn = (
-            np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count),
-            random.uniform(0.0, 2.0 * pi, count),
-        )
+        distance = np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count)
+        turn = random.uniform(0.0, 2.0 * pi, count)
         size = np.minimum(0.12 + random.exponential(0.12, count), 1.2) * (1.0 + distance / 80.0)
         east, north = self._centre[0] + distance * np.cos(turn), self._centre[1] + distance * np.sin(turn)
-        height = self.height(east, north)
+        places = np.column_stack([east, north, self.height(east, north) + 0.12 * size])
         sizes = size[:, None] * random.uniform(0.7, 1.3, (count, 3)) * [1.0, 1.0, 0.7]
-        return Rocks(
-            np.column_stack([east, north, height + 0.12 * size]), sizes, random.uniform(0.0, 2.0 * pi, count)
-        )
+        return Rocks(places, sizes, random.uniform(0.0, 2.0 * pi, count))
 
     def _craters(self) -> np.ndarray:
         """Height (m) of craters at the vertices, as many of each size class as the mesh can show."""
@@ -186,9 +182,8 @@ class Landscape:
 
     def _around(self, height: np.ndarray) -> np.ndarray:
         """Rise per metre along the rings, counterclockwise."""
-        return (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / (
-            2.0 * self._radius[:, None] * 2.0 * pi / SPOKES
-        )
+        step = 2.0 * self._radius[:, None] * 2.0 * pi / SPOKES
+        return (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / step
 
 
 def tints(relief: Sequence[Tint], height_km: np.ndarray) -> np.ndarray:
@@ -206,9 +201,8 @@ def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.nda
 
 def sunlight(towards: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
     """Return the brightness of ground with these slopes (m/m) in light from ``towards``; level: 1."""
-    cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
-        1.0 + rise_east**2 + rise_north**2
-    )
+    cosine = towards[2] - towards[0] * rise_east - towards[1] * rise_north
+    cosine = cosine / np.sqrt(1.0 + rise_east**2 + rise_north**2)
     return np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
 
 
@@ -219,9 +213,8 @@ def _waves(
     east, north, spacing = (values.astype(np.float32) for values in (east, north, spacing))
     tone, weight, height = np.zeros_like(east), np.full_like(east, 1e-9), np.zeros_like(east)
     for wavelength in np.geomspace(1.5, 4e5, 34).tolist():
-        fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0) * np.clip(
-            60.0 * spacing / wavelength, 0.0, 1.0
-        )
+        fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0)
+        fits = fits * np.clip(60.0 * spacing / wavelength, 0.0, 1.0)
         rows = np.flatnonzero(fits)  # the rings of the mesh that it fits
         for _ in range(3):
             heading, phase = random.uniform(0.0, 2.0 * pi, 2).tolist()

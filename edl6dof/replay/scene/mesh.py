@@ -27,7 +27,7 @@ class Mesh(NamedTuple):
 
 
 def merge(meshes: Iterable[Mesh]) -> Mesh:
-    """One mesh of several."""
+    """Return one mesh of several."""
     parts = list(meshes)
     starts = np.cumsum([0] + [len(part.positions) for part in parts[:-1]])
     triangles = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)])
@@ -39,13 +39,8 @@ def _quads(points: np.ndarray, normals: np.ndarray, colours: np.ndarray) -> Mesh
     n = len(points)
     triangles = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(n)[:, None, None]).reshape(-1, 3)
     lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
-    normals = normals / np.where(lengths > 0.0, lengths, 1.0)
-    return Mesh(
-        points.reshape(-1, 3),
-        triangles,
-        normals.reshape(-1, 3),
-        np.repeat(colours, 4, axis=0).astype(np.uint8),
-    )
+    normals = (normals / np.where(lengths > 0.0, lengths, 1.0)).reshape(-1, 3)
+    return Mesh(points.reshape(-1, 3), triangles, normals, np.repeat(colours, 4, axis=0).astype(np.uint8))
 
 
 def revolve(
@@ -54,9 +49,13 @@ def revolve(
     segments: int = 48,
     axis: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Mesh:
-    """Surface of revolution of a smooth (x, r) profile about x, or about ``axis`` (origin, unit direction).
+    """Return the surface of revolution of a smooth (x, r) profile.
 
-    ``colour`` is one colour, or a function of segment around and step along the profile.
+    Args:
+        profile: stations and radii, m.
+        colour: one, or a function of segment around and step along the profile.
+        segments: around.
+        axis: origin and unit direction, by default x.
     """
     x, r = np.asarray(profile, dtype=float).T
     slope = np.stack([np.gradient(r), -np.gradient(x)], axis=-1)  # outward normal (nx, nr), up to sign
@@ -68,9 +67,8 @@ def revolve(
     normals = slope[None, :, :1] * ahead + slope[None, :, 1:] * around[:, None, :]
 
     def corners(grid: np.ndarray) -> np.ndarray:
-        return np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2).reshape(
-            -1, 4, 3
-        )
+        every = np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2)
+        return every.reshape(-1, 4, 3)
 
     steps = len(x) - 1
     paint = colour if callable(colour) else lambda _i, _j: colour
@@ -86,7 +84,7 @@ def revolve(
 
 
 def rod(start: Place, end: Place, radius: float, colour: RGB, end_radius: float | None = None) -> Mesh:
-    """Round rod or cone frustum between two points."""
+    """Return a round rod or cone frustum between two points."""
     a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     length = float(np.linalg.norm(b - a))
     tip = radius if end_radius is None else end_radius
@@ -94,7 +92,7 @@ def rod(start: Place, end: Place, radius: float, colour: RGB, end_radius: float 
 
 
 def box(centre: Place, size: Place, colour: RGB) -> Mesh:
-    """Axis-parallel box."""
+    """Return an axis-parallel box."""
     faces, normals = [], []
     for axis in range(3):
         for sign in (-1.0, 1.0):
@@ -111,40 +109,36 @@ def plume(core: bool) -> Mesh:
     reach, girth = (0.55, 0.5) if core else (1.0, 1.0)
     stations = np.linspace(0.0, 1.0, 13)
     width = girth * (0.05 + 0.58 * np.sqrt(stations)) * (1.0 - stations) ** 0.9
-    mesh = revolve(
-        [(reach * float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)], WHITE, 20
-    )
+    profile = [(reach * float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)]
+    mesh = revolve(profile, WHITE, 20)
     hot, cold = np.array([[255, 252, 235], [255, 214, 130]] if core else [[255, 186, 84], [255, 92, 24]])
     colours = hot + (cold - hot) * (mesh.positions[:, :1] / reach)
     return mesh._replace(colours=colours.astype(np.uint8), normals=np.zeros_like(mesh.normals))
 
 
 def grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """Triangles between ``rows`` x ``columns`` vertices that close up around the columns."""
+    """Return the triangles between ``rows`` x ``columns`` vertices that close up around the columns."""
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
     a, b = i * columns + j, i * columns + (j + 1) % columns
     return np.stack([a, a + columns, b + columns, a, b + columns, b], axis=-1).reshape(-1, 3)
 
 
 def pole_triangles(rows: int, columns: int) -> list[np.ndarray]:
-    """Fans from two more vertices to the first and the last row of such a grid."""
-    around = np.arange(columns)
+    """Return the fans from two more vertices to the first and the last row of such a grid."""
+    here, ahead = np.arange(columns), (np.arange(columns) + 1) % columns
     ends = ((rows * columns, 0), (rows * columns + 1, (rows - 1) * columns))
-    return [
-        np.stack([np.full(columns, pole), first + around, first + (around + 1) % columns], axis=-1)
-        for pole, first in ends
-    ]
+    return [np.stack([np.full(columns, pole), first + here, first + ahead], axis=-1) for pole, first in ends]
 
 
 def open_grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """Triangles between ``rows`` x ``columns`` vertices of a sheet."""
+    """Return the triangles between ``rows`` x ``columns`` vertices of a sheet."""
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     a = i * columns + j
     return np.stack([a, a + 1, a + columns + 1, a, a + columns + 1, a + columns], axis=-1).reshape(-1, 3)
 
 
 def sphere(rows: int, columns: int, gap: float = 0.0) -> np.ndarray:
-    """Points of a unit sphere about z, shape (rows, columns, 3), but for ``gap`` (rad) around its poles."""
+    """Return points of a unit sphere, shape (rows, columns, 3), without ``gap`` (rad) around its poles."""
     polar = np.linspace(gap, pi - gap, rows)[:, None]
     around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
     flat = np.sin(polar)
@@ -152,18 +146,18 @@ def sphere(rows: int, columns: int, gap: float = 0.0) -> np.ndarray:
 
 
 def bright(positions: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> Mesh:
-    """A mesh that shows its colours whatever the light: its normals are zero."""
+    """Return a mesh that shows its colours in any light: its normals are zero."""
     return Mesh(positions, triangles, np.zeros_like(positions), np.clip(colours, 0, 255).astype(np.uint8))
 
 
 def disc(centre: Place, normal: np.ndarray, radius: float, colour: RGB) -> Mesh:
-    """A round plate that shows its colour whatever the light."""
+    """Return a round plate that shows its colour in any light."""
     plate = revolve([(0.0, radius), (0.0, 1e-4 * radius)], colour, 32, (np.asarray(centre, float), normal))
     return plate._replace(normals=np.zeros_like(plate.normals))
 
 
 def rock(seed: int, colour: Vec3, towards: np.ndarray) -> Mesh:
-    """A boulder of unit size: a dented sphere, in light from ``towards``."""
+    """Return a boulder of unit size: a dented sphere, in light from ``towards``."""
     random = np.random.default_rng(seed)
     rows, columns = 7, 9
     radius = 0.5 * random.uniform(0.72, 1.0, (rows, columns))
@@ -171,6 +165,5 @@ def rock(seed: int, colour: Vec3, towards: np.ndarray) -> Mesh:
     place = sphere(rows, columns, 0.02) * [1.0, 1.0, 0.7]
     light = np.clip(0.55 + 0.45 * (place @ towards), 0.2, 1.1)
     colours = np.array(colour) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
-    return bright(
-        (radius[..., None] * place).reshape(-1, 3), grid_triangles(rows, columns), colours.reshape(-1, 3)
-    )
+    place = (radius[..., None] * place).reshape(-1, 3)
+    return bright(place, grid_triangles(rows, columns), colours.reshape(-1, 3))

@@ -1,6 +1,4 @@
-"""The outer shape of a vehicle: as its file states it, otherwise derived from aerodynamics, mass and landing
-gear.
-"""
+"""The outer shape of a vehicle: as its file states it, or from aerodynamics, mass and landing gear."""
 
 from __future__ import annotations
 
@@ -57,7 +55,7 @@ class Outline(NamedTuple):
         return float(np.arctan2(r0 - r1, x0 - x1))
 
     def radius_at(self, x: np.ndarray) -> np.ndarray:
-        """Radius (m) of a sphere-cone at stations, 0 ahead of it and behind it."""
+        """Return the radius (m) of a sphere-cone at stations, 0 ahead of it and behind it."""
         stations, radii = np.transpose([*self.forebody, *self.afterbody])
         order = np.argsort(stations, kind="stable")
         return np.interp(x, stations[order], radii[order], left=0.0, right=0.0)
@@ -81,7 +79,7 @@ def outline(vehicle: VehicleParams) -> Outline:
 
 
 def diameter(vehicle: VehicleParams) -> float:
-    """Largest diameter, m: as stated, of the aerodynamics' capsule, or of their reference area."""
+    """Return the largest diameter, m: as stated, of the aerodynamics' capsule, or of their reference area."""
     aero = vehicle.aero
     if vehicle.appearance.diameter_m is not None:
         return vehicle.appearance.diameter_m

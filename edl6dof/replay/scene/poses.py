@@ -16,7 +16,7 @@ from edl6dof.environment.climate import (
     solar_longitude,
     utc,
 )
-from edl6dof.replay.history import History, vector
+from edl6dof.replay.history import PARTS, History, vector
 from edl6dof.replay.scene.outline import outline
 from edl6dof.scenario.terrain_preview import TerrainPreview
 from edl6dof.spatial import rotations as turns
@@ -24,8 +24,7 @@ from edl6dof.spatial import rotations as turns
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
 
-#: Where light comes from when nobody knows: low in the west-south-west, so that relief throws light and dark;
-#: east north up.
+#: Direction of the light without a date: low in the west-south-west, so that relief shows; east, north, up.
 ANYWHERE = np.array([-0.72, -0.42, 0.55]) / np.linalg.norm([-0.72, -0.42, 0.55])
 #: Sine of the elevation below which the sun lights no picture.
 _LOWEST = sin(radians(8.0))
@@ -45,21 +44,18 @@ class Site:
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
         self.altitude = scenario.site_areoid_m + terrain.site_elevation_m  #: of its origin, m
         self.appearance = planet.appearance
-        self.sun = sun_direction(scenario)  #: towards it, unit vector; None where nobody knows
+        self.sun = sun_direction(scenario)  #: unit vector towards it; None if unknown
         self.light = light(self.sun)  #: where the light of the pictures comes from
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
-        e2 = self.flattening * (2.0 - self.flattening)
-        prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
-        # : of L, in F
-        self.origin = (prime + self.altitude) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]
+        self._e2 = self.flattening * (2.0 - self.flattening)
+        prime = self.radius / sqrt(1.0 - self._e2 * sin(lat) ** 2)
+        #: of L, in F
+        self.origin = (prime + self.altitude) * np.array(up) - [0.0, 0.0, self._e2 * prime * sin(lat)]
         self.relief = TerrainPreview(terrain, planet, scenario.seed, scenario.profile)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
-        """Return rotations from components in B to components in L.
-
-        F and I coincide at t = 0.
-        """
+        """Return rotations from components in B to components in L; F and I coincide at t = 0."""
         to_F = turns.about_z(-self.spin * np.asarray(t))
         return turns.multiply(turns.from_axes(self.axes), turns.multiply(to_F, q_I2B))
 
@@ -104,10 +100,9 @@ class Site:
         self, latitude: np.ndarray, longitude: np.ndarray, altitude: np.ndarray | float
     ) -> np.ndarray:
         """Geodetic places (rad, m) in L."""
-        e2 = self.flattening * (2.0 - self.flattening)
-        prime = self.radius / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
+        prime = self.radius / np.sqrt(1.0 - self._e2 * np.sin(latitude) ** 2)
         level = (prime + altitude) * np.cos(latitude)
-        upward = ((1.0 - e2) * prime + altitude) * np.sin(latitude)
+        upward = ((1.0 - self._e2) * prime + altitude) * np.sin(latitude)
         in_F = np.stack([level * np.cos(longitude), level * np.sin(longitude), upward], axis=-1)
         placed: np.ndarray = (in_F - self.origin) @ self.axes.T
         return placed
@@ -117,9 +112,8 @@ class Site:
         north in L and diameter (m), shape (n, 3).
         """
         here = self._geodetic(np.array([east]), np.array([north]))
-        latitude, longitude, diameter = self.relief.rocks(
-            float(here[0][0]), float(here[1][0]), side, smallest
-        ).T
+        found = self.relief.rocks(float(here[0][0]), float(here[1][0]), side, smallest)
+        latitude, longitude, diameter = found.T
         return np.column_stack([self._placed(latitude, longitude, self.altitude)[:, :2], diameter])
 
     def _geodetic(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -129,8 +123,7 @@ class Site:
         """
         level = np.stack([east, north, self.surface(east, north, self.altitude)], axis=-1)
         x, y, z = np.moveaxis(self.in_F(level), -1, 0)
-        polar = (1.0 - self.flattening) * self.radius
-        e2 = self.flattening * (2.0 - self.flattening)
+        polar, e2 = (1.0 - self.flattening) * self.radius, self._e2
         across = np.hypot(x, y)
         reduced = np.arctan2(self.radius * z, polar * across)
         upward = z + e2 / (1.0 - e2) * polar * np.sin(reduced) ** 3
@@ -158,14 +151,9 @@ def towards_sun(calendar: CalendarParams, days: float, latitude: float, longitud
     tilt = 2.0 * atan(sqrt(radians(calendar.obliquity_deg[0])))
     declination = asin(sin(tilt) * sin(solar_longitude(calendar, days)))
     hour = (local_true_solar_time(calendar, days, longitude) - 12.0) * pi / 12.0
-    level = cos(declination) * cos(hour)
-    return np.array(
-        [
-            -cos(declination) * sin(hour),
-            sin(declination) * cos(latitude) - level * sin(latitude),
-            sin(declination) * sin(latitude) + level * cos(latitude),
-        ]
-    )
+    level, east = cos(declination) * cos(hour), -cos(declination) * sin(hour)
+    north = sin(declination) * cos(latitude) - level * sin(latitude)
+    return np.array([east, north, sin(declination) * sin(latitude) + level * cos(latitude)])
 
 
 def light(sun: np.ndarray | None) -> np.ndarray:
@@ -188,24 +176,18 @@ class Motion:
         self.site = Site(flight.scenario)
         self.vehicle = flight.scenario.vehicle
         self.shape = outline(self.vehicle)  #: what the vehicle looks like
-        self.t = flight.t
-        self.centre = vector(flight.columns, "truth.site", "east north up", "_m")  #: centre of mass, m
-        # : B to L
-        self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))
-        # : origin of B
-        self.nose = self.centre - turns.rotate(
-            self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m")
+        self.t, self.height = flight.t, flight["truth.height_m"]
+        #: of the centre of mass, and of what leaves the vehicle, m
+        self.centre, self.canopy, self.heat_shield, self.backshell = (
+            vector(flight.columns, f"truth.{part}", "east north up", "_m") for part in PARTS
         )
-        self.height = flight["truth.height_m"]
-        events = flight.scenario.mission.events
-        self._deployed = [
-            (float(one["t_s"]), events[one["key"]].component)
-            for one in flight.events
-            if one["key"] in events and events[one["key"]].action == "deploy"
-        ]
-        self.canopy = vector(flight.columns, "truth.canopy", "east north up", "_m")
-        self.heat_shield = vector(flight.columns, "truth.heat_shield", "east north up", "_m")
-        self.backshell = vector(flight.columns, "truth.backshell", "east north up", "_m")
+        #: B to L
+        self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))
+        in_B = vector(flight.columns, "truth.centre", "x y z", "_m")
+        self.nose = self.centre - turns.rotate(self.rotation, in_B)  #: origin of B
+        known = flight.scenario.mission.events
+        events = [(float(one["t_s"]), known[one["key"]]) for one in flight.events if one["key"] in known]
+        self._deployed = [(t, event.component) for t, event in events if event.action == "deploy"]
 
     @property
     def last(self) -> np.ndarray:
@@ -226,16 +208,13 @@ class Motion:
         return np.clip(below / upright, 0.0, _LONGEST_STROKE)
 
     def parachutes(self) -> list[OpenParachute]:
-        """Return the parachutes in order: each from its deployment on, the last to the end."""
+        """Return the parachutes in order: each from its deployment, the last until the end."""
         out = self.released(self.canopy)
         if out is None or not self.vehicle.parachutes:
             return []
         chutes = {chute.name: number for number, chute in enumerate(self.vehicle.parachutes)}
-        found = [
-            (max(int(np.searchsorted(self.t, t)), out), chutes[name])
-            for t, name in sorted(self._deployed)
-            if name in chutes
-        ]
+        opened = [(t, chutes[name]) for t, name in sorted(self._deployed) if name in chutes]
+        found = [(max(int(np.searchsorted(self.t, t)), out), number) for t, number in opened]
         found = found or [(out, len(chutes) - 1)]
         ends = [first for first, _ in found[1:]] + [len(self.t)]
         return [

@@ -1,6 +1,4 @@
-"""Sensors that see the ground: rays of the lidar, the map of hazards with rejected and chosen spots, and the
-beams of the radar.
-"""
+"""Sensors that see the ground: rays of the lidar, map of hazards with its spots, and beams of the radar."""
 
 from __future__ import annotations
 
@@ -13,6 +11,7 @@ from edl6dof.replay.recorder import SCALAR_HZ, Recorder, and_next
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
 from edl6dof.report.catalogue import CELLS, STATES
+from edl6dof.report.flight.common import circle
 from edl6dof.report.palette import rgb
 from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.columns import range_of
@@ -41,7 +40,7 @@ class Hazards(Recorder):
     def motions(self) -> None:
         """Write rays, map and spots."""
         found = self.flight.landing_map
-        if self.number or found is None:
+        if found is None:
             return
         since, chosen = self.when["scan"], self.when["spot"]
         rows = np.flatnonzero((self.t >= since) & (self.t <= chosen))
@@ -53,15 +52,14 @@ class Hazards(Recorder):
         self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
         if len(found.rejected_m):
             places = self._on_ground(found.rejected_m - off, 0.3)
-            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=-3.5)
-            self.at(chosen, "site/hazards/passed_over", points)
+            passed = self.rr.Points3D(places, colors=PASSED_OVER, radii=-3.5)
+            self.at(chosen, "site/hazards/passed_over", passed)
         self._chosen(found, off, chosen)
 
     def _chosen(self, found: LandingMap, off: np.ndarray, t: float) -> None:
         """Write the footprint around the chosen spot, as a ring."""
         radius = self.flight.scenario.flight_software.hazard.footprint_radius_m
-        turn = np.linspace(0.0, 2.0 * np.pi, 49)
-        around = found.spot_m - off + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+        around = np.column_stack(circle((found.spot_m - off).tolist(), radius, 49))
         ring = self.rr.LineStrips3D([self._on_ground(around, 0.15)], colors=CHOSEN, radii=-2.5)
         self.at(t, "site/hazards/chosen", ring)
         (middle,) = self._on_ground((found.spot_m - off)[None], 0.3)
@@ -93,9 +91,8 @@ class Hazards(Recorder):
         for row, line in zip(rows, shot.astype(int), strict=True):
             turn = self.motion.rotation[row]
             start = self.motion.nose[row] + turns.rotate(turn, np.array(lidar.position_m))
-            rays = turns.rotate(
-                turn, np.array([cell_direction(tangent, SCAN_COLUMNS, line, j) for j in columns])
-            )
+            ways = np.array([cell_direction(tangent, SCAN_COLUMNS, line, j) for j in columns])
+            rays = turns.rotate(turn, ways)
             ends = start + rays * ((self.motion.height[row] / -rays[:, 2])[:, None])
             # the ground where each ends, not the one straight below
             ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]

@@ -11,11 +11,10 @@ from edl6dof.campaign.statistics import percent, quantile
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign import drivers, footprint, margins
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section
+from edl6dof.report.document import Block, Fact, Listing, Mood, Report, Section, in_percent, printed
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
-from edl6dof.report.numbers import in_percent, printed
 
-#: Figures mapped over the grid, besides success.
+#: Figures mapped over the grid in addition to success.
 _FIGURES = (
     *("landing_distance_m", "parachute_mach", "parachute_height_m"),
     *("touchdown_vertical_m_s", "propellant_used_kg", "peak_load_g0"),
@@ -23,11 +22,13 @@ _FIGURES = (
 
 
 def campaign_report(folder: Path) -> Report:
-    """Return the report of a campaign, finished or not; a section about what it does not have is left out."""
+    """Return the report of a campaign, finished or not, without sections that would be empty."""
     results = Results(folder)
     about = [str(results.document.get("description") or ""), *margins.injected(results)]
     matrix: list[Block] = []
-    words, mood = _headline(results), _mood(results)
+    share = f": {results.success}" if results.is_sample else ""
+    words = f"{results.success.successes} of {results.success.trials} flights succeed{share}"
+    mood = _mood(results)
     if results.has_faults:
         from edl6dof.report.campaign import faults  # loads the simulator's kinds of fault: for a matrix only
 
@@ -56,11 +57,6 @@ def campaign_report(folder: Path) -> Report:
         sections=[section for section in sections if section.blocks],
         footer=f"edl6dof {versions['edl6dof']}; source SHA-256 {sources}; interval: Wilson, 95 %",
     )
-
-
-def _headline(results: Results) -> str:
-    share = f": {results.success}" if results.is_sample else ""
-    return f"{results.success.successes} of {results.success.trials} flights succeed{share}"
 
 
 def _mood(results: Results) -> Mood:

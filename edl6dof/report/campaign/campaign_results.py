@@ -23,7 +23,7 @@ class Results:
     """The rows of a campaign, finished or not."""
 
     def __init__(self, folder: Path, columns: Sequence[str] | None = None):
-        """Read a folder; ``columns`` are the names to read in addition to success, by default all."""
+        """Read a folder; ``columns``: names to read in addition to success, by default all."""
         self.folder = folder
         self.store = Store(folder)
         self._every = self.store.table(None if columns is None else ["case", "success", MATRIX, *columns])
@@ -44,16 +44,11 @@ class Results:
         """Return a figure for the flights of each matrix of the design, and of A with each group of inputs
         from B, shape (rows,), NaN where a flight has none.
         """
-        matrices = self._every[MATRIX].to_pylist()
-        found = {matrix: np.full(self._rows, np.nan) for matrix in dict.fromkeys(matrices)}
-        values = numbers(self._every[name])
-        for matrix, row, value in zip(matrices, self._every[ROW].to_pylist(), values, strict=True):
+        matrices, rows = (self._every[column].to_pylist() for column in (MATRIX, ROW))
+        found = {matrix: np.full(1 + max(rows), np.nan) for matrix in dict.fromkeys(matrices)}
+        for matrix, row, value in zip(matrices, rows, numbers(self._every[name]), strict=True):
             found[matrix][row] = value
         return found
-
-    @property
-    def _rows(self) -> int:
-        return 1 + max(self._every[ROW].to_pylist())
 
     @cached_property
     def document(self) -> dict[str, Any]:
@@ -84,7 +79,7 @@ class Results:
 
     @cached_property
     def ok(self) -> np.ndarray:
-        """Which cases succeeded, shape (n,)."""
+        """True for the cases that succeeded, shape (n,)."""
         return self.table["success"].to_numpy(zero_copy_only=False).astype(bool)
 
     @property
@@ -98,31 +93,29 @@ class Results:
         return Counter(cause for cause in self.table["cause"].to_pylist() if cause).most_common()
 
     def has(self, name: str) -> bool:
-        """True if a numeric column exists."""
-        return name in self.table.column_names and is_number(self.table.schema.field(name).type)
+        """Return True if a numeric column exists."""
+        if name not in self.table.column_names:
+            return False
+        kind = self.table.schema.field(name).type
+        return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A numeric column, NaN where a case has no value, shape (n,)."""
         return numbers(self.table[name])
 
-    @property
-    def _dispersed(self) -> list[str]:
-        return [
-            name for name in self.table.column_names if name.startswith((TRUTH, BELIEF)) and self.has(name)
-        ]
-
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
-        """Dispersed quantities, shape (n, quantities), those together that the plan draws together."""
+        """Dispersed quantities, shape (n, quantities), in the groups that the plan draws together."""
         found: dict[str, list[np.ndarray]] = {}
         campaign = self.document.get("campaign") or {}
-        for name in self._dispersed:
-            found.setdefault(group_of(name, campaign), []).append(self[name])
+        for name in self.table.column_names:
+            if name.startswith((TRUTH, BELIEF)) and self.has(name):
+                found.setdefault(group_of(name, campaign), []).append(self[name])
         return {name: np.stack(columns, axis=1) for name, columns in found.items()}
 
     @cached_property
     def limits(self) -> list[tuple[str, str, float, str]]:
-        """(figure, label, limit, unit) of every limit that was applied to a case."""
+        """Figure, label, limit and unit of every limit that was applied to a case."""
         given = self.document["limits"]
         return [
             (figure.name, figure.meaning, float(given[figure.limit]), figure.unit.label)
@@ -134,8 +127,3 @@ class Results:
 def numbers(column: pa.ChunkedArray) -> np.ndarray:
     """Return a numeric column, NaN where it has no value."""
     return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=float)
-
-
-def is_number(kind: pa.DataType) -> bool:
-    """True if an Arrow type holds numbers."""
-    return pa.types.is_floating(kind) or pa.types.is_integer(kind)

@@ -1,22 +1,18 @@
-"""Sensitivities: the dispersed inputs that can be shown to move a figure, with their shares of its
-variance.
-"""
+"""Sensitivities: the dispersed inputs that significantly move a figure, with their shares of its variance."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from textwrap import fill
 
 import numpy as np
 
 from edl6dof.campaign.design.case import A, B
-from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, Index, drivers, sobol_indices
+from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, drivers, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Cell, Row, Table, Text
+from edl6dof.report.document import Block, Cell, Row, Table, Text, in_percent
 from edl6dof.report.figure import Axis, Band, Figure, Panel, legend_entry
-from edl6dof.report.numbers import in_percent
 from edl6dof.report.palette import GREY, SERIES
 
 #: Figures to explain; those with limits come first by themselves.
@@ -32,14 +28,8 @@ _SHOWN = 5
 _WIDEST = 1.0
 #: Letters of a line of a figure's name at the bars.
 _LETTERS = 24
-
-
-@dataclass(frozen=True)
-class Explained:
-    """A figure and its drivers."""
-
-    figure: FigureOfMerit
-    drivers: Drivers
+#: Figures and their drivers.
+Explained = list[tuple[FigureOfMerit, Drivers]]
 
 
 def blocks(results: Results) -> Iterator[Block]:
@@ -49,7 +39,9 @@ def blocks(results: Results) -> Iterator[Block]:
     if len(results.cases) < FEWEST:
         yield Text(f"Needs at least {FEWEST} flights.")
         return
-    explained = _explained(results)
+    moving = {name: results[name] for name in _figures(results)}
+    found = drivers(results.groups, list(moving.values()))
+    explained = list(zip(map(figure_of_merit, moving), found, strict=True))
     yield Text(
         "Share: part of the variance of a figure's ranks that an input explains, with its 95 % interval. "
         "Inputs drawn together (*) count as one. Only significant inputs are shown: without any effect, "
@@ -57,11 +49,10 @@ def blocks(results: Results) -> Iterator[Block]:
         "random profiles of density and gusts, from inputs with a share that is not significant, and from "
         "interactions of inputs."
     )
-    if any(one.drivers.found for one in explained):
-        yield chart([one for one in explained if one.drivers.found])
-    yield Table(
-        ["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(explained))
-    )
+    if driven := [(figure, own) for figure, own in explained if own.found]:
+        yield chart(driven)
+    heads = ["figure, and inputs that drive it", "share>", "95 % interval>", "effect"]
+    yield Table(heads, list(_rows(explained)))
 
 
 def indices(results: Results) -> Iterator[Block]:
@@ -73,7 +64,7 @@ def indices(results: Results) -> Iterator[Block]:
         matrices = results.swapped(name)
         a, b = matrices.pop(A), matrices.pop(B)
         found = sobol_indices(a, b, matrices)[:_SHOWN]
-        if not all(map(_is_resolved, found)):
+        if not all(high - low <= _WIDEST for _, low, high in (index.total for index in found)):
             found = []
         words = "" if found else f": not significant with {len(a):,} rows"
         rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
@@ -84,17 +75,6 @@ def indices(results: Results) -> Iterator[Block]:
         f"stays when all others are known (in all), with 95 % intervals; the {_SHOWN} largest of each figure."
     )
     yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
-
-
-def _explained(results: Results) -> list[Explained]:
-    moving = {name: results[name] for name in _figures(results)}
-    found = drivers(results.groups, list(moving.values()))
-    return [Explained(figure_of_merit(name), one) for name, one in zip(moving, found, strict=True)]
-
-
-def _is_resolved(index: Index) -> bool:
-    _, low, high = index.total
-    return high - low <= _WIDEST
 
 
 def _shares(index: tuple[float, float, float]) -> tuple[Cell, str]:
@@ -109,58 +89,46 @@ def _ends(low: float, high: float) -> str:
 def _figures(results: Results) -> list[str]:
     """Names of the figures to explain, without those that never change."""
     names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
-    return [name for name in names if results.has(name) and _moves(results[name])]
+    values = {name: results[name] for name in names if results.has(name)}
+    return [name for name, own in values.items() if len(set(own[np.isfinite(own)])) > 1]
 
 
-def _moves(values: np.ndarray) -> bool:
-    finite = values[np.isfinite(values)]
-    return bool(len(finite)) and float(np.ptp(finite)) > 0.0
-
-
-def _rows(explained: list[Explained]) -> Iterator[Row]:
+def _rows(explained: Explained) -> Iterator[Row]:
     """A line about each figure, and below it its drivers."""
-    for one in explained:
-        least = in_percent(one.drivers.least)
-        flights = f"not significant with {one.drivers.flights:,} flights"
-        if not one.drivers.found:
-            yield [f"{one.figure.meaning}: {flights}, no share above {least}", "", "", ""]
-            continue
-        remains = (
-            f"{in_percent(max(1.0 - one.drivers.explained, 0.0))} remains, shares below {least} {flights}"
-        )
-        yield [f"{one.figure.meaning}: {remains}", "", "", ""]
-        for driver in one.drivers.found:
+    for figure, own in explained:
+        least, flights = in_percent(own.least), f"not significant with {own.flights:,} flights"
+        remains = f"{in_percent(max(1.0 - own.explained, 0.0))} remains, shares below {least} {flights}"
+        words = remains if own.found else f"{flights}, no share above {least}"
+        yield [f"{figure.meaning}: {words}", "", "", ""]
+        for driver in own.found:
             share = Cell(in_percent(driver.share), bar=driver.share)
             yield [_INDENT + driver.name, share, _ends(driver.low, driver.high), driver.effect]
 
 
-def chart(explained: list[Explained]) -> Figure:
+def chart(explained: Explained) -> Figure:
     """Draw each figure's variance as a bar, divided into the shares of its drivers."""
-    every = sorted(
-        (driver for one in explained for driver in one.drivers.found), key=lambda found: -found.share
-    )
+    every = sorted((driver for _, own in explained for driver in own.found), key=lambda one: -one.share)
     ranked = list(dict.fromkeys(driver.name for driver in every))
     colours = dict(zip(ranked, SERIES, strict=False))
-    bands = [band for row, one in enumerate(reversed(explained)) for band in _bar(one, row, colours)]
+    bands = [band for row, (_, own) in enumerate(reversed(explained)) for band in _bar(own, row, colours)]
     legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
     if len(ranked) > len(colours):
         legend.append(("others", GREY))
     traces = [legend_entry(name, colour, 1.6) for name, colour in legend]
     panel = Panel(
         Axis("share of the variance (%)", range=(0.0, 100.0)),
-        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(explained)]),
+        Axis("", names=[fill(figure.meaning, _LETTERS) for figure, _ in reversed(explained)]),
         traces,
         bands=bands,
     )
     caption = "What no colour covers is not significant. Figures without a driver are left out."
-    return Figure(
-        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(explained)
-    )
+    height = 40 + 24 * len(legend) + 34 * len(explained)
+    return Figure("drivers", "What drives what", [panel], caption, height=height)
 
 
-def _bar(one: Explained, row: int, colours: dict[str, str]) -> Iterator[Band]:
+def _bar(own: Drivers, row: int, colours: dict[str, str]) -> Iterator[Band]:
     start = 0.0
-    for driver in one.drivers.found:
+    for driver in own.found:
         end = min(start + 100.0 * driver.share, 100.0)
         yield Band(colours.get(driver.name, GREY), (start, end), (row - 0.36, row + 0.36), opacity=1.0)
         start = end

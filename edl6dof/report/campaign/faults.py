@@ -1,6 +1,4 @@
-"""Fault matrices: requirements, shares and times of each kind of fault, and maps of components and
-moments.
-"""
+"""Fault matrices: requirements, shares and times of each kind of fault, and maps of components by moments."""
 
 from __future__ import annotations
 
@@ -149,36 +147,24 @@ def _figure(
         times[i, j] = np.median(found) if found else np.nan
         labels[i][j] = _words(some)
     lost = [place for place, some in cells.items() if not all(row["success"] for row in some)]
+    down_lost, across_lost = np.array(lost, float).reshape(-1, 2).T
+    crosses = [Trace(across_lost, down_lost, _LOST, "points", BLACK, symbol="x", width=1.2)] * bool(lost)
+    used = [one for number, one in enumerate(_BECAME) if (what == number).any()]
+    legend = [legend_entry(name, colour) for name, colour in used]
     x, y = np.arange(len(across)), np.arange(len(down))
     kinds = Heat(x, y, what, "", 0, len(_BECAME) - 1, [colour for _, colour in _BECAME], labels)
     taken = Heat(x, y, times, "time (s)", 0.0, _LONGEST_S, _SCALE, labels)
     axes = Axis(along, names=_thinned(across)), Axis("", names=down)
     panels = [
-        Panel(*axes, _legend(what, lost), heat=kinds, title="What became of it"),
-        Panel(*axes, _crosses(lost), heat=taken, title="Time from first use to the right isolation (s)"),
+        Panel(*axes, [*legend, *crosses], heat=kinds, title="What became of it"),
+        Panel(*axes, crosses, heat=taken, title="Time from first use to the right isolation (s)"),
     ]
     caption = (
         f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and the "
         "median of the times.  Point at a cell for its cases; edl6dof refly flies one again."
     )
-    return Figure(
-        key, title.replace("_", " "), panels, caption, share_x=True, height=90 + _ROW_PX * len(down)
-    )
-
-
-def _legend(what: np.ndarray, lost: Sequence[tuple[int, int]]) -> list[Trace]:
-    """A legend entry for every colour in use, and the crosses."""
-    named = [
-        legend_entry(name, colour) for number, (name, colour) in enumerate(_BECAME) if (what == number).any()
-    ]
-    return named + _crosses(lost)
-
-
-def _crosses(lost: Sequence[tuple[int, int]]) -> list[Trace]:
-    if not lost:
-        return []
-    y, x = np.array(lost, float).T
-    return [Trace(x, y, _LOST, "points", BLACK, symbol="x", width=1.2)]
+    height = 90 + _ROW_PX * len(down)
+    return Figure(key, title.replace("_", " "), panels, caption, share_x=True, height=height)
 
 
 def _thinned(names: Sequence[str]) -> list[str]:
@@ -193,26 +179,17 @@ def _words(rows: Sequence[Row]) -> str:
     lines = []
     for row in rows[:8]:
         after = row.get("isolation_from_use_s")
-        found = f"{row.get('named') or 'nobody'} named" + (
-            f", {after:.2f} s after first use" if after else ""
-        )
-        lines.append(f"case {row['case']}: {row['outcome']}; {found}")
+        late = f", {after:.2f} s after first use" if after else ""
+        lines.append(f"case {row['case']}: {row['outcome']}; {row.get('named') or 'nobody'} named{late}")
     return "<br>".join([head, *lines])
 
 
 def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
     columns = ("case>", *_WHERE, column.replace("_", " "))
     words = title if len(rows) <= _LINES else f"{title}: the first {_LINES} of {len(rows)}"
-    texts = [
-        (
-            *(str(row["case"]), row["component"], row["kind"], row["moment"]),
-            row.get("regime") or "",
-            _text(row[column]),
-        )
-        for row in rows[:_LINES]
-    ]
+    texts = []
+    for row in rows[:_LINES]:
+        value = row[column]
+        shown = f"{value:.2f}" if isinstance(value, float) else str(value)
+        texts.append((str(row["case"]), *(row.get(name) or "" for name in _WHERE), shown))
     return Table(columns, texts, words)
-
-
-def _text(value: Any) -> str:
-    return f"{value:.2f}" if isinstance(value, float) else str(value)

@@ -40,17 +40,13 @@ def footprint(results: Results) -> Figure:
     east, north = results["landing_east_m"] / 1e3, results["landing_north_m"] / 1e3
     down = np.isfinite(east)
     wide = float(np.ptp(north[down])) or 1.0
-    target = Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0)
-    traces = [
-        *_points(results, east, north, (wide, wide)),
-        *_ellipses(lambda sigmas: ellipse(east[down], north[down], sigmas)),
-        target,
-    ]
+    traces = list(_points(results, east, north, (wide, wide)))
+    traces += _ellipses(lambda sigmas: ellipse(east[down], north[down], sigmas))
+    traces.append(Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0))
     across, up = (Axis(f"{way} of the landing site (km)") for way in ("east", "north"))
     caption = "A normal cloud has 39, 86 and 99 % of its points inside the ellipses."
-    return Figure(
-        "footprint", "Landing footprint", [Panel(across, up, traces, equal=True)], caption, height=560
-    )
+    panel = Panel(across, up, traces, equal=True)
+    return Figure("footprint", "Landing footprint", [panel], caption, height=560)
 
 
 def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) -> Figure:
@@ -64,9 +60,8 @@ def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) ->
         traces.insert(0, Trace(x, y, "flights of the campaign", "points", BLUE, width=1.0))
     figures = map(figure_of_merit, found.event.all[:2])
     across, up = (Axis(f"{figure.meaning} ({figure.unit.label or '1'})") for figure in figures)
-    return Figure(
-        "covariance", title, [Panel(across, up, traces, equal=bool(found.event.position))], height=480
-    )
+    panel = Panel(across, up, traces, equal=bool(found.event.position))
+    return Figure("covariance", title, [panel], height=480)
 
 
 def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]:
@@ -127,16 +122,10 @@ def ellipse_table(results: Results) -> Table:
 
 def deployment(results: Results) -> Figure:
     """Draw Mach number, dynamic pressure, height and angle of attack at mortar fire, with the limits."""
-    box = _scatter(
-        results,
-        ("parachute_mach", "Mach number (1)", 1.0),
-        ("parachute_dynamic_pressure_pa", "dynamic pressure (Pa)", 1.0),
-    )
-    attitude = _scatter(
-        results,
-        ("parachute_height_m", "height above the ground below (km)", 1e3),
-        ("parachute_total_alpha_deg", "total angle of attack (deg)", 1.0),
-    )
+    mach = ("parachute_mach", "Mach number (1)", 1.0)
+    box = _scatter(results, mach, ("parachute_dynamic_pressure_pa", "dynamic pressure (Pa)", 1.0))
+    above = ("parachute_height_m", "height above the ground below (km)", 1e3)
+    attitude = _scatter(results, above, ("parachute_total_alpha_deg", "total angle of attack (deg)", 1.0))
     height, alpha = results["parachute_height_m"] / 1e3, results["parachute_total_alpha_deg"]
     low = np.argsort(height)[:_LOWEST]
     lowest = Trace(height[low], alpha[low], f"lowest {_LOWEST}", "points", PURPLE, symbol="cross")

@@ -1,6 +1,4 @@
-"""Margins of a campaign: quantiles and limits, propellant, faults that every flight carries, causes of
-failure, and the worst cases.
-"""
+"""Margins of a campaign: quantiles and limits, propellant, faults, causes of failure, and the worst cases."""
 
 from __future__ import annotations
 
@@ -12,9 +10,19 @@ import numpy as np
 from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Mood,
+    Row,
+    Table,
+    Text,
+    aligned,
+    in_percent,
+    printed,
+    significant,
+)
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.numbers import aligned, in_percent, printed, significant
 from edl6dof.report.palette import BLUE, GREEN
 
 #: Figures without a limit whose quantiles are of interest.
@@ -98,8 +106,10 @@ def isolation(results: Results) -> Iterator[Block]:
             share = Proportion(int(np.sum(known == 0)), len(known))
             shares.append([meaning, f"{share.successes} of {share.trials}", str(share)])
     times = _quantiles(results, "", _TIMES)
-    yield from [Table(["", "flights>", "share, 95 % interval>"], shares)] * bool(shares)
-    yield from [times] * bool(times.rows)
+    if shares:
+        yield Table(["", "flights>", "share, 95 % interval>"], shares)
+    if times.rows:
+        yield times
 
 
 def _of_every_flight(results: Results) -> Sequence[Mapping[str, Any]]:
@@ -157,10 +167,8 @@ def causes(results: Results) -> Block:
     if not results.causes:
         if not results.is_sample:
             return Text("No flight failed.")
-        low, _ = results.success.interval
-        return Text(
-            f"No flight failed. With 95 % confidence the success probability is above {in_percent(low, 2)}."
-        )
+        low = in_percent(results.success.interval[0], 2)
+        return Text(f"No flight failed. With 95 % confidence the success probability is above {low}.")
     rows: list[Row] = []
     for cause, number in results.causes:
         share = Proportion(number, len(results.cases))
@@ -189,12 +197,8 @@ def convergence(results: Results) -> Iterator[Figure]:
     ]
     flights = Axis("flights", range=(1.0, max(float(x[-1]), 2.0)), log=True)
     panel = Panel(flights, Axis("success (%)", range=(float(low.min()) - 4.0, 104.0)), traces)
-    yield Figure(
-        "convergence",
-        "Success probability",
-        [panel],
-        "It has converged when the interval is narrow enough for the question.",
-    )
+    caption = "It has converged when the interval is narrow enough for the question."
+    yield Figure("convergence", "Success probability", [panel], caption)
 
 
 def propellant(results: Results) -> Iterator[Block]:
@@ -208,13 +212,9 @@ def propellant(results: Results) -> Iterator[Block]:
         return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
     shares = shown_shares(results)[:1]
-    lowest = [(head(share), float(np.quantile(left, share))) for share in shares]
-    panel = Panel(
-        Axis("propellant left (kg)"),
-        Axis("flights"),
-        [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
-        marks=[Mark("x", at, words) for words, at in lowest],
-    )
+    bars = Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)
+    marks = [Mark("x", float(np.quantile(left, share)), head(share)) for share in shares]
+    panel = Panel(Axis("propellant left (kg)"), Axis("flights"), [bars], marks=marks)
     shown = "".join(
         f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
     )

@@ -1,13 +1,10 @@
-"""Shared pieces of figures: plots of the catalogue over time, phases and events, maps about the
-landing site.
-"""
+"""Shared pieces of figures: plots of the catalogue over time, events, and maps about the landing site."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from math import inf
 from textwrap import fill
 
@@ -15,8 +12,8 @@ import numpy as np
 
 from edl6dof.report import catalogue
 from edl6dof.report.catalogue import Plot, Stack
-from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
-from edl6dof.report.palette import BLACK, BLUE, GREY, PHASES, SERIES
+from edl6dof.report.figure import Axis, Figure, Heat, Mark, Panel, Trace
+from edl6dof.report.palette import BLACK, BLUE, GREY, SERIES
 from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"
@@ -44,7 +41,7 @@ EVENTS: dict[str, str] = {
 def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
     """Draw those of some stacks for which the flight has data."""
     for stack in stacks:
-        if not stack.needs or any(need in run.when or has_signal(run, need) for need in stack.needs):
+        if not stack.needs or run.when.keys() & set(stack.needs) or has_signal(run, *stack.needs):
             figure = figure_of(run, stack)
             if figure.panels:
                 yield figure
@@ -95,8 +92,10 @@ def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
 def time_panel(
     run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
 ) -> Panel:
-    """Return a panel over times ``t`` (s), with the events among them."""
-    return Panel(Axis(TIME), y, traces, marks=[*event_marks(run, t), *marks], weight=weight)
+    """Return a panel over times ``t`` (s), with lines at the events among them."""
+    inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
+    events = [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
+    return Panel(Axis(TIME), y, traces, marks=[*events, *marks], weight=weight)
 
 
 def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:
@@ -117,38 +116,12 @@ def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
 
 def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", height: int = 190) -> Figure:
     """Stack panels over time; the first one names the events, and panels without a curve are left out."""
-    drawn = [
-        replace(panel, y=replace(panel.y, title=fill(panel.y.title, LETTERS)))
-        for panel in panels
-        if panel.traces
-    ]
-    below = [
-        replace(panel, marks=[replace(mark, label="") if mark.axis == "x" else mark for mark in panel.marks])
-        for panel in drawn[1:]
-    ]
-    return Figure(key, title, [*drawn[:1], *below], caption, share_x=True, height=height)
-
-
-def event_marks(run: Run, t: np.ndarray) -> list[Mark]:
-    """Return lines at the events inside the times ``t``."""
-    inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
-    return [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
-
-
-def phase_keys(run: Run) -> dict[str, str]:
-    """Return the event keys of the phases flown, in order, and their colours."""
-    flown = [f"phase.{name}" for name in run.phase_names if f"phase.{name}" in run.when]
-    return {key: PHASES[i % len(PHASES)] for i, key in enumerate(flown)}
-
-
-def phase_bands(run: Run) -> list[Band]:
-    """Return the mission phases as bands over time."""
-    keys = phase_keys(run)
-    starts = [*(run.when[key] for key in keys), float(run.t[-1])]
-    return [
-        Band(colour, x=span, opacity=0.75)
-        for colour, span in zip(keys.values(), pairwise(starts), strict=True)
-    ]
+    drawn: list[Panel] = []
+    for panel in (panel for panel in panels if panel.traces):
+        marks = [replace(mark, label="") if drawn and mark.axis == "x" else mark for mark in panel.marks]
+        y = replace(panel.y, title=fill(panel.y.title, LETTERS))
+        drawn.append(replace(panel, y=y, marks=marks))
+    return Figure(key, title, drawn, caption, share_x=True, height=height)
 
 
 def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
@@ -157,13 +130,9 @@ def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
 
 
 def site_panel(
-    traces: Sequence[Trace],
-    unit: str = "m",
-    title: str = "",
-    equal: bool = True,
-    heat: Heat | None = None,
+    traces: Sequence[Trace], unit: str = "m", title: str = "", equal: bool = True, heat: Heat | None = None
 ) -> Panel:
-    """Return a map about the landing site, with the size of the cells if there are any."""
+    """Return a map about the landing site, as large as its cells if there are any."""
     spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
     east, north = (
         Axis(f"{way} of the landing site ({unit})", span)
@@ -178,9 +147,9 @@ def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndar
     return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
 
 
-def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:
-    """Return True if the run has the channel and it is not only zero and gaps."""
-    return channel in run and catalogue.has_signal(run[channel][rows])
+def has_signal(run: Run, *channels: str) -> bool:
+    """Return True if the run has one of the channels with more in it than zeros and gaps."""
+    return any(channel in run and catalogue.has_signal(run[channel]) for channel in channels)
 
 
 def placed(

@@ -11,11 +11,23 @@ from typing import Any
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.catalogue import STACKS
-from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Report, Row, Section, Table, Text
-from edl6dof.report.flight import hazard_maps, navigation_errors, phase_planes, thrusters, trajectory
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Fact,
+    Listing,
+    Mood,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    in_percent,
+    printed,
+)
+from edl6dof.report.flight import landing, navigation_errors, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.common import has_signal, over_flight
 from edl6dof.report.flight.vehicle import vehicle_section
-from edl6dof.report.numbers import in_percent, printed
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -32,12 +44,15 @@ _FACTS = (
     ("parachute_mach", ".2f"),
     ("propellant_used_kg", ".1f"),
 )
+#: State of the vehicle at an event, and its formats.
+_STATE = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
 #: A requirement that was kept or not; other differences are neither good nor bad.
 _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 
 def flight_report(run: Run) -> Report:
-    """Return the review of a run; a section about what the flight did not have is left out."""
+    """Return the review of a run, without sections that would be empty."""
+    authority = " and thruster authority" if run.scenario["vehicle"]["rcs"]["thrusters"] else ""
     sections: tuple[tuple[str, str, Iterable[Block]], ...] = (
         ("limits", "Limits and published flight", limits_and_published(run)),
         ("events", "Timeline", timeline(run)),
@@ -46,14 +61,14 @@ def flight_report(run: Run) -> Report:
         ("navigation", "Navigation", navigation_errors.figures(run)),
         ("attitude", "Attitude", over_flight(run, STACKS["attitude"])),
         ("phase_planes", "Phase planes", phase_planes.figures(run)),
-        ("vehicle", "Vehicle and thruster authority", vehicle_section(run)),
+        ("vehicle", f"Vehicle{authority}", vehicle_section(run)),
         ("actuators", "Thrusters and propellant", thrusters.thruster_use(run)),
         ("disturbances", "Disturbances", thrusters.disturbances(run)),
         ("diagnosis", "Fault diagnosis", thrusters.fault_diagnosis(run)),
         ("chute", "Parachute", over_flight(run, STACKS["chute"])),
-        ("landing", "Powered descent", trajectory.powered_descent(run)),
-        ("hazards", "Hazards and the chosen spot", hazard_maps.figures(run)),
-        ("site", "Ground track and landing site", trajectory.site_figures(run)),
+        ("landing", "Powered descent", landing.powered_descent(run)),
+        ("hazards", "Hazards and the chosen spot", landing.hazard_maps(run)),
+        ("site", "Ground track and landing site", landing.site_figures(run)),
         ("configuration", "Configuration", configuration(run)),
         ("software", "Software and data", [software(run)]),
     )
@@ -85,16 +100,14 @@ def facts(run: Run) -> list[Fact]:
     """Return the key figures; those beyond a limit are marked bad."""
     figures = run.summary["figures"]
     missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
-    return [
-        Fact(
-            figure.meaning,
-            f"{value:{form}} {printed(figure.unit.label)}".strip(),
-            "bad" if figure.meaning in missed else "plain",
-        )
-        for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
-        if (value := figures.get(figure.name)) is not None
-        and (figure.name != "propellant_used_kg" or has_signal(run, "truth.propellant_kg"))
-    ]
+    found = []
+    for name, form in _FACTS:
+        there = name != "propellant_used_kg" or has_signal(run, "truth.propellant_kg")
+        if there and (value := figures.get(name)) is not None:
+            figure = figure_of_merit(name)
+            words = f"{value:{form}} {printed(figure.unit.label)}".strip()
+            found.append(Fact(figure.meaning, words, "bad" if figure.meaning in missed else "plain"))
+    return found
 
 
 def limits_and_published(run: Run) -> Iterator[Block]:
@@ -124,21 +137,12 @@ def limits(run: Run) -> Table:
 
 def published(run: Run) -> Table:
     """Tabulate this flight's figures and the published ones."""
-    found = comparison(run.summary["figures"], run.summary["published"])
-    rows: list[Row] = [
-        [row.figure, printed(row.unit), row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
-        for row in found
-    ]
-    return Table(
-        ["figure", "unit", "this flight>", "published>", "difference>"],
-        rows,
-        "Comparison with the published flight",
-    )
-
-
-def _sign(bound: str) -> str:
-    """A bound with printed signs."""
-    return bound.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
+    rows: list[Row] = []
+    for row in comparison(run.summary["figures"], run.summary["published"]):
+        bound = row.published.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
+        rows.append([row.figure, printed(row.unit), row.own, bound, Cell(row.difference, _KEPT[row.kept])])
+    columns = ["figure", "unit", "this flight>", "published>", "difference>"]
+    return Table(columns, rows, "Comparison with the published flight")
 
 
 def subtitle(run: Run) -> str:
@@ -151,20 +155,17 @@ def timeline(run: Run) -> Iterator[Block]:
     """Tabulate events in order of time."""
     rows: list[Row] = []
     for event in run.events:
-        height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
         name = event["phase"].replace("_", " ") if "phase" in event else f"\u2003{event['name']}"
-        state = (
-            f"{height:,.0f}" if height is not None else "",
-            f"{speed:,.1f}" if speed is not None else "",
-            f"{mach:.2f}" if mach is not None else "",
-        )
-        rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
+        values = ((event.get(key), form) for key, form in _STATE.items())
+        state = ("" if value is None else f"{value:{form}}" for value, form in values)
+        rows.append([f"{event['t_s']:.2f}", name, *state])
     columns = ["t (s)>", "event", "height above ground (m)>", "speed over ground (m/s)>", "Mach in the air>"]
     yield Table(columns, rows)
     if "touchdown" in run.when:
-        yield Text(
+        words = (
             "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind."
         )
+        yield Text(words)
 
 
 def configuration(run: Run) -> Iterator[Block]:

@@ -11,32 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from edl6dof.report.catalogue import (
-    BOUND,
-    NAV_ATTITUDE,
-    NAV_INNOVATION,
-    NAV_LANDING,
-    NAV_POSITION,
-    NAV_TOUCHDOWN,
-    NAV_VELOCITY,
-    STATES,
-)
+from edl6dof.report import catalogue as plots
 from edl6dof.report.document import Row, Table
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
 from edl6dof.report.palette import BAD
 from edl6dof.runs.run import Run
+from edl6dof.telemetry.columns import describe
 from edl6dof.telemetry.instrument_states import Instrument, instruments
 from edl6dof.telemetry.thinning import spans
 from edl6dof.vehicle.faults.component import Component, Components
 
-AXES = ("north", "east", "down")
-#: What is estimated: its name, unit, format, and the ends of its channels of error and sigma after the axis.
-ESTIMATED = (
-    ("position", "m", ",.1f", "", "_m"),
-    ("velocity", "m/s", ".3f", "_v", "_m_s"),
-    ("attitude", "deg", ".4f", "_attitude", "_deg"),
-)
+#: Errors in the table axis by axis, and their formats.
+ERRORS = ((plots.POSITION_ERROR, ",.1f"), (plots.VELOCITY_ERROR, ".3f"), (plots.ATTITUDE_ERROR, ".4f"))
 #: Moments of the table, by event.
 MOMENTS = {"mortar": "mortar fire", "ignition": "ignition", "touchdown": "touchdown"}
 TITLES = {"gyro": "gyros", "accelerometer": "accelerometers", "beam": "radar beams"}
@@ -49,13 +36,13 @@ def figures(run: Run) -> Iterator[Figure | Table]:
     seen = echoes(run)
     if any(key in run.when for key in MOMENTS):
         yield at_moments(run)
-    yield figure_of(run, NAV_POSITION)
-    yield figure_of(run, NAV_VELOCITY, ~(np.cumsum(seen) > 0))
-    yield figure_of(run, NAV_ATTITUDE)
+    yield figure_of(run, plots.NAV_POSITION)
+    yield figure_of(run, plots.NAV_VELOCITY, ~(np.cumsum(seen) > 0))
+    yield figure_of(run, plots.NAV_ATTITUDE)
     if np.any(run.between(until="touchdown") & seen):
-        yield figure_of(run, NAV_LANDING)
+        yield figure_of(run, plots.NAV_LANDING)
         yield innovations(run, seen)
-    yield from over_flight(run, [NAV_TOUCHDOWN])
+    yield from over_flight(run, [plots.NAV_TOUCHDOWN])
     yield from instrument_lanes(run)
 
 
@@ -64,7 +51,7 @@ def innovations(run: Run, seen: np.ndarray) -> Figure:
     navigation = run.scenario["flight_software"]["navigation"]
     gate = navigation.get(str(navigation["filter"]), {}).get("gate")
     limit = [] if gate is None else [Mark("y", float(gate), "gate", BAD)]
-    figure = figure_of(run, NAV_INNOVATION, seen)
+    figure = figure_of(run, plots.NAV_INNOVATION, seen)
     return replace(figure, panels=[replace(panel, marks=[*panel.marks, *limit]) for panel in figure.panels])
 
 
@@ -91,13 +78,12 @@ def at_moments(run: Run) -> Table:
     """Tabulate error and bound of every estimate at the main events."""
     reached = [key for key in MOMENTS if key in run.when]
     rows: list[Row] = []
-    for name, unit, form, stem, suffix in ESTIMATED:
-        for axis in AXES:
-            channels = f"nav.error{stem}_{axis}{suffix}", f"nav.sigma{stem}_{axis}{suffix}"
-            rows.append([f"{name} {axis}", unit, *(_bounded(run, *channels, key, form) for key in reached)])
-    height = "nav.error_height_m", "nav.sigma_height_m"
-    rows.append(["height above the ground", "m", *(_bounded(run, *height, key, ",.2f") for key in reached)])
-    caption = f"Estimated less true, and the {BOUND:.0f} σ that the flight software claims"
+    of_axes = [(one, form) for plot, form in ERRORS for one in plot.apart()]
+    for plot, form in (*of_axes, (plots.HEIGHT_ERROR._replace(title="height above the ground"), ",.2f")):
+        error, sigma = plot.channels
+        values = (_bounded(run, error, sigma, key, form) for key in reached)
+        rows.append([plot.title.replace(" error,", ""), describe(error)[0], *values])
+    caption = f"Estimated less true, and the {plots.BOUND:.0f} σ that the flight software claims"
     return Table(["error", "unit", *(f"{MOMENTS[key]}>" for key in reached)], rows, caption)
 
 
@@ -105,7 +91,7 @@ def _bounded(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     t = run.when[key]
     if key == "touchdown":  # a reading earlier: where contact shakes the vehicle, it has not seen that yet
         t = float(run.t[max(int(np.searchsorted(run.t, t)) - 1, 0)])
-    return f"{run.at(error, t):{form}} ± {BOUND * run.at(sigma, t):{form}}"
+    return f"{run.at(error, t):{form}} ± {plots.BOUND * run.at(sigma, t):{form}}"
 
 
 def names(run: Run) -> Components:
@@ -124,7 +110,7 @@ def names(run: Run) -> Components:
 def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
     """Draw a lane for each of some instruments of one kind."""
     traces = []
-    for state, colour in STATES.items():
+    for state, colour in plots.STATES.items():
         ends = [
             (run.t[first], run.t[min(last, len(run.t) - 1)], lane)
             for lane, one in enumerate(those)

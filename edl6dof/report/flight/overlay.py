@@ -13,9 +13,9 @@ from typing import Any, get_args
 from edl6dof.config.document.scalars import write_flow
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
-from edl6dof.report.figure import Dash, Figure, Panel, Trace
+from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report, headline, mood
-from edl6dof.runs.folder import distinct_names
+from edl6dof.runs.files import distinct_names
 from edl6dof.runs.run import Run
 from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
@@ -80,9 +80,7 @@ def events_table(first: Run, second: Run) -> Table:
     """Tabulate when the same events happened; the nth of repeated events are compared."""
     one, two = _numbered(first.events), _numbered(second.events)
     rows: list[Row] = []
-    for key in sorted(
-        {**one, **two}, key=lambda key: min(events[key][0] for events in (one, two) if key in events)
-    ):
+    for key in sorted(one | two, key=lambda key: min(of[key][0] for of in (one, two) if key in of)):
         t1, t2 = (events[key][0] if key in events else None for events in (one, two))
         rows.append([(one.get(key) or two[key])[1], *_numbers(t1, t2)])
     return Table(["event", *(f"{label} (s)>" for label in labels(first, second)), "difference (s)>"], rows)
@@ -102,8 +100,7 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 def together(figures: Sequence[Figure], names: Sequence[str]) -> Figure:
     """Draw the curves of several flights in the panels of one figure.
 
-    Flights differ by their dashes; a curve has a colour of its own, or where a panel has one curve only, each
-    flight has.
+    Each flight has its own dashes, and each curve its own colour; in a panel of one curve each flight has.
     """
     panels = []
     for index, panel in enumerate(figures[0].panels):
@@ -131,8 +128,10 @@ def _partner(panel: Panel, index: int, others: Sequence[Panel]) -> Panel | None:
 
 
 def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
-    if two is None or one.heat is not None:
-        return replace(one, title=f"{names[0]} only") if one.heat is not None else one
+    if one.heat is not None:
+        return replace(one, title=f"{names[0]} only")
+    if two is None:
+        return one
     mine = [_named(trace, names[0]) for trace in one.coloured()]
     other = [
         replace(
@@ -145,20 +144,16 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
         for trace in two.coloured()
         if not trace.border
     ]
-    ranges = [
-        None if axis.range is None or axis.names else widest(axis.range, other.range)
-        for axis, other in ((one.x, two.x), (one.y, two.y))
-    ]
-    x, y = (
-        replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True)
-    )
-    return replace(one, x=x, y=y, traces=[*mine, *other])
+    return replace(one, x=_widened(one.x, two.x), y=_widened(one.y, two.y), traces=[*mine, *other])
 
 
-def widest(one: tuple[float, float], two: tuple[float, float] | None) -> tuple[float, float]:
-    """Return the range that holds both, in the direction of the first."""
-    low, high = min(*one, *(two or one)), max(*one, *(two or one))
-    return (low, high) if one[0] <= one[1] else (high, low)
+def _widened(axis: Axis, other: Axis) -> Axis:
+    """The first axis; a range that it has is widened to hold that of the other, in its own direction."""
+    if axis.range is None or axis.names:
+        return axis
+    every = (*axis.range, *(other.range or ()))
+    low, high = min(every), max(every)
+    return replace(axis, range=(low, high) if axis.range[0] <= axis.range[1] else (high, low))
 
 
 def darker(colour: str) -> str:
@@ -174,7 +169,7 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values with five digits, or whole, and with more if their difference needs them for three."""
+    """Both values, whole or with five digits, or with more if three digits of the difference need them."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
@@ -185,7 +180,7 @@ def _numbers(one: float | None, two: float | None) -> list[str]:
 
 
 def _places(size: float, digits: int) -> int:
-    """Decimals that give a number so many digits."""
+    """Decimals with which a number has this many digits."""
     return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 

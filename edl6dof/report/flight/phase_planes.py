@@ -33,7 +33,7 @@ _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fi
 
 def figures(run: Run) -> Iterator[Figure]:
     """Draw one figure for each controller that flew; none for a point mass."""
-    if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
+    if not has_signal(run, *(f"truth.rate_{axis}_deg_s" for axis in RATES)):
         return
     phases = run.scenario["mission"]["phases"]
     flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
@@ -103,20 +103,17 @@ def _meanings(panels: Sequence[Panel]) -> str:
     names = {trace.name for panel in panels for trace in panel.traces}
     found = ["grey: zone borders of the controller"] * grey
     found += [f"green: {words}" for name, words in _GREEN.items() if name in names]
-    words = "; ".join(found)
-    return f"{words[0].upper()}{words[1:]}. " if words else ""
+    return f"{'; '.join(found).capitalize()}. " if found else ""
 
 
 def control_cycles(run: Run) -> np.ndarray:
-    """Return the rows (bool) in which the controller has just run: in others telemetry holds an old error,
-    which would draw steps that were not flown.
-    """
+    """Return the rows (bool) in which the controller has just run; others repeat an old error."""
     errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
     return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))
 
 
 def control_rates(run: Run, control: str) -> list[np.ndarray]:
-    """The rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
+    """Return the rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
 
     In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest
     into that about the velocity and the swing of the air angles.
@@ -136,7 +133,7 @@ def control_rates(run: Run, control: str) -> list[np.ndarray]:
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a flight that diverged
 def path_rate(run: Run) -> np.ndarray:
-    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences."""
+    """Return the rate (deg/s in B) at which the planet-relative velocity turns, shape (3, rows)."""
     spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
     position, velocity = (
         np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1)
@@ -151,7 +148,7 @@ def path_rate(run: Run) -> np.ndarray:
 
 
 def borders(gains: Mapping[str, Any], axis: int) -> tuple[list[Trace], list[Mark]]:
-    """Zone borders of one axis of a controller as lines and marks."""
+    """Return the zone borders of one axis of a controller as lines and marks."""
     zones = zones_of(gains, axis)
     x, y = (np.concatenate([-half[::-1], [np.nan], half]) for half in (zones.error, zones.rate))
     lines = [Trace(x, y, zones.name, colour=GREEN, width=2.0, border=True)] if zones.name else []
@@ -176,7 +173,7 @@ class Zones(NamedTuple):
 
 
 def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
-    """Borders of a controller for axis 0 roll, 1 pitch, 2 yaw; none where its gains are not known here."""
+    """Return the borders of a controller for axis 0 roll, 1 pitch, 2 yaw; none for gains not known here."""
     zone = gains.get("roll" if axis == 0 else "pitch_yaw") or (gains.get("bank") if axis == 0 else None)
     try:
         if "deadband_deg" in gains:
@@ -194,11 +191,10 @@ def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
 
 
 def aimed_rate(zone: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
-    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et
-    al. 2022, section 4.1.
+    """Return the rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.
 
     It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
-    deceleration.
+    deceleration.  Source: Hu et al. 2022, section 4.1.
     """
     inner = zone["proportional"] / max(zone["derivative"], 1e-9) * zone["near_deg"]
     parabola = np.sqrt(inner**2 + 2.0 * zone["deceleration_deg_s2"] * (error - zone["near_deg"]))
@@ -206,8 +202,9 @@ def aimed_rate(zone: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
 
 
 def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
-    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source:
-    Hu et al. 2022, section 3.
+    """Return the least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).
+
+    Source: Hu et al. 2022, section 3.
     """
     bend = rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"])
     return gains["deadband_deg"] + bend + gains["lead_s"] * rate

@@ -13,13 +13,7 @@ from edl6dof.config.units import G0
 from edl6dof.report.catalogue import DISTURBANCE, PROPELLANT_AND_MASS, TORQUE
 from edl6dof.report.document import Table
 from edl6dof.report.figure import Axis, Band, Figure, Heat, Mark, Panel, Trace
-from edl6dof.report.flight.common import (
-    figure_of,
-    has_signal,
-    over_flight,
-    stacked,
-    time_panel,
-)
+from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
 from edl6dof.report.palette import BAD, BLUE, GREEN, GREY, ORANGE, VERMILION
 from edl6dof.runs.run import Run
 
@@ -33,10 +27,9 @@ MEAN_S, MOST = 0.1, 4
 
 def thruster_use(run: Run) -> Iterator[Figure | Table]:
     """Draw activity, torque and propellant, and tabulate the use of each thruster."""
-    thrusters = [
-        jet["name"] for jet in run.scenario["vehicle"]["rcs"]["thrusters"] if f"rcs.{jet['name']}" in run
-    ]
-    if thrusters and any(has_signal(run, f"rcs.{name}") for name in thrusters):
+    jets = run.scenario["vehicle"]["rcs"]["thrusters"]
+    thrusters = [jet["name"] for jet in jets if f"rcs.{jet['name']}" in run]
+    if has_signal(run, *(f"rcs.{name}" for name in thrusters)):
         yield activity(run, thrusters)
         yield use(run)
         yield from branch_use(run)
@@ -52,23 +45,17 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     duty = np.stack([np.bincount(place, run[f"rcs.{name}"], BINS) / count for name in thrusters])
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
-    failed = {
-        name: float(run.t[np.argmax(faulty)])
-        for name in thrusters
-        if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()
-    }
-    bands = [
-        Band(BAD, (failed[name], float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
-        for lane, name in enumerate(thrusters)
-        if name in failed
-    ]
+    bands, failures = [], ""
+    for lane, name in enumerate(thrusters):
+        faulty = run.get(f"fault.{name}", np.zeros(1)) != 0
+        if faulty.any():
+            span = float(run.t[np.argmax(faulty)]), float(run.t[-1])
+            bands.append(Band(BAD, span, (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True))
+            failures += f" {name} failed at {span[0]:.1f} s."
     y = Axis("thruster", (len(thrusters) - 0.5, -0.5), names=thrusters)
     panel = replace(time_panel(run, run.t, y, ()), bands=bands, heat=heat)
-    width = edges[1] - edges[0]
-    caption = (
-        f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
-    )
-    caption += "".join(f" {name} failed at {since:.1f} s." for name, since in failed.items())
+    caption = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s; the colour scale ends at the 98th "
+    caption += f"percentile of firing.{failures}"
     return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
 
 
@@ -93,11 +80,11 @@ def use(run: Run) -> Table:
 
 def disturbances(run: Run) -> Iterator[Figure]:
     """Draw torque and force from other sources than the thrusters, and their estimates."""
-    if not any(has_signal(run, f"truth.disturbance_{axis}_nm") for axis in "xyz"):
+    if not has_signal(run, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")):
         return
     acting = "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
     yield figure_of(run, DISTURBANCE, acting=acting)
-    if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
+    if has_signal(run, *(f"estimate.force_{axis}_n" for axis in "xyz")):
         yield force(run, acting)
 
 
@@ -147,23 +134,15 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
     for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True):
         torque = run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"]
         residual.append(Trace(t, free * torque[rows], name, colour=colour))
-    threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
+    needed = Mark("y", float(run.scenario["flight_software"]["diagnosis"]["confidence"]), "needed", BAD)
+    confidence = Trace(t, run["diagnosis.confidence"][rows], colour=BLUE)
+    count = Trace(t, isolated, kind="steps", colour=BAD, width=2.0)
+    most = max(float(isolated.max()), 1.0)
     panels = [
         time_panel(run, t, Axis("torque residual\n(N m)"), residual),
-        time_panel(
-            run,
-            t,
-            Axis("confidence (1)", (0.0, 1.18)),
-            [Trace(t, run["diagnosis.confidence"][rows], colour=BLUE)],
-            [Mark("y", threshold, "needed", BAD)],
-        ),
+        time_panel(run, t, Axis("confidence (1)", (0.0, 1.18)), [confidence], [needed]),
         leaks(run, rows),
-        time_panel(
-            run,
-            t,
-            Axis("isolated (1)", (-0.1, max(float(isolated.max()), 1.0) + 0.1)),
-            [Trace(t, isolated, kind="steps", colour=BAD, width=2.0)],
-        ),
+        time_panel(run, t, Axis("isolated (1)", (-0.1, most + 0.1)), [count]),
     ]
     caption = (
         "Residual: estimated less true disturbance torque, which is thrust that never came; left out while "
@@ -186,11 +165,8 @@ def leaks(run: Run, rows: np.ndarray) -> Panel:
 
 def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
     """Draw the flow through each branch with a failed thruster, at some rows (bool)."""
-    failed = [
-        name
-        for name, jets in thrusters_of(run).items()
-        if any(np.any(run.get(f"fault.{jet}", np.zeros(1)) != 0) for jet in jets)
-    ]
+    branches = thrusters_of(run).items()
+    failed = [name for name, jets in branches if has_signal(run, *(f"fault.{jet}" for jet in jets))]
     shown = [name for name in failed[:MOST] if f"metered.{name}_kg" in run]
     if not shown:
         return

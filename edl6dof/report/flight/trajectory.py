@@ -1,44 +1,34 @@
-"""The trajectory: overview over time, the entry in its corridor, deployment box, powered descent, and landing
-site.
+"""The trajectory: the whole flight over time, the entry in its corridor, and the deployment box of the
+parachute.
+
+The corridor is the drag over speed that lift and the limits of the scenario allow.  Its borders come from the
+flight itself: its own air density over height, drag and load per dynamic pressure over speed and constant of
+the heat-flux law turn a limit on dynamic pressure, load or heat flux into a drag or a height above the areoid
+at every speed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.interface.roles import HOVER_IMAGING, begun
-from edl6dof.report.catalogue import OVERVIEW, STACKS
-from edl6dof.report.figure import Axis, Band, Figure, Panel, Trace, legend_entry
-from edl6dof.report.flight.common import (
-    EVENTS,
-    circle,
-    figure_of,
-    flown,
-    has_signal,
-    over_flight,
-    phase_bands,
-    phase_keys,
-    placed,
-    site_panel,
-)
-from edl6dof.report.flight.corridor import (
-    Entry,
-    aerodynamic_accelerations,
-    borders,
-    entry_state,
-    forbidden,
-    glide,
-)
-from edl6dof.report.palette import GREEN, GREY, ORANGE, PURPLE, VERMILION
+from edl6dof.config.units import G0
+from edl6dof.report.catalogue import OVERVIEW
+from edl6dof.report.figure import Axis, Band, Dash, Figure, Panel, Trace, legend_entry
+from edl6dof.report.flight.common import EVENTS, figure_of, flown, has_signal, placed
+from edl6dof.report.palette import GREEN, GREY, ORANGE, PHASES, PURPLE, VERMILION
 from edl6dof.runs.run import Run
-from edl6dof.scenario.terrain_preview import planned_ellipse
 
-#: Parts that are discarded, and their colours.
-_PARTS = {"canopy": GREY, "heat_shield": ORANGE, "backshell": PURPLE}
-EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
+#: Dynamic pressure (Pa) below which ratios to it say nothing.
+THIN_AIR = 5.0
+#: Time (s) over which lift and drag are averaged for the borders.
+CALM_S = 8.0
+#: Lift-to-drag ratio below which there is no gliding.
+LEAST_LIFT = 0.08
 
 
 def figures(run: Run) -> Iterator[Figure]:
@@ -53,12 +43,15 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def overview(run: Run) -> Figure:
-    """Draw the main quantities over the whole flight."""
-    figure, phases = figure_of(run, OVERVIEW), phase_keys(run)
-    panels = [replace(panel, bands=phase_bands(run)) for panel in figure.panels]
+    """Draw the main quantities over the whole flight, on the colours of the mission phases."""
+    figure = figure_of(run, OVERVIEW)
+    phases = [name for name in run.phase_names if f"phase.{name}" in run.when]
+    spans = pairwise([*(run.when[f"phase.{name}"] for name in phases), float(run.t[-1])])
+    bands = [Band(PHASES[k % len(PHASES)], x=span, opacity=0.75) for k, span in enumerate(spans)]
+    panels = [replace(panel, bands=bands) for panel in figure.panels]
     entries = [
-        legend_entry(key.removeprefix("phase.").replace("_", " "), colour, border=True)
-        for key, colour in phases.items()
+        legend_entry(name.replace("_", " "), band.colour, border=True)
+        for name, band in zip(phases, bands, strict=True)
     ]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
     caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
@@ -68,18 +61,14 @@ def overview(run: Run) -> Figure:
 def on_scale(panel: Panel) -> tuple[Panel, str]:
     """Return the panel without the borders that lie outside its scales, and a sentence that names them."""
     (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
-    seen = [
-        not trace.border
-        or bool(np.any((trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)))
-        for trace in panel.traces
-    ]
-    beyond = [
-        trace.name
-        for trace, on in zip(panel.traces, seen, strict=True)
-        if not on and trace.name and np.isfinite(trace.y).any()
-    ]
-    words = f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
-    return replace(panel, traces=[trace for trace, on in zip(panel.traces, seen, strict=True) if on]), words
+    kept, beyond = list[Trace](), list[str]()
+    for trace in panel.traces:
+        inside = (trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)
+        if not trace.border or inside.any():
+            kept.append(trace)
+        elif trace.name and np.isfinite(trace.y).any():
+            beyond.append(trace.name)
+    return replace(panel, traces=kept), f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
@@ -151,102 +140,122 @@ def deployment_box(run: Run) -> Figure:
     box = Band(GREEN, (0.0, most[0]), (0.0, most[1]), words, 0.14, outline=True)
     x = Axis("Mach number (1)", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
-    alpha = run.at("truth.total_alpha_deg", t0)
     caption = ""
     if has_signal(run, "truth.total_alpha_deg"):
-        allowed = float(limit["parachute_total_alpha_deg"])
+        alpha, allowed = run.at("truth.total_alpha_deg", t0), float(limit["parachute_total_alpha_deg"])
         caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {allowed:g} deg)."
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)
 
 
-def powered_descent(run: Run) -> Iterator[Figure]:
-    """Draw height over descent speed, in which powered descent is designed; then its plots over time."""
-    if "ignition" in run.when:
-        rows = run.between("backshell", "touchdown")
-        names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
-        curve = flown(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows])
-        events = placed(run, "truth.v_down_m_s", "truth.height_m", names)
-        panel = Panel(Axis("descent speed (m/s)"), Axis("height above the ground (m)"), [curve, events])
-        yield Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)
-    yield from over_flight(run, STACKS["landing"])
+class Entry(NamedTuple):
+    """Entry from the first air to the parachute at falling speeds, shape (n,); and the air flown through."""
+
+    speed: np.ndarray
+    drag: np.ndarray
+    lift_to_drag: np.ndarray
+    drag_per_pressure: np.ndarray
+    load_per_pressure: np.ndarray
+    heat_constant: float
+    profile_density: np.ndarray
+    profile_height: np.ndarray
+    radius: float
+    gravity: float
+
+    def height(self, density: np.ndarray) -> np.ndarray:
+        """Return the height (m above the areoid) at which the flown air has a density; NaN outside it."""
+        log = np.log(np.maximum(density, 1e-30))
+        return np.interp(log, np.log(self.profile_density), self.profile_height, left=np.nan, right=np.nan)
 
 
-def site_figures(run: Run) -> Iterator[Figure]:
-    """Draw ground track and landing site."""
-    yield ground_track(run)
-    if "mortar" in run.when and "backshell" in run.when:
-        yield landing_site(run)
+def entry_state(run: Run) -> Entry | None:
+    """Return drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
+    rows = run.between(until="mortar") & (run["truth.height_m"] > 0.0)
+    rows &= run["truth.dynamic_pressure_pa"] > THIN_AIR
+    if rows.sum() < 50 or not has_signal(run, "truth.heat_flux_w_cm2"):
+        return None
+    order = np.flatnonzero(rows)
+    fastest = np.minimum.accumulate(run["truth.airspeed_m_s"][order])
+    order = order[np.append(True, fastest[1:] < fastest[:-1])]
+    drag, lift = (_calm(run, values)[order] for values in aerodynamic_accelerations(run))
+    pressure, speed = run["truth.dynamic_pressure_pa"][order], run["truth.airspeed_m_s"][order]
+    heat = run["truth.heat_flux_w_cm2"][order] / (np.sqrt(run["truth.density_kg_m3"][order]) * speed**3)
+    air = run["truth.density_kg_m3"] > 0.0
+    rising = np.flatnonzero(air)[np.argsort(run["truth.density_kg_m3"][air], kind="stable")][::10]
+    planet = run.scenario["planet"]
+    gliding = (run.t[order] < run.when.get("trim_wing", np.inf)) & (drag > 0.0)
+    glide = np.divide(lift, drag, out=np.full_like(drag, np.nan), where=gliding)
+    radius = float(planet["equatorial_radius_m"])
+    return Entry(
+        speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
+        run["truth.density_kg_m3"][rising], run["truth.height_above_areoid_m"][rising], radius,
+        float(planet["gravity"]["mu_m3_s2"]) / radius**2,
+    )  # fmt: skip
 
 
-def ground_track(run: Run) -> Figure:
-    """Draw the whole path east and north of the landing site; the axes have different scales."""
-    traces = [_track(run, slice(None), 1e3), _target(run), _events(run, {"mortar": "parachute"}, 1e3)]
-    caption = "Axes have different scales."
-    if run.summary["figures"].get("bank_reversals"):
-        caption += " Bank reversals keep the track inside the corridor of crossrange."
-    panel = site_panel(traces, unit="km", equal=False)
-    return Figure("ground_track", "Ground track", [panel], caption, height=420)
+def aerodynamic_accelerations(
+    run: Run, rows: np.ndarray | slice = slice(None)
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return drag and lift acceleration, m/s2, from the aerodynamic force in B and the wind angles."""
+    alpha, beta = (np.radians(run[f"truth.{name}_deg"][rows]) for name in ("alpha", "beta"))
+    along = (np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta))
+    force = [run[f"truth.aero_force_{axis}_n"][rows] / run["truth.mass_kg"][rows] for axis in "xyz"]
+    drag = -sum(f * a for f, a in zip(force, along, strict=True))
+    return drag, np.sqrt(np.maximum(sum(f * f for f in force) - drag * drag, 0.0))
 
 
-def landing_site(run: Run) -> Figure:
-    """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale."""
-    last = run.between("backshell")
-    target, planned, below = [_target(run)], _planned(run), _track(run, run.between("mortar"), 1e3)
-    limit, allowed = run.scenario["limits"]["landing_distance_m"], []
-    if limit is not None:
-        x, y = circle((0.0, 0.0), float(limit) / 1e3, 181)
-        allowed = [Trace(x, y, "allowed distance", colour=GREEN, dash="dash", width=1.2, border=True)]
-    panels = []
-    if planned:
-        panels.append(site_panel([*planned, *allowed, below, *target], unit="km", title="planned ellipse"))
-    parts = [_part(run, name, 1e3) for name in _PARTS]
-    traces = [
-        *([] if planned else allowed),
-        *parts,
-        below,
-        *target,
-        _events(run, {"mortar": "parachute"}, 1e3),
-    ]
-    panels.append(site_panel(traces, unit="km", title="from the parachute on"))
-    reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
-    away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
-    near = target if away < 2.0 * reach else []  # else there were nothing else to be seen
-    traces = [_part(run, "backshell"), _track(run, last), *near, _events(run, {"touchdown": "touchdown"})]
-    panels.append(site_panel(traces, title="powered descent"))
-    landed, caption = run.summary["figures"], ""
-    if landed.get("landing_distance_m") is not None:
-        offset = f"{landed['landing_east_m']:+,.0f} m east, {landed['landing_north_m']:+,.0f} m north"
-        caption = f"Landed {landed['landing_distance_m']:,.0f} m from the target: {offset}."
-    return Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
+def _calm(run: Run, values: np.ndarray) -> np.ndarray:
+    """Mean over some seconds, without the oscillation of the angle of attack."""
+    rows = max(int(CALM_S / max(float(np.median(np.diff(run.t))), 1e-6)), 1)
+    held = np.pad(values, (rows // 2, rows - 1 - rows // 2), mode="edge")
+    return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
 
 
-def _track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
-    return flown(run[EAST][rows] / scale, run[NORTH][rows] / scale, "vehicle")
+class Border(NamedTuple):
+    """One border of the corridor: drag (m/s2) over ``Entry.speed``."""
+
+    name: str
+    drag: np.ndarray
+    colour: str
+    dash: Dash
+
+    def trace(self, x: np.ndarray, y: np.ndarray) -> Trace:
+        """Return the border in a plane: km/s, and ``y`` over it."""
+        return Trace(x / 1e3, y, self.name, colour=self.colour, dash=self.dash, border=True)
 
 
-def _target(run: Run) -> Trace:
-    """The landing site, called target unless the flight only has to last."""
-    name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
-    return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
+def borders(run: Run, entry: Entry) -> list[Border]:
+    """Return borders for the limits that the scenario sets."""
+    limit = run.scenario["limits"]
+    found = []
+    if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
+        pressure = 0.5 * (most / (entry.heat_constant * entry.speed**3)) ** 2 * entry.speed**2
+        drag = pressure * entry.drag_per_pressure
+        found.append(Border(f"heat flux {most:g} W/cm²", drag, VERMILION, "dash"))
+    if (most := limit.get("entry_dynamic_pressure_pa")) is not None:
+        drag = most * entry.drag_per_pressure
+        found.append(Border(f"dynamic pressure {most / 1e3:g} kPa", drag, ORANGE, "dashdot"))
+    if (most := limit.get("entry_load_g0")) is not None:
+        drag = most * G0 * entry.drag_per_pressure / entry.load_per_pressure
+        found.append(Border(f"load {most:g} g", drag, PURPLE, "dot"))
+    return found
 
 
-def _planned(run: Run) -> list[Trace]:
-    """The planned landing ellipse (km), if the scenario has one."""
-    terrain = run.scenario["terrain"]
-    length, width = (float(terrain[f"ellipse_{side}_m"]) / 1e3 for side in ("length", "width"))
-    if length <= 0.0:
+def glide(entry: Entry) -> Border:
+    """Return the equilibrium glide, in which full lift up holds the flight-path angle near the ground; NaN
+    above circular speed and without lift.
+    """
+    need = entry.gravity - entry.speed**2 / entry.radius
+    lifting = (need > 0.0) & (entry.lift_to_drag > LEAST_LIFT)
+    drag = np.where(lifting, need / entry.lift_to_drag, np.nan)
+    return Border("equilibrium glide, lift up", drag, GREEN, "dash")
+
+
+def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
+    """Return the drag beyond the lowest border, up to ``edge``, as one shaded region."""
+    if not found:
         return []
-    east, north = planned_ellipse(length, width, np.radians(terrain["ellipse_azimuth_deg"]))
-    name = f"planned ellipse, {length:g} x {width:g} km"
-    return [Trace(east, north, name, colour=GREY, width=1.0, border=True)]
-
-
-def _part(run: Run, name: str, scale: float = 1.0) -> Trace:
-    """The path of a discarded part to the ground."""
-    east, north = (run[f"truth.{name}_{way}_m"] / scale for way in ("east", "north"))
-    there = np.isfinite(east)
-    return Trace(east[there], north[there], name.replace("_", " "), colour=_PARTS[name], dash="dash")
-
-
-def _events(run: Run, names: dict[str, str], scale: float = 1.0) -> Trace:
-    return placed(run, EAST, NORTH, names, (1.0 / scale, 1.0 / scale))
+    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
+    rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
+    x, y = entry.speed[rows] / 1e3, lowest[rows]
+    around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
+    return [Trace(*around, "beyond a limit", "region", VERMILION, border=True)]

@@ -5,17 +5,14 @@ The table comes from a mesh, a csv or DAVE-ML files (:mod:`edl6dof.vehicle.aerod
 
 from __future__ import annotations
 
-from math import pi
-
 import numpy as np
 
 from edl6dof.config.base import Hardware, Vec3, param
-from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.kernels import kernel
-from edl6dof.spatial.elementary import asin, atan2, log10, sin
+from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.table_index import cell_among
 from edl6dof.spatial.vector import clamp, norm
-from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
+from edl6dof.vehicle.aerodynamics.capsule import MIN_SPEED, free_molecular_weight
 
 MACH_NODES, ALPHA_NODES, BETA_NODES = 64, 96, 96
 #: Nodes of all Mach numbers, angles of attack and angles of sideslip together.
@@ -78,9 +75,7 @@ class BodyAeroParams(Hardware):
 
 @kernel
 def node(table, i, j, k):
-    """Row of ``static`` at Mach number ``i``, angle of attack ``j`` and sideslip ``k``; with ``i`` 0 of
-    ``rare``.
-    """
+    """Row of ``static`` at Mach ``i``, angle of attack ``j`` and sideslip ``k``; of ``rare`` for ``i`` 0."""
     return (i * table.n_alpha + j) * table.n_beta + k
 
 
@@ -96,24 +91,8 @@ def _bilinear(rows, table, cells, shares, column):
 
 
 @kernel
-def rarefaction(body, gas, rho):
-    """Share of the free-molecular coefficients at density ``rho`` (kg/m3), as of a capsule of its chord:
-    :func:`edl6dof.vehicle.aerodynamics.capsule.free_molecular_weight`.
-    """
-    inverse_knudsen = inverse_knudsen_number(gas, rho, body.chord)
-    if inverse_knudsen >= 1000.0:
-        return 0.0
-    if inverse_knudsen <= 0.1:
-        return 1.0
-    s = sin(pi / 8.0 * (3.0 - log10(inverse_knudsen)))
-    return s * s
-
-
-@kernel
 def cell_of(table, mach, alpha, beta):
-    """Nodes of Mach number, angle of attack and sideslip (rad) below the given ones, and the shares of the
-    ways to the next nodes.
-    """
+    """Cells of Mach number, angle of attack and sideslip (rad), and the shares of the way across each."""
     i, m = cell_among(table.mach, table.n_mach, mach)
     j, a = cell_among(table.alpha, table.n_alpha, alpha)
     k, b = cell_among(table.beta, table.n_beta, beta)
@@ -122,13 +101,11 @@ def cell_of(table, mach, alpha, beta):
 
 @kernel
 def body_coefficients(body, table, gas, mach, rho, alpha, beta):
-    """(CX, CY, CZ, Cl, Cm, Cn) at angles of attack and sideslip (rad), bridged and multiplied by the
-    factors; moments about the reference point.
-
-    Linear in Mach and both angles, held beyond the ends.
+    """(CX, CY, CZ, Cl, Cm, Cn) about the reference point at angles of attack and sideslip (rad), bridged and
+    multiplied by the factors; linear in Mach and both angles, held beyond the ends.
     """
     cells, shares = cell_of(table, mach, alpha, beta)
-    weight = rarefaction(body, gas, rho) if table.rarefied != 0 else 0.0
+    weight = free_molecular_weight(gas, rho, body.chord) if table.rarefied != 0 else 0.0
     return (
         _coefficient(table, cells, shares, weight, 0) * body.axial_factor,
         _coefficient(table, cells, shares, weight, 1) * body.lateral_factor,

@@ -30,13 +30,11 @@ from edl6dof.vehicle.aerodynamics.body import (
     BodyAeroParams,
 )
 from edl6dof.vehicle.aerodynamics.newtonian import (
-    BASE_SUCTION,
     Panels,
     References,
-    base_pressure_coefficient,
+    continuum,
     integrals,
     panels_of,
-    stagnation_pressure_coefficient,
 )
 
 #: Nodes of the table of a mesh: Mach numbers, and angles of attack and sideslip (deg).
@@ -102,7 +100,7 @@ def build_body_table(inputs: BodyInputs) -> np.ndarray:
     elif kind == ".dml":
         found = of_daveml(path, body.inputs)
     else:
-        found = of_panels(body_panels(body), references(body), inputs.heat_capacity_ratio)
+        found = of_panels(panels_of(placed_corners(body)), references(body), inputs.heat_capacity_ratio)
     table = np.zeros(1, BODY_TABLE)
     record, shape = table[0], found.static.shape[:3]
     for name, size, most in zip(
@@ -133,16 +131,6 @@ def references(body: BodyAeroParams) -> References:
     return References(body.reference_area_m2, lengths, np.array(body.moment_reference_m))
 
 
-def body_panels(body: BodyAeroParams) -> Panels:
-    """Panels of a body's mesh, in B.
-
-    Raises:
-        ValueError, OSError: as :func:`edl6dof.interchange.meshes.read_triangles` and
-            :func:`edl6dof.vehicle.aerodynamics.newtonian.panels_of`.
-    """
-    return panels_of(placed_corners(body))
-
-
 def placed_corners(body: BodyAeroParams) -> np.ndarray:
     """Corners of the triangles of a body's mesh in B, m."""
     turn = np.eye(3)
@@ -165,20 +153,6 @@ def directions_of(alpha: np.ndarray, beta: np.ndarray) -> np.ndarray:
     )
 
 
-def continuum(newton: np.ndarray, wet: np.ndarray, mach: np.ndarray, ratio: float) -> np.ndarray:
-    """Coefficients at each Mach number from the integrals of :func:`panels.integrals`: modified Newtonian
-    pressure on what the flow sees, base pressure on the rest.
-    """
-    mach = np.asarray(mach, dtype=float)
-    suction = BASE_SUCTION * np.maximum(1.0 - np.square(mach), 0.0)
-    stagnation, base = (
-        stagnation_pressure_coefficient(mach, ratio) - suction,
-        base_pressure_coefficient(mach, ratio),
-    )
-    shape = (-1, *(1 for _ in newton.shape))
-    return stagnation.reshape(shape) * newton - base.reshape(shape) * wet
-
-
 def of_panels(panels: Panels, to: References, heat_capacity_ratio: float) -> Coefficients:
     """Coefficients of a mesh, all around."""
     found = [
@@ -199,9 +173,8 @@ def of_csv(path: Path, content: bytes) -> Coefficients:
     if table.has_beta:
         if len(table.beta_deg) < 2:
             raise ValueError(f"{path}: needs at least two angles of sideslip, or no column beta_deg")
-        order = np.array([0, 1, 2, 3, 4, 5])
         sign = np.array([-1.0, 1.0, -1.0, 1.0, 1.0, 1.0])
-        return Coefficients(table.mach, table.alpha_deg, table.beta_deg, sign * table.values[..., order])
+        return Coefficients(table.mach, table.alpha_deg, table.beta_deg, sign * table.values)
     if table.alpha_deg[0] != 0.0 or table.alpha_deg[-1] > 180.0:
         raise ValueError(
             f"{path}: without beta_deg, alpha_deg is the total angle of a body of revolution: it begins at 0 "

@@ -12,18 +12,17 @@ from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.spatial.elementary import atan2, log10, sin
 from edl6dof.spatial.table_index import cell, cell_among
-from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
 DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Schoenenberger 2005)"
 
 DEG_PER_RAD = 180.0 / pi
+#: Speed relative to the air (m/s) below which a body feels no force of it.
+MIN_SPEED = 1e-9
 
 
 class CapsuleParams(Hardware):
-    """Sphere-cone capsule: static table, shape for angles beyond the table, damping, uncertainty
-    multipliers.
-    """
+    """Sphere-cone capsule: static table, shape for angles beyond it, damping, uncertainty multipliers."""
 
     coefficients: Literal["table", "newtonian"] = param(
         "table",
@@ -147,13 +146,14 @@ class CapsuleParams(Hardware):
 
 
 @kernel
-def free_molecular_weight(capsule, gas, rho):
-    """Share of the free-molecular coefficients at density ``rho`` (kg/m3): 0 continuum .. 1 free molecular.
+def free_molecular_weight(gas, rho, length):
+    """Share of the free-molecular coefficients at density ``rho`` (kg/m3) for a body of a reference
+    ``length`` (m): 0 continuum .. 1 free molecular.
 
-    Kn = lambda/D; weight = sin^2(pi/8 (3 + log10 Kn)) for 1e-3 < Kn < 10.
+    Kn = lambda/length; weight = sin^2(pi/8 (3 + log10 Kn)) for 1e-3 < Kn < 10.
     Source: sine-squared bridging as in Wilmoth, Mitcheltree & Moss, AIAA 97-2510 (recalled).
     """
-    inverse_knudsen = inverse_knudsen_number(gas, rho, capsule.diameter)
+    inverse_knudsen = inverse_knudsen_number(gas, rho, length)
     if inverse_knudsen >= 1000.0:
         return 0.0
     if inverse_knudsen <= 0.1:
@@ -175,10 +175,7 @@ def _hermite(grid, i, k, basis):
 @kernel
 def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     """(CA, CN, Cm, Cmq) at a total angle (rad, 0..pi), bridged and multiplied by the factors; Cm about the
-    table's reference.
-
-    Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source:
-    :mod:`edl6dof.vehicle.aerodynamics.capsule_table`.
+    table's reference.  Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.
     """
     low, b = cell_among(table.mach, table.n_mach, mach)
     i, t = cell(angle * DEG_PER_RAD, 180)
@@ -192,7 +189,7 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     cmq = (1.0 - t) * ((1.0 - b) * lower[i, 6] + b * upper[i, 6]) + t * (
         (1.0 - b) * lower[i + 1, 6] + b * upper[i + 1, 6]
     )
-    weight = free_molecular_weight(capsule, gas, rho)
+    weight = free_molecular_weight(gas, rho, capsule.diameter)
     if weight > 0.0:
         ca += weight * (_hermite(rare, i, 0, basis) - ca)
         cn += weight * (_hermite(rare, i, 2, basis) - cn)
@@ -209,7 +206,7 @@ def capsule_aero(aero, table, air, v_air, rate):
 
     Damping, none in roll: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds
     qbar A D bias to My.
-    Source: decomposition by total angle for a body of revolution, :mod:`edl6dof.vehicle.aerodynamics.shape`.
+    Source: decomposition by total angle for a body of revolution, :mod:`edl6dof.vehicle.aerodynamics.wrench`.
     """
     capsule = aero.capsule
     gas, qbar, mach, rho = air

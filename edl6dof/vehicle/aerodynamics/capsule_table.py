@@ -35,9 +35,7 @@ from edl6dof.vehicle.aerodynamics.newtonian import (
 
 
 def slopes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Slopes at the nodes ``x`` (n,) of ``y`` (..., n): weighted harmonic means inside, one-sided three-point
-    formula at the ends.
-    """
+    """Slopes at the nodes ``x`` (n,) of ``y`` (..., n): weighted harmonic means, three points at the ends."""
     h = np.diff(x)
     d = np.diff(y) / h
     out = np.empty_like(y)
@@ -121,11 +119,8 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
 
 @lru_cache(maxsize=8)
 def build_aero_table(inputs: AeroInputs) -> np.ndarray:
-    """The table record (array of one, read-only) of a capsule: every entry finite, Mach
-    ascending, slopes per degree.
-
-    Source: module docstring; damping merged onto the same Mach grid so that one look-up serves all
-    coefficients.
+    """The table record (array of one, read-only) of a capsule, slopes per degree; damping on the same Mach
+    grid, so that one look-up serves all coefficients.
 
     Raises:
         ValueError: no table can be built.
@@ -173,9 +168,7 @@ def static_table_path(name: str) -> Path:
 
 
 def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD,
-    CL, Cm.
-    """
+    """Mach, alpha (deg) and coefficients [Mach, alpha, (CA, CN, Cm)] from a csv or DAVE-ML file."""
     path = _existing(name)
     return _static_table(path, read_regular(path))
 
@@ -187,14 +180,19 @@ def _static_table(path: Path, content: bytes) -> tuple[np.ndarray, np.ndarray, n
         mach, alpha, table = static_table(path)
         cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]
         c, s = arrays.cos(np.radians(alpha)), arrays.sin(np.radians(alpha))
-        return _checked(path, mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1))
-    columns = read_aero_csv(path, content)
-    if columns.has_beta:
-        raise ValueError(
-            f"{path}: a capsule's table has no column beta_deg; aero.model body flies one that has"
-        )
-    mach, alpha, values = columns.mach, columns.alpha_deg, columns.values[:, :, 0]
-    return _checked(path, mach, alpha, values[..., [0, 2, 4]])
+        found = np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1)
+    else:
+        columns = read_aero_csv(path, content)
+        if columns.has_beta:
+            raise ValueError(
+                f"{path}: a capsule's table has no column beta_deg; aero.model body flies one that has"
+            )
+        mach, alpha, found = columns.mach, columns.alpha_deg, columns.values[:, :, 0, [0, 2, 4]]
+    if alpha[0] != 0.0 or np.any(alpha != np.round(alpha)) or not 2.0 <= alpha[-1] < FADE_END:
+        raise ValueError(f"{path}: alpha must be whole degrees from 0 to less than {FADE_END}")
+    if not (np.isfinite(mach).all() and np.isfinite(found).all()):
+        raise ValueError(f"{path}: holds a number that is not finite")
+    return mach, alpha, found
 
 
 def _existing(name: str) -> Path:
@@ -202,17 +200,6 @@ def _existing(name: str) -> Path:
     if not path.exists():
         raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
     return path
-
-
-def _checked(
-    path: Path, mach: np.ndarray, alpha: np.ndarray, coefficients: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mach, alpha and coefficients, where the angles are such that a table can be made of them."""
-    if alpha[0] != 0.0 or np.any(alpha != np.round(alpha)) or not 2.0 <= alpha[-1] < FADE_END:
-        raise ValueError(f"{path}: alpha must be whole degrees from 0 to less than {FADE_END}")
-    if not (np.isfinite(mach).all() and np.isfinite(coefficients).all()):
-        raise ValueError(f"{path}: holds a number that is not finite")
-    return mach, alpha, coefficients
 
 
 def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -240,9 +227,7 @@ def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np
 
 
 def _slopes(values: np.ndarray) -> np.ndarray:
-    """Central differences per degree of [.., degree, (CA, CN, Cm)], with CA even and CN, Cm odd about 0 and
-    180 deg.
-    """
+    """Central differences per degree of [.., degree, (CA, CN, Cm)], CA even, CN and Cm odd at the ends."""
     parity = np.array([1.0, -1.0, -1.0])
     padded = np.concatenate((values[:, 1:2] * parity, values, values[:, -2:-1] * parity), axis=1)
     return 0.5 * (padded[:, 2:] - padded[:, :-2])

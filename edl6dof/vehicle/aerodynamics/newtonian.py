@@ -80,31 +80,31 @@ def base_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> n
     return np.where(mach >= 1.0, behind, s2 * behind - BASE_SUCTION * (1.0 - s2))
 
 
+def continuum(newton: np.ndarray, wet: np.ndarray, mach: np.ndarray, ratio: float) -> np.ndarray:
+    """Coefficients at each Mach number (first axis) from integrals of (n.v)^2, and of one, on what the flow
+    sees: modified Newtonian pressure there, base pressure on the rest; ``ratio``: of specific heats behind
+    the shock.
+    """
+    mach = np.asarray(mach, dtype=float)
+    # the suction of a bluff body at rest is the base's own part here
+    suction = BASE_SUCTION * np.maximum(1.0 - np.square(mach), 0.0)
+    stagnation, base = stagnation_pressure_coefficient(mach, ratio), base_pressure_coefficient(mach, ratio)
+    shape = (-1, *(1 for _ in newton.shape))
+    return (stagnation - suction).reshape(shape) * newton - base.reshape(shape) * wet
+
+
 def newtonian_coefficients(
     rings: Rings, angle: np.ndarray, mach: np.ndarray, heat_capacity_ratio: float, size: tuple[float, float]
 ) -> np.ndarray:
-    """Continuum coefficients [Mach, angle, (CA, CN, Cm)]: modified Newtonian pressure on the windward side,
-    base pressure on the lee.
-
-    Args:
-        rings: the surface.
-        angle: total angles, rad, 0..pi.
-        mach: Mach numbers.
-        heat_capacity_ratio: ratio of specific heats behind the shock.
-        size: reference diameter, and station of the moment reference, m.
+    """Continuum coefficients [Mach, angle, (CA, CN, Cm)] of a capsule at total angles (rad, 0..pi); ``size``:
+    reference diameter, and station of the moment reference, m.
     """
     newton, _ = surface_integrals(rings, angle, *size)
-    base = base_pressure_coefficient(mach, heat_capacity_ratio)
-    # the suction of a bluff body at rest is the base's own part here
-    suction = BASE_SUCTION * np.maximum(1.0 - np.square(mach), 0.0)
-    stagnation = stagnation_pressure_coefficient(mach, heat_capacity_ratio) - suction
-    return stagnation[:, None, None] * newton - base[:, None, None] * windward_integrals(rings, angle, *size)
+    return continuum(newton, windward_integrals(rings, angle, *size), mach, heat_capacity_ratio)
 
 
 def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
-    """Rings of nose sphere, one cone or two, shoulder, two backshell cones and flat lid; Gauss-Legendre
-    points on every piece.
-    """
+    """Rings of nose, forebody cones, shoulder, backshell cones and lid, Gauss-Legendre points on each."""
     rn, rs, rmax = capsule.nose_radius_m, capsule.shoulder_radius_m, 0.5 * capsule.diameter_m
     nose, back = radians(capsule.cone_half_angle_deg), radians(capsule.backshell_cone_angle_deg)
     back2 = radians(capsule.backshell_second_cone_angle_deg)
@@ -140,10 +140,8 @@ def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
 def surface_integrals(
     rings: Rings, angle: np.ndarray, diameter: float, x_ref: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Newtonian (per unit Cp_max) and free-molecular coefficients [angle, (CA, CN, Cm)], Cm about (x_ref, 0,
-    0) and ``diameter``.
-
-    ``angle`` is the total angle, rad, 0..pi.
+    """Newtonian (per unit Cp_max) and free-molecular coefficients [angle, (CA, CN, Cm)] at total angles (rad,
+    0..pi); Cm about (x_ref, 0, 0) and ``diameter``.
 
     Newtonian: Cp = Cp_max (n.v)^2.  Free molecular: hyperthermal, diffuse, cold fully accommodated wall:
     force 2 qbar per projected area against the velocity.  Source: Regan & Anandakrishnan, Dynamics of
@@ -169,9 +167,8 @@ def surface_integrals(
 
 
 def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: float) -> np.ndarray:
-    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of one on all that the flow sees.
-
-    One all around a closed surface has no force: on the lee alone it has the opposite of these.
+    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of one on all that the flow sees; on the
+    lee alone it has the opposite of these.
     """
     area, bound = 0.25 * pi * diameter * diameter, _windward(rings, angle)[2]
     along, across = 2.0 * bound * rings.nx, 2.0 * arrays.sin(bound)

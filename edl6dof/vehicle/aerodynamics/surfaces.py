@@ -51,11 +51,7 @@ SURFACE = dtype_of(SurfaceParams)
 
 @kernel
 def wing_opening(wing, elapsed):
-    """Deflection 0..1 at ``elapsed`` s after the deploy command: starts and stops at rest over
-    ``deploy_time``.
-
-    Source: cubic ramp s^2 (3 - 2 s), engineering choice.
-    """
+    """Deflection 0..1 at ``elapsed`` s after the command: cubic ramp s^2 (3 - 2 s), engineering choice."""
     if elapsed <= 0.0:
         return 0.0
     if elapsed >= wing.deploy_time:

@@ -43,9 +43,7 @@ def is_about(event, action, component):
 
 @kernel
 def delay_event(case, command, plant, action, component, delay):
-    """Delay an ``action`` on a ``component`` by ``delay`` s if it is commanded in this cycle; engines
-    that are lit together wait for each other.
-    """
+    """Delay an action on a component by ``delay`` s if it is commanded now; engines lit together wait."""
     for k in range(case.events.n_events):
         event = case.events.events[k]
         if command.request[k] != 0 and is_about(event, action, component):
@@ -64,19 +62,19 @@ def cancel_event(case, plant, action, component):
 class StuckOffParams(ThrusterFault):
     """The thruster does not fire any more."""
 
-    failure: ClassVar[ThrusterFailure] = "stuck_off"
+    failure: ClassVar[ThrusterFailure | None] = "stuck_off"
 
 
 class StuckOnParams(ThrusterFault):
     """The thruster's valve does not close any more; only the latch valve of its branch stops it."""
 
-    failure: ClassVar[ThrusterFailure] = "stuck_on"
+    failure: ClassVar[ThrusterFailure | None] = "stuck_on"
 
 
 class DegradedParams(ThrusterFault):
     """The thruster gives less thrust."""
 
-    failure: ClassVar[ThrusterFailure] = "degraded"
+    failure: ClassVar[ThrusterFailure | None] = "degraded"
 
     thrust_factor: float = param(0.5, "thrust left", ge=0.0, lt=1.0)
     flow_factor: float = param(
@@ -87,13 +85,13 @@ class DegradedParams(ThrusterFault):
 class BranchDeadParams(BranchFault):
     """The latch valve of the branch fails shut: none of its thrusters fires any more."""
 
-    failure: ClassVar[ThrusterFailure] = "stuck_off"
+    failure: ClassVar[ThrusterFailure | None] = "stuck_off"
 
 
 class WeakThrustersParams(RcsFault):
     """All thrusters give less thrust, from less flow: low feed pressure, or cold propellant."""
 
-    failure: ClassVar[ThrusterFailure] = "degraded"
+    failure: ClassVar[ThrusterFailure | None] = "degraded"
 
     thrust_factor: float = param(0.8, "thrust and flow left", ge=0.0, lt=1.0)
 
@@ -289,14 +287,8 @@ def engine_dead(fault, case, since, command, plant):
 @kernel
 def ignition_delay(fault, case, since, command, plant):
     """Put the ignition off when it is commanded."""
-    delay_event(
-        case,
-        command,
-        plant,
-        action=IGNITE,
-        component=fault.component,
-        delay=fault.params.ignition_delay.delay,
-    )
+    delay = fault.params.ignition_delay.delay
+    delay_event(case, command, plant, action=IGNITE, component=fault.component, delay=delay)
 
 
 @kernel

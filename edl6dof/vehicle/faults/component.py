@@ -61,28 +61,23 @@ class ComponentFault(Params):
     over_after: ClassVar[tuple[Action, ...]] = ()
     #: Roles of the phases in which it happens, where it does in some only.
     happens_in: ClassVar[tuple[Role, ...]] = ()
+    #: How thrusters fail, of a fault that makes them fail: what a right isolation says of each of them.
+    failure: ClassVar[ThrusterFailure | None] = None
 
 
-class FailingThrusters(ComponentFault):
-    """Parameters of a fault that makes thrusters fail."""
-
-    #: How: what a right isolation says of each of them.
-    failure: ClassVar[ThrusterFailure]
-
-
-class ThrusterFault(FailingThrusters):
+class ThrusterFault(ComponentFault):
     """Parameters of a fault of one thruster."""
 
     components: ClassVar[tuple[Component, ...]] = ("thruster",)
 
 
-class BranchFault(FailingThrusters):
+class BranchFault(ComponentFault):
     """Parameters of a fault of one propellant branch."""
 
     components: ClassVar[tuple[Component, ...]] = ("branch",)
 
 
-class RcsFault(FailingThrusters):
+class RcsFault(ComponentFault):
     """Parameters of a fault of all thrusters at once."""
 
     components: ClassVar[tuple[Component, ...]] = ("rcs",)

@@ -21,49 +21,20 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import create_model, model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.interface.effectors import ThrusterFailure
-from edl6dof.interface.events import Action
-from edl6dof.interface.roles import Role
 from edl6dof.registry import Family
 from edl6dof.vehicle.faults import actuators, instrument
-from edl6dof.vehicle.faults.component import (
-    COMPONENTS,
-    Component,
-    ComponentFault,
-    Components,
-    FailingThrusters,
-)
+from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault, Components
 
 FAULT_KINDS = Family("fault kind", (*actuators.MEMBERS, *instrument.MEMBERS))
 
 
-def components_of(kind: str) -> tuple[Component, ...]:
-    """The kinds of component of which a kind of fault is about one."""
-    return _about(kind).components
-
-
-def over_after(kind: str) -> tuple[Action, ...]:
-    """Actions on the component after which a kind of fault changes nothing."""
-    return _about(kind).over_after
-
-
-def happens_in(kind: str) -> tuple[Role, ...]:
-    """Roles of the phases in which a kind of fault happens, none if in every one."""
-    return _about(kind).happens_in
-
-
-def failure_of(kind: str) -> ThrusterFailure | None:
-    """How the thrusters fail that a kind of fault makes fail, ``None`` if it makes none fail."""
-    about = _about(kind)
-    return about.failure if issubclass(about, FailingThrusters) else None
-
-
-def _about(kind: str) -> type[ComponentFault]:
+def about(kind: str) -> type[ComponentFault]:
+    """Parameter model of a kind of fault; it declares what the fault is about."""
     params = FAULT_KINDS.member(kind).params
     assert issubclass(params, ComponentFault), f"the parameters of {kind} must derive from ComponentFault"
     return params
@@ -88,47 +59,34 @@ class FaultStart(Params):
         return self
 
 
-class FaultParams(FaultChoice):
+_named: dict[str, Any] = {
+    name: (str | None, param(None, f"name of the {name.replace('_', ' ')}, where one fails", record=False))
+    for name in COMPONENTS
+}
+_NamedComponent: Any = create_model("_NamedComponent", __base__=FaultChoice, **_named)
+
+
+class FaultParams(_NamedComponent):
     """One fault."""
 
-    thruster: str | None = param(None, "name of the thruster that fails, where one does", record=False)
-    branch: str | None = param(None, "name of the propellant branch that fails, where one does", record=False)
-    rcs: str | None = param(None, "name of the thruster set, where all of it fails", record=False)
-    surface: str | None = param(None, "name of the surface that fails, where one does", record=False)
-    engine: str | None = param(None, "name of the engine that fails, where one does", record=False)
-    parachute: str | None = param(None, "name of the parachute that fails, where one does", record=False)
-    tank: str | None = param(None, "name of the tank that fails, where one does", record=False)
-    gyro: str | None = param(None, "name of the gyro that fails, where one does", record=False)
-    accelerometer: str | None = param(
-        None, "name of the accelerometer that fails, where one does", record=False
-    )
-    inertial_unit: str | None = param(None, "name of the inertial unit, where it fails", record=False)
-    beam: str | None = param(None, "name of the radar beam that fails, where one does", record=False)
-    star_tracker: str | None = param(None, "name of the star tracker, where it fails", record=False)
-    flow_meter: str | None = param(
-        None, "name of the branch whose flow meter fails, where one does", record=False
-    )
-    landing_camera: str | None = param(None, "name of the landing camera, where it fails", record=False)
-    lidar: str | None = param(None, "name of the lidar, where it fails", record=False)
-    stereo: str | None = param(None, "name of the stereo cameras, where they fail", record=False)
     at: FaultStart = section("when it begins", record=False)
 
     @model_validator(mode="after")
     def _names_its_component(self) -> FaultParams:
-        about = components_of(self.kind)
-        named = [name for name in COMPONENTS if getattr(self, name) is not None]
-        if not set(named) <= set(about) or len(named) > 1:
+        allowed = about(self.kind).components
+        named, one_of = [name for name in COMPONENTS if getattr(self, name) is not None], " or ".join(allowed)
+        if not set(named) <= set(allowed) or len(named) > 1:
             given = ", ".join(f"{name} {getattr(self, name)!r}" for name in named)
-            raise ValueError(f"{self.kind} is about one {' or '.join(about)} and nothing else (got {given})")
-        if not named and len(about) > 1:
-            raise ValueError(f"{self.kind} must name one {' or '.join(about)}")
+            raise ValueError(f"{self.kind} is about one {one_of} and nothing else (got {given})")
+        if not named and len(allowed) > 1:
+            raise ValueError(f"{self.kind} must name one {one_of}")
         return self
 
     @property
     def component(self) -> Component:
         """Kind of component that the fault is about."""
-        about = components_of(self.kind)
-        return next((name for name in about if getattr(self, name) is not None), about[0])
+        allowed = about(self.kind).components
+        return next((name for name in allowed if getattr(self, name) is not None), allowed[0])
 
     def acts_on(self, components: Components) -> str:
         """Name of the component that a checked fault acts on, of those there are."""
@@ -156,7 +114,7 @@ FAULTS = np.dtype([("count", "i8"), ("slots", FAULT, (MAX_FAULTS,))], align=True
 def fault_problems(
     faults: Sequence[FaultParams], components: Components, phases: Sequence[str]
 ) -> dict[str, str]:
-    """Components and phases that do not exist or are not named, by dotted key."""
+    """Problems of components and phases that faults name or leave out, by dotted key."""
     problems: dict[str, str] = {}
     for index, fault in enumerate(faults):
         kind, names = fault.component, components.get(fault.component, ())

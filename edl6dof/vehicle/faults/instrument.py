@@ -143,9 +143,7 @@ def set_mode(fault, plant, mode):
 
 @kernel
 def set_offset(fault, plant, p, factor):
-    """Add a ``factor`` of the parameters ``p`` to the reading: of a gyro, an accelerometer, range and speed
-    of a beam, or a flow meter.
-    """
+    """Offset the readings of the component by ``factor`` times the parameters ``p`` of its kind."""
     i, instruments = fault.component, plant.instruments
     if fault.of == GYRO:
         instruments.gyro[i].offset = factor * p.rate

@@ -82,9 +82,7 @@ def engines(case, plant, thrusts, first):
 
 @kernel
 def weigh(case, plant, work, h, begun, ended):
-    """Sum up the momentum and work of a step of ``h`` s in ``work``; ``begun``, ``ended``: :func:`rates` at
-    its ends.
-    """
+    """Write momentum and work of a step of ``h`` s into ``work``; ``begun``, ``ended``: its :func:`rates`."""
     for i in range(THRUST, THRUST + case.vehicle.n_engines):
         work.thrust[i - THRUST] = plant.y[i] - h / 6.0 * (work.k[1, i] + work.k[2, i] + work.k[3, i])
     force, flow = engines(case, plant, work.thrust, 0)
@@ -114,9 +112,7 @@ def book(plant, work):
 
 @kernel
 def bodies(case, plant):
-    """Mass (kg), position and velocity (I) of the vehicle; mass and momentum (I, N s) of canopy and parts
-    that have left it.
-    """
+    """Mass (kg), position and velocity (I) of the vehicle; mass and momentum (I, N s) of what has left it."""
     mass, momentum = 0.0, (0.0, 0.0, 0.0)
     for i in range(case.vehicle.n_parts):
         part = plant.debris[i]

@@ -29,14 +29,14 @@ from edl6dof.spatial.vector import (
 )
 from edl6dof.vehicle.aerodynamics.surfaces import extension, wing_force
 from edl6dof.vehicle.aerodynamics.wrench import aerodynamic_wrench
-from edl6dof.vehicle.motion.ground_contact import ground_loads
+from edl6dof.vehicle.landing_gear import ground_loads
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_motion
-from edl6dof.vehicle.parachutes.bridle import confluence
 from edl6dof.vehicle.parachutes.parachute import (
     EXTRACTING,
     INFLATING,
     apparent_mass,
     canopy_force,
+    confluence,
     inflation,
     riser_tension,
 )
@@ -50,6 +50,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     THRUST,
     VELOCITY,
+    take_attitude,
 )
 from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.propulsion.engine_models import BY_THRUSTERS
@@ -60,12 +61,10 @@ from edl6dof.vehicle.surroundings import gravity, surroundings
 
 @kernel
 def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
-    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s), when the planet has turned by ``rotation``
-    (:func:`edl6dof.vehicle.surroundings.planet_rotation`); writes the quantities met on the way into
-    ``outputs``.
+    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s), with the planet turned by ``rotation``;
+    the quantities met on the way go to ``outputs``.
 
-    A function of these and of what ``plant`` says of parts, commands and ``inputs``: of nothing evaluated
-    before.
+    A function of these and of parts, commands and ``inputs`` in ``plant``: of nothing evaluated before.
     """
     loads(case, tables, plant, t, rotation, y=y, outputs=outputs)
     if case.dynamics == POINT_MASS:
@@ -76,22 +75,14 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
 
 @inlined_kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
-    """Aerodynamic force and moment about the centre of mass (two tuples, B), surfaces included; also Mach
-    number, dynamic pressure and least opening of the surfaces.
-    """
+    """Aerodynamic force and moment about the centre of mass (B); Mach, dynamic pressure, least opening."""
     vehicle = case.vehicle
     density, sound = gas[0], gas[3]
     speed = norm(v_air)
     mach = speed / sound if sound > 0.0 else 0.0
     qbar = 0.5 * density * speed * speed
-    wrench = aerodynamic_wrench(
-        vehicle.aero,
-        (tables.aero, tables.body),
-        air=(case.planet.gas, qbar, mach, density),
-        configuration=plant.shape,
-        v_air=v_air,
-        rate=w,
-    )
+    air = (case.planet.gas, qbar, mach, density)
+    wrench = aerodynamic_wrench(vehicle.aero, (tables.aero, tables.body), air, plant.shape, v_air, rate=w)
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
@@ -145,11 +136,8 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
 
 @inlined_kernel
 def loads(case, tables, plant, t, rotation, y, outputs):
-    """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t``
-    (s), written into ``outputs``.
-
-    They do not depend on the commands to engine and thrusters: flight software may change those between this
-    and :func:`motion`.
+    """Write surroundings, mass properties and all that acts on the vehicle but its propulsion at time ``t``
+    (s) into ``outputs``; they do not depend on the commands to engine and thrusters.
     """
     r_I, w = take3(y, POSITION), take3(y, RATE)
     place, gas, wind_N, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, r_I)
@@ -157,7 +145,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     if case.dynamics == POINT_MASS:
         q = point_attitude(case, plant, t, rotation, place, v_air_I=v_air_I)
     else:
-        q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+        q = take_attitude(y)
     v_air = to_frame(q, v_air_I)
     mass, centre, inertia = with_propellant(plant.dry, case.vehicle.tanks, case.vehicle.n_tanks, y)
 
@@ -202,8 +190,8 @@ def loads(case, tables, plant, t, rotation, y, outputs):
 
 @inlined_kernel
 def propulsion(case, plant, t, y, centre, dy):
-    """Force and moment about the centre of mass (B) of the engines, and sum of the thrusts delivered (N);
-    writes the rates of the thrusts, and of the propellant that they use, into ``dy``.
+    """Force and moment about the centre of mass (B) of the engines, and the thrust delivered (N); rates of
+    thrusts and propellant go to ``dy``.
     """
     force = moment = (0.0, 0.0, 0.0)
     delivered = 0.0
@@ -225,15 +213,7 @@ def propulsion(case, plant, t, y, centre, dy):
         moment = add(moment, sub(own_moment, cross(centre, own_force)))
         delivered += thrust * engine.thrust_factor
         if within > 0.0:
-            draw(
-                loads,
-                row=i,
-                filled=filled,
-                within=within,
-                flow=-propellant_flow(engine, thrust),
-                taken=dy,
-                first=PROPELLANT,
-            )
+            draw((loads, i, filled, within), -propellant_flow(engine, thrust), dy, PROPELLANT)
         goal = inputs.thrust_goal[i] + (t - inputs.middle) * inputs.thrust_goal_slope[i]
         # a starving engine goes out as fast as one that is cut off
         fast = plant.starting != 0 or plant.running[i] == 0 or within == 0.0
@@ -259,7 +239,7 @@ def motion(case, plant, t, y, outputs, dy):
     (:mod:`edl6dof.vehicle.propulsion.rcs`), and after it their mean.
     """
     out, inputs = outputs, plant.inputs
-    q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
+    q, w = take_attitude(y), take3(y, RATE)
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])

@@ -1,25 +1,123 @@
 """Flight of the plant from one time to another, cut at every event.
 
-Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state
-(:mod:`edl6dof.vehicle.motion.state_events`) are found by repeating the step with a shorter length until the
-first of their functions is zero to 1e-9 s.  A step is cut, never rounded; thruster impulse stays exact
-because valve levels are integrated in closed form over whatever length the step has.  While a canopy is out,
-and from the first contact with the ground on, steps are shorter (``simulation.canopy_step_s`` and
-``contact_step_s``).
+Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state happen
+when a function of the state and its outputs, positive until then, falls to zero; they are found by repeating
+the step with a shorter length until the first of their functions is zero to 1e-9 s.  A new event is a
+function, an action that disarms it, and a line in :func:`until_event` and :func:`carry_out_state_events`.  A
+step is cut, never rounded; thruster impulse stays exact because valve levels are integrated in closed form
+over whatever length the step has.  While a canopy is out, and from the first contact with the ground on,
+steps are shorter (``simulation.canopy_step_s`` and ``contact_step_s``).
 """
 
 from __future__ import annotations
 
+from math import isnan
+
 from edl6dof.kernels import kernel
-from edl6dof.spatial.vector import put3, take3
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, norm, put3, sub, take3
+from edl6dof.vehicle.landing_gear import minimum_clearance, normal_of
 from edl6dof.vehicle.motion.balance import bodies, book, settle
-from edl6dof.vehicle.motion.runge_kutta import evaluate, step
+from edl6dof.vehicle.motion.runge_kutta import NEAR_GROUND, evaluate, step
 from edl6dof.vehicle.motion.staging import carry_out
-from edl6dof.vehicle.motion.state_events import carry_out_state_events, until_event
-from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
-from edl6dof.vehicle.plant import STATES
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING, confluence
+from edl6dof.vehicle.plant import CANOPY_POSITION, POSITION, PROPELLANT, STATES, take_attitude
+from edl6dof.vehicle.surroundings import planet_rotation
 
 TIME_TOLERANCE = 1e-9
+#: Value of an event function while its event cannot happen.
+NOT_ARMED = 1e99
+
+
+@kernel
+def slack(case, plant, outputs):
+    """Length of line still to be paid out before line stretch, m."""
+    if plant.canopy != EXTRACTING:
+        return NOT_ARMED
+    chute = case.vehicle.parachutes[plant.parachute]
+    centre, q = take3(outputs.centre, 0), take_attitude(plant.y)
+    r_I, canopy = take3(plant.y, POSITION), take3(plant.y, CANOPY_POSITION)
+    arm = sub(confluence(chute, add(centre, to_frame(q, sub(canopy, r_I)))), centre)
+    return chute.line_length - norm(sub(canopy, add(r_I, from_frame(q, arm))))
+
+
+@kernel
+def stretch(case, plant):
+    """Line stretch: the canopy begins to fill."""
+    plant.canopy = INFLATING
+    plant.line_stretch_time[plant.parachute] = plant.t
+
+
+@kernel
+def clearance(case, plant, outputs):
+    """Distance along the ground's normal from the nearest point of the landing gear (without legs: the nose)
+    to the ground, m; far above it, of the centre of mass and straight down.
+    """
+    if plant.touched != 0:
+        return NOT_ARMED
+    out, inputs = outputs, plant.inputs
+    height = out.altitude - inputs.ground_altitude
+    if height >= NEAR_GROUND:
+        return height
+    place = (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon)
+    q, rotation, centre = take_attitude(plant.y), planet_rotation(case.planet, plant.t), take3(out.centre, 0)
+    if plant.legs != 0:
+        return minimum_clearance(case, inputs, centre, q, rotation, place=place, altitude=out.altitude)
+    up, inverse = normal_of(place, q, rotation, inputs.ground_slope[0], inputs.ground_slope[1])
+    return height * inverse - (centre[0] * up[0] + centre[1] * up[1] + centre[2] * up[2])
+
+
+@kernel
+def touch_down(case, plant):
+    """First contact with the ground: from now on it carries the vehicle."""
+    plant.touched = 1
+    plant.touchdown_time = plant.t
+    for i in range(STATES):
+        plant.touchdown[i] = plant.y[i]
+
+
+@kernel
+def still_to_empty(case, plant, tank):
+    """True if a tank was loaded and has not run empty."""
+    return case.vehicle.tanks[tank].mass > 0.0 and isnan(plant.exhausted_time[tank])
+
+
+@kernel
+def least_propellant(case, plant, outputs):
+    """Least propellant left in a tank that has not run empty, kg."""
+    least = NOT_ARMED
+    for k in range(case.vehicle.n_tanks):
+        if still_to_empty(case, plant, k):
+            least = min(least, plant.y[PROPELLANT + k])
+    return least
+
+
+@kernel
+def run_dry(case, plant):
+    """Tanks are empty: what none but they feed goes out."""
+    for k in range(case.vehicle.n_tanks):
+        if still_to_empty(case, plant, k) and plant.y[PROPELLANT + k] <= 0.0:
+            plant.exhausted_time[k] = plant.t
+            plant.y[PROPELLANT + k] = 0.0
+
+
+@kernel
+def until_event(case, plant, outputs):
+    """Smallest of the event functions: positive until the first event, whichever it is."""
+    least = min(NOT_ARMED, least_propellant(case, plant, outputs))
+    least = min(least, slack(case, plant, outputs))
+    return min(least, clearance(case, plant, outputs))
+
+
+@kernel
+def carry_out_state_events(case, plant, outputs):
+    """Carry out every event of the state that has come; the order is that of events at one moment."""
+    if least_propellant(case, plant, outputs) <= 0.0:
+        run_dry(case, plant)
+    if slack(case, plant, outputs) <= 0.0:
+        stretch(case, plant)
+    if clearance(case, plant, outputs) <= 0.0:
+        touch_down(case, plant)
 
 
 @kernel
@@ -94,9 +192,7 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def next_stop(case, plant, due):
-    """Where the next step is to end that leads towards ``due`` (s): there, or at the end of the first of
-    equal parts where a canopy or the ground asks for shorter steps.
-    """
+    """End (s) of the next step towards ``due`` (s); a canopy or the ground asks for shorter equal steps."""
     longest = due - plant.t
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         longest = min(longest, case.simulation.canopy_step)
@@ -110,10 +206,8 @@ def next_stop(case, plant, due):
 
 @kernel
 def advance(case, tables, plant, outputs, work, t_end):
-    """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False
-    after a step that failed.
-
-    ``outputs`` belong to the present state, before and after.
+    """Fly from ``plant.t`` to ``t_end`` (s), events included; False after a step that failed.  ``outputs``
+    belong to the present state, before and after.
     """
     while True:
         event, due = next_scheduled(case, plant, t_end)

@@ -28,9 +28,7 @@ RATE_LIMITED = 1
 
 
 class PathDisturbanceParams(Params):
-    """Sinusoidal disturbance of the flight-path rate (Yan, Sun & Guo 2016, eq. 5): d = amplitude
-    sin(frequency t).
-    """
+    """Disturbance of the flight-path rate, amplitude sin(frequency t) (Yan, Sun & Guo 2016, eq. 5)."""
 
     amplitude_rad_s: float = param(0.0, "amplitude of the added flight-path rate", ge=0.0, le=0.1)
     frequency_rad_s: float = param(1.0, "its frequency", ge=0.0, le=20.0)
@@ -77,9 +75,7 @@ def point_attitude(case, plant, t, rotation, place, v_air_I):
 
 @kernel
 def point_motion(case, plant, t, y, outputs, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``; attitude and rates do not move
-    by themselves.
-    """
+    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``; attitude and rates stay."""
     out = outputs
     q = (out.q_I2B[0], out.q_I2B[1], out.q_I2B[2], out.q_I2B[3])
     disturbance = case.point_mass.disturbance

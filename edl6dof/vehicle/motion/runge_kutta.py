@@ -19,12 +19,21 @@ from edl6dof.spatial.elementary import atan2
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
+from edl6dof.vehicle.landing_gear import lay_ground_planes
 from edl6dof.vehicle.motion.balance import rates, weigh
 from edl6dof.vehicle.motion.body import derivatives, motion
-from edl6dof.vehicle.motion.ground_contact import lay_ground_planes
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, PROPELLANT, STATES, STATES_VEHICLE, THRUST, VELOCITY
+from edl6dof.vehicle.plant import (
+    ATTITUDE,
+    POSITION,
+    PROPELLANT,
+    STATES,
+    STATES_VEHICLE,
+    THRUST,
+    VELOCITY,
+    take_attitude,
+)
 from edl6dof.vehicle.propulsion.engine import thrust_goal
 from edl6dof.vehicle.propulsion.engine_models import UNCOMMANDED
 from edl6dof.vehicle.propulsion.feed_system import load_within_reach
@@ -38,9 +47,7 @@ NEAR_GROUND = 2000.0
 
 @kernel
 def survey(case, tables, plant, outputs):
-    """Look at the areoid and the ground under the place in ``outputs``: the planes that the next cycle of the
-    flight software is given, and the height above the ground.
-    """
+    """Survey areoid and ground under the place in ``outputs``, for the next cycle of the flight software."""
     out = outputs
     out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
     c, s = planet_rotation(case.planet, plant.t)
@@ -54,9 +61,7 @@ def survey(case, tables, plant, outputs):
 
 @kernel
 def look_at_ground(case, tables, plant, outputs, areoid):
-    """The plane of the ground under the place in ``outputs``, and the height above it; ``areoid``: its height
-    (m) there and its rise per metre towards north and east.
-    """
+    """Set the plane of the ground and the height above it; ``areoid``: its height (m) and rise per metre."""
     inputs, out = plant.inputs, outputs
     elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, out.latitude, out.longitude)
     inputs.ground_altitude = areoid[0] + elevation
@@ -67,16 +72,12 @@ def look_at_ground(case, tables, plant, outputs, areoid):
 
 @kernel
 def evaluate(case, tables, plant, outputs, work):
-    """Bring ``outputs`` up to date with the present state: every step starts from them, and whatever changes
-    the state between steps ends with this.
-    """
-    evaluate_at(
-        case, tables, plant, rotation=planet_rotation(case.planet, plant.t), outputs=outputs, work=work
-    )
+    """Bring ``outputs`` up to date; whatever changes the state between steps must end with this."""
+    evaluate_at(case, tables, plant, outputs, work, rotation=planet_rotation(case.planet, plant.t))
 
 
 @kernel
-def evaluate_at(case, tables, plant, rotation, outputs, work):
+def evaluate_at(case, tables, plant, outputs, work, rotation):
     """As :func:`evaluate`, where the rotation of the planet is known already."""
     derivatives(case, tables, plant, plant.t, rotation, y=plant.y, outputs=outputs, dy=work.k[0])
     if case.dynamics == POINT_MASS:
@@ -88,24 +89,15 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
         out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
         areoid = areoid_at(tables.areoid, out.latitude, out.longitude)
         look_at_ground(case, tables, plant, outputs, areoid)
-        lay_ground_planes(
-            case,
-            tables,
-            plant,
-            outputs,
-            q=take_attitude(plant.y),
-            rotation=rotation,
-            areoid=(areoid[1], areoid[2]),
-        )
+        q, rise = take_attitude(plant.y), (areoid[1], areoid[2])
+        lay_ground_planes(case, tables, plant, outputs, q, rotation=rotation, areoid=rise)
         if plant.touched != 0:
             derivatives(case, tables, plant, plant.t, rotation, y=plant.y, outputs=outputs, dy=work.k[0])
 
 
 @kernel
 def lay_down_inputs(case, plant, rotation, h):
-    """Lay down the inputs of the step of ``h`` s that begins now; ``rotation`` is that of the planet at its
-    middle.
-    """
+    """Set the inputs of the step of ``h`` s from now; ``rotation``: of the planet at its middle."""
     inputs = plant.inputs
     for k in range(MAX_TANKS):
         inputs.filled[k] = 1 if plant.y[PROPELLANT + k] > 0.0 and plant.blocked[k] == 0 else 0
@@ -122,14 +114,14 @@ def lay_down_inputs(case, plant, rotation, h):
         inputs=inputs,
         used=plant.branch_used,
     )
-    put3(inputs.noncentral_I, 0, noncentral_I(case.planet, rotation, halfway(plant.y, h)))
+    # the position predicted for the middle of the step
+    ahead = add(take3(plant.y, POSITION), scale(0.5 * h, take3(plant.y, VELOCITY)))
+    put3(inputs.noncentral_I, 0, noncentral_I(case.planet, rotation, ahead))
 
 
 @kernel
 def set_goals(case, plant, h):
-    """Set the thrust goal of each engine in the step of ``h`` s that begins now: none for one that does not
-    run or has no propellant.
-    """
+    """Set the thrust goals of a step of ``h`` s: none for an engine that is off or has no propellant."""
     inputs, engines = plant.inputs, case.vehicle.engines
     for i in range(case.vehicle.n_engines):
         fed = load_within_reach(case.feeds.engines, i, inputs.filled) > 0.0
@@ -142,29 +134,9 @@ def set_goals(case, plant, h):
 
 
 @kernel
-def halfway(y, h):
-    """Position (I, m) predicted for the middle of a step of ``h`` s from the state ``y``."""
-    return add(take3(y, POSITION), scale(0.5 * h, take3(y, VELOCITY)))
-
-
-@kernel
-def first_stage(case, tables, plant, outputs, work):
-    """Derivative of the present state under the inputs of the step, into ``work.k[0]``, from the loads in
-    ``outputs``.
-    """
-    y, k1 = plant.y, work.k[0]
-    if case.dynamics == POINT_MASS:  # a new bank command turns it, and its loads, at once
-        rotation = planet_rotation(case.planet, plant.t)
-        derivatives(case, tables, plant, plant.t, rotation, y=y, outputs=outputs, dy=k1)
-    else:
-        motion(case, plant, plant.t, y, outputs, dy=k1)
-
-
-@kernel
 def rk4(case, tables, plant, outputs, work, middle, end, t_end):
-    """Advance ``plant.y`` from ``plant.t`` to ``t_end`` (s), from its derivative ``work.k[0]``.
-
-    ``middle`` and ``end`` are the rotation of the planet in the middle of the step and at its end.
+    """Advance ``plant.y`` from ``plant.t`` to ``t_end`` (s), from its derivative ``work.k[0]``; ``middle``,
+    ``end``: rotation of the planet in the middle and at the end of the step.
     """
     y, k, stage = plant.y, work.k, work.stage
     n = THRUST + case.vehicle.n_engines
@@ -197,12 +169,6 @@ def normalise(y):
 
 
 @kernel
-def take_attitude(y):
-    """``q_I2B`` in the integrated state, as a tuple."""
-    return y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]
-
-
-@kernel
 def step(case, tables, plant, outputs, work, t_end):
     """One step to ``t_end`` (s), thrusters included: from the ``outputs`` of the present state to those of
     its end; False when it failed.
@@ -215,7 +181,11 @@ def step(case, tables, plant, outputs, work, t_end):
     end = planet_rotation(case.planet, t_end)
     lay_down_inputs(case, plant, middle, h)
     v, q, g = take3(plant.y, VELOCITY), take_attitude(plant.y), take3(outputs.gravity_I, 0)
-    first_stage(case, tables, plant, outputs, work)
+    if case.dynamics == POINT_MASS:  # a new bank command turns it, and its loads, at once
+        rotation = planet_rotation(case.planet, plant.t)
+        derivatives(case, tables, plant, plant.t, rotation, y=plant.y, outputs=outputs, dy=work.k[0])
+    else:  # the loads in ``outputs`` are those of the present state
+        motion(case, plant, plant.t, plant.y, outputs, dy=work.k[0])
     begun = rates(case, plant, outputs)
     rk4(case, tables, plant, outputs, work, middle=middle, end=end, t_end=t_end)
     plant.t = t_end
@@ -225,7 +195,7 @@ def step(case, tables, plant, outputs, work, t_end):
     put3(plant.inputs.rcs_moment_slope, 0, (0.0, 0.0, 0.0))
     for k in range(MAX_TANKS):
         plant.inputs.rcs_flow_slope[k] = 0.0
-    evaluate_at(case, tables, plant, rotation=end, outputs=outputs, work=work)
+    evaluate_at(case, tables, plant, outputs, work, rotation=end)
     # half in the axes at the start, half in those at the end: second order in the turn during the step
     fell = scale(0.5 * h, add(g, take3(outputs.gravity_I, 0)))
     felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), fell))
@@ -237,9 +207,7 @@ def step(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def finite(y):
-    """True if the states of the vehicle, or their derivatives, are finite; a canopy that is not finite shows
-    in them at once.
-    """
+    """True if vehicle states, or derivatives, are finite; a canopy that is not shows in them at once."""
     total = 0.0
     for i in range(STATES_VEHICLE):
         total += 0.0 * y[i]
@@ -256,11 +224,9 @@ def undo(plant, work):
 
 @kernel
 def retrace(case, tables, plant, outputs, work):
-    """Look for what made the step fail that :func:`undo` has undone: evaluate its stages again up to the
-    first that is not finite.
-
-    The state of that stage is left in ``work.stage``, the quantities met there in ``outputs``, its derivative
-    in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.stage``.
+    """Evaluate the stages of the step that :func:`undo` has undone up to the first that is not finite: its
+    state in ``work.stage``, the quantities met there in ``outputs``, its derivative in ``work.k[0]``; when
+    all are finite, the result of the step stays in ``work.stage``.
     """
     dy, y, result = work.k[0], work.stage, work.k[1]
     h = work.t_failed - plant.t

@@ -24,7 +24,6 @@ from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
 from edl6dof.vehicle.plant import (
-    ATTITUDE,
     CANOPY_POSITION,
     CANOPY_VELOCITY,
     FALLING,
@@ -33,6 +32,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     RESTING,
     VELOCITY,
+    take_attitude,
 )
 from edl6dof.vehicle.propulsion.feed_system import with_propellant
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation, surroundings
@@ -49,7 +49,7 @@ def separate(case, plant, index, velocity):
     """
     y, vehicle = plant.y, case.vehicle
     part, debris = vehicle.parts[index], plant.debris[index]
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
     _, old, _ = with_propellant(plant.dry, vehicle.tanks, vehicle.n_tanks, y)
     plant.attached[index] = 0
@@ -80,9 +80,7 @@ def separate(case, plant, index, velocity):
 
 @kernel
 def deploy(case, plant, index):
-    """Eject the pack of parachute ``index`` aft; it becomes the canopy body.  One that still flies goes
-    first.
-    """
+    """Eject the pack of parachute ``index`` aft as the canopy body; a canopy that still flies goes first."""
     chute, pack = case.vehicle.parachutes[index], case.suspension[index].pack
     if case.dynamics == POINT_MASS or pack < 0 or plant.attached[pack] == 0:
         return
@@ -119,9 +117,7 @@ def release(case, plant, index):
 
 @kernel
 def jettison(case, plant, index):
-    """Push a part off; a canopy that hangs from it goes with it and adds its drag, or alone while its lines
-    are not yet taut.
-    """
+    """Push a part off; a canopy that hangs from it goes with it, or alone if its lines are not yet taut."""
     if plant.attached[index] == 0:
         return
     v, part = case.vehicle.parts[index].separation_velocity, plant.debris[index]

@@ -118,9 +118,7 @@ def disk_gap_band_inflation(params, chute, since_line_stretch):
 
 @kernel
 def disk_gap_band_efficiency(params, chute, mach):
-    """Drag over its subsonic value (Cruz et al. 2013, as implemented for MSL); continuous, 0.61 beyond Mach
-    2.6.
-    """
+    """Drag over its subsonic value (Cruz et al. 2013, as implemented for MSL); 0.61 beyond Mach 2.6."""
     if mach <= 0.7:
         return 1.0
     if mach <= 0.94:
@@ -212,9 +210,7 @@ class ReefedParams(Hardware):
 
 @kernel
 def reefed_inflation(params, chute, since_line_stretch):
-    """Drag-area fraction after line stretch: a rise in each stage that has begun, from the ratio of the one
-    before to its own.
-    """
+    """Drag-area fraction after line stretch: each stage rises from the ratio of the one before."""
     fraction = before = 0.0
     for k in range(params.n_stages):
         stage = params.stages[k]
@@ -226,9 +222,7 @@ def reefed_inflation(params, chute, since_line_stretch):
 
 @kernel
 def reefed_efficiency(params, chute, mach):
-    """Drag over its value at low Mach number: 1, the canopy is subsonic; ``mach_efficiency`` of the parachute
-    can say otherwise.
-    """
+    """Drag over its value at low Mach number: 1, the canopy is subsonic."""
     return 1.0
 
 

@@ -1,4 +1,5 @@
-"""Parachute: canopy as its own body on an elastic riser; how it fills and drags is its model's.
+"""Parachute: canopy as its own body on an elastic riser, and the bridle of three legs between the vehicle and
+the confluence, at which the riser begins; how it fills and drags is its model's.
 
 The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
 it in its own air-relative velocity.  Inflation, opening load and drag over Mach number are those of a model
@@ -8,6 +9,14 @@ around, which turn the canopy back with half the square of its radius times thei
 kN/m = 630 kN m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m
 turns it by 0.01 rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: its axis is
 that of the riser to 0.6 deg, which is less than what is known of the trim angle (5 to 10 deg).
+
+The legs do not stretch (their share is in the stiffness of lines and riser); they go slack.  The
+confluence is the point nearest to the canopy of all that the legs can reach: of the intersection of three
+balls about the attachments.  While every leg pulls it stays where they meet, as if fixed to the vehicle.  A
+pull from outside the cone of the legs slackens one or two of them; the confluence then swings about the
+others, and arm and attitude stiffness are smaller than those of a fixed point.  As the nearest point it moves
+across the riser only, so that rate of stretch and work of the riser are those of a point fixed to the
+vehicle.  Left out: mass and stretch of the legs, and that they can wrap around the vehicle.
 """
 
 from __future__ import annotations
@@ -23,8 +32,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.kernels import kernel
 from edl6dof.spatial.arrays import lengths
 from edl6dof.spatial.elementary import sin
-from edl6dof.spatial.vector import clamp, cross, dot
-from edl6dof.vehicle.parachutes.bridle import LEGS
+from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, take3, unit
 from edl6dof.vehicle.parachutes.canopy_models import (
     MachTable,
     ParachuteChoice,
@@ -33,6 +41,9 @@ from edl6dof.vehicle.parachutes.canopy_models import (
     tabulated,
 )
 
+LEGS = 3
+#: A leg is taken to reach what is nearer than its length and this share of it.
+_ROUNDING = 1e-12
 #: Index of the choice of ``area_oscillates`` in records.
 ALWAYS = 0
 PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
@@ -191,9 +202,7 @@ def nominal_area(chute):
 
 @kernel
 def drag_efficiency(chute, mach):
-    """Drag over its value at low Mach number in the free stream: of the canopy, and of the wake it flies
-    in.
-    """
+    """Drag over its value at low Mach number in the free stream, the loss in the wake included."""
     if chute.mach_efficiency.n_mach > 0:
         efficiency = tabulated(chute.mach_efficiency, mach)
     else:
@@ -222,16 +231,9 @@ def riser_tension(chute, canopy_mass, distance, stretch_rate):
 
 @kernel
 def canopy_force(chute, fraction, density, mach, t, v_air, axis):
-    """Aerodynamic force on the canopy (3-tuple, same frame as its inputs).
-
-    Args:
-        chute: parachute record.
-        fraction: inflated drag-area fraction.
-        density: air density at the canopy, kg/m3.
-        mach: its Mach number.
-        t: time, s (phase of the area oscillation).
-        v_air: air-relative velocity of the canopy.
-        axis: unit vector from the canopy to the vehicle.
+    """Aerodynamic force on the canopy (3-tuple, in the frame of its inputs) at an inflated ``fraction`` of
+    the drag area, air ``density`` (kg/m3), Mach number and time ``t`` (s, phase of the area oscillation);
+    ``v_air``: air-relative velocity (m/s), ``axis``: unit vector from the canopy to the vehicle.
 
     The normal force is restoring beyond the trim angle and destabilising inside it, which makes the canopy
     cone and swing.
@@ -266,3 +268,68 @@ def canopy_force(chute, fraction, density, mach, t, v_air, axis):
         -axial * sign * axis[1] - normal * ny - pack * v_air[1],
         -axial * sign * axis[2] - normal * nz - pack * v_air[2],
     )
+
+
+@kernel
+def confluence(chute, canopy_B):
+    """Start of the riser (m, B) for a canopy at ``canopy_B``; ``chute.confluence`` without a bridle."""
+    meeting = take3(chute.confluence, 0)
+    if chute.n_bridle_attachments == 0 or _all_taut(chute.bridle_attachments, meeting, canopy_B):
+        return meeting
+    return _nearest(chute.bridle_attachments, meeting, canopy_B)
+
+
+@kernel
+def _all_taut(attachments, meeting, canopy):
+    """True if the pull of the canopy on the point where the legs meet is a sum of pulls of all three."""
+    a = sub(meeting, take3(attachments[0], 0))
+    b = sub(meeting, take3(attachments[1], 0))
+    c = sub(meeting, take3(attachments[2], 0))
+    pull = sub(canopy, meeting)
+    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
+    volume = dot(a, bc)
+    return volume * dot(pull, bc) >= 0.0 and volume * dot(pull, ca) >= 0.0 and volume * dot(pull, ab) >= 0.0
+
+
+@kernel
+def _nearest(attachments, meeting, canopy):
+    """Point nearest to the canopy that every leg reaches, with three, two, one or no leg taut."""
+    if _reached(attachments, meeting, canopy):
+        return canopy
+    first = take3(attachments[0], 0)
+    across = unit(cross(sub(take3(attachments[1], 0), first), sub(take3(attachments[2], 0), first)))
+    other = sub(meeting, scale(2.0 * dot(sub(meeting, first), across), across))
+    best = _nearer(attachments, meeting, canopy, meeting, other)
+    for k in range(LEGS):
+        a = take3(attachments[k], 0)
+        b = take3(attachments[(k + 1) % LEGS], 0)
+        length = norm(sub(meeting, a))
+        alone = add(a, scale(length, unit(sub(canopy, a))))
+        best = _nearer(attachments, meeting, canopy, best, alone)
+        # two taut legs hold a circle about the line between their attachments
+        axis = unit(sub(b, a))
+        along = dot(sub(meeting, a), axis)
+        out = sub(canopy, a)
+        out = unit(sub(out, scale(dot(out, axis), axis)))
+        radius = sqrt(length * length - along * along)
+        pair = add(a, add(scale(along, axis), scale(radius, out)))
+        best = _nearer(attachments, meeting, canopy, best, pair)
+    return best
+
+
+@kernel
+def _nearer(attachments, meeting, canopy, best, point):
+    """``point`` if the legs reach it and it is nearer to the canopy than ``best``, else ``best``."""
+    if norm(sub(canopy, point)) < norm(sub(canopy, best)) and _reached(attachments, meeting, point):
+        return point
+    return best
+
+
+@kernel
+def _reached(attachments, meeting, point):
+    """True if every leg is long enough for a point."""
+    for k in range(LEGS):
+        a = take3(attachments[k], 0)
+        if norm(sub(point, a)) > norm(sub(meeting, a)) * (1.0 + _ROUNDING):
+            return False
+    return True

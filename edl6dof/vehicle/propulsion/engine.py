@@ -68,25 +68,19 @@ ENGINE = dtype_of(EngineParams)
 
 @kernel
 def thrust_goal(engine, t, step, command):
-    """Thrust goal of a ``command`` (N) over a ``step`` from ``t`` (both s): mean (N) and slope (N/s) of a
-    line.
-    """
+    """Thrust goal of a ``command`` (N) over a ``step`` (s) from ``t`` (s): mean (N) and slope (N/s)."""
     return goal_of_model(engine.model, engine, engine, t, step, command=command)
 
 
 @kernel
 def thrust_rate(engine, goal, thrust, starting):
-    """Time derivative of thrust (N/s) towards ``goal`` (N); ``starting`` says whether the engine starts or is
-    cut off.
-    """
+    """Time derivative of thrust (N/s) towards ``goal`` (N); ``starting``: at start or cut-off."""
     return rate_of_model(engine.model, engine, engine, goal, thrust, starting=starting)
 
 
 @kernel
 def thrust_wrench(engine, thrust, turn_y, turn_z):
-    """Force and moment about the origin of B (two tuples, N and N m) of the engine at ``thrust`` N, turned
-    about y and then z of B (rad) beyond its misalignment.
-    """
+    """Force and moment about the origin of B (N, N m) at ``thrust`` N, turned (rad) beyond misalignment."""
     if thrust == 0.0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     delivered = thrust * engine.thrust_factor

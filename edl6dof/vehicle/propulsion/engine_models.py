@@ -3,7 +3,7 @@
 
 A member has three kernels.  ``goal(params, engine, t, step, command)`` gives what a ``command`` (N) makes the
 thrust strive for over the ``step`` (s) that begins at time ``t`` (s), as a line: its mean (N) and slope (N/s;
-:mod:`edl6dof.vehicle.propulsion.engine_models`).  ``rate(params, engine, goal, thrust, starting)`` gives the
+:func:`line_in_step`).  ``rate(params, engine, goal, thrust, starting)`` gives the
 time derivative (N/s) of the thrust; ``starting`` is true while the engine starts or is cut off.
 ``specific_impulse(params, engine, thrust)`` gives it in s.  ``params`` are the member's own, ``engine`` those
 of all engines.
@@ -26,7 +26,18 @@ from edl6dof.config.base import Hardware, Params, param
 from edl6dof.kernels import kernel
 from edl6dof.registry import Family, Member
 from edl6dof.spatial.vector import clamp
-from edl6dof.vehicle.propulsion.line_in_step import line_in_step
+
+
+@kernel
+def line_in_step(first, second, step):
+    """Mean, and slope (per s) about the middle, of the straight line over ``step`` s that has the ``first``
+    and the ``second`` time integral of a jagged thrust.
+
+    A pulse begins and ends anywhere in a step, of which Runge-Kutta sees the ends and the middle.  The line
+    gives the vehicle the same speed and the same displacement, and is integrated exactly.
+    """
+    mean = first / step
+    return mean, (6.0 * mean - 12.0 * second / (step * step)) / step
 
 
 class ThrottledParams(Hardware):
@@ -49,16 +60,26 @@ class ThrottledParams(Hardware):
 
 
 @kernel
-def throttled_goal(params, engine, t, step, command):
-    """The commanded level, all the step."""
+def commanded_goal(params, engine, t, step, command):
+    """The commanded level, all the step; that of a solid motor is full thrust while it is lit."""
     return command, 0.0
 
 
 @kernel
+def lagging_rate(params, engine, goal, thrust, starting):
+    """Time derivative of thrust (N/s) towards the goal behind one lag."""
+    return (goal - thrust) / params.lag
+
+
+@kernel
+def full_specific_impulse(params, engine, thrust):
+    """Specific impulse (s) at full thrust, the only level."""
+    return engine.full_specific_impulse
+
+
+@kernel
 def throttled_rate(params, engine, goal, thrust, starting):
-    """Time derivative of thrust (N/s) towards the commanded level; ``starting`` selects the fast build-up and
-    cut-off rate.
-    """
+    """Time derivative of thrust (N/s); ``starting`` selects the fast build-up and cut-off rate."""
     limit = params.start_rate if starting else params.rate
     return clamp((goal - thrust) / params.lag, -limit, limit)
 
@@ -74,7 +95,7 @@ def throttled_specific_impulse(params, engine, thrust):
 THROTTLED = Member(
     "throttled",
     ThrottledParams,
-    {"goal": throttled_goal, "rate": throttled_rate, "specific_impulse": throttled_specific_impulse},
+    {"goal": commanded_goal, "rate": throttled_rate, "specific_impulse": throttled_specific_impulse},
     "first-order valve with a rate limit, engineering model",
 )
 
@@ -116,22 +137,10 @@ def pulsed_goal(params, engine, t, step, command):
     return line_in_step(engine.full_thrust * first, engine.full_thrust * second, step)
 
 
-@kernel
-def pulsed_rate(params, engine, goal, thrust, starting):
-    """Time derivative of thrust (N/s) behind the valve."""
-    return (goal - thrust) / params.lag
-
-
-@kernel
-def pulsed_specific_impulse(params, engine, thrust):
-    """Specific impulse (s): that at full thrust, the only level."""
-    return engine.full_specific_impulse
-
-
 PULSED = Member(
     "pulsed",
     PulsedParams,
-    {"goal": pulsed_goal, "rate": pulsed_rate, "specific_impulse": pulsed_specific_impulse},
+    {"goal": pulsed_goal, "rate": lagging_rate, "specific_impulse": full_specific_impulse},
     "Wie 2008; Grover et al., AIAA 2008-7218",
 )
 
@@ -152,16 +161,10 @@ def thruster_set_rate(params, engine, goal, thrust, starting):
     return 0.0
 
 
-@kernel
-def thruster_set_specific_impulse(params, engine, thrust):
-    """Specific impulse (s) at full thrust."""
-    return engine.full_specific_impulse
-
-
 THRUSTER_SET = Member(
     "thruster_set",
     ThrusterSetParams,
-    {"goal": thruster_set_goal, "rate": thruster_set_rate, "specific_impulse": thruster_set_specific_impulse},
+    {"goal": thruster_set_goal, "rate": thruster_set_rate, "specific_impulse": full_specific_impulse},
     "Grover et al., AIAA 2008-7218",
 )
 
@@ -174,28 +177,10 @@ class SolidParams(Hardware):
     )
 
 
-@kernel
-def solid_goal(params, engine, t, step, command):
-    """The thrust of a motor that is lit, all the step."""
-    return command, 0.0
-
-
-@kernel
-def solid_rate(params, engine, goal, thrust, starting):
-    """Time derivative of thrust (N/s) towards that of the motor."""
-    return (goal - thrust) / params.lag
-
-
-@kernel
-def solid_specific_impulse(params, engine, thrust):
-    """Specific impulse (s), one at all times."""
-    return engine.full_specific_impulse
-
-
 SOLID = Member(
     "solid",
     SolidParams,
-    {"goal": solid_goal, "rate": solid_rate, "specific_impulse": solid_specific_impulse},
+    {"goal": commanded_goal, "rate": lagging_rate, "specific_impulse": full_specific_impulse},
     "definition; build-up an engineering model",
 )
 

@@ -1,5 +1,4 @@
-"""Feed system: tanks, and the propellant branches of thrusters, each behind one latch valve that shuts them
-all.
+"""Feed system: tanks, and what engines and thrusters draw from them.
 
 An engine or thruster draws on the tanks that it names, on all where it names none.  Tanks drawn on together
 give in proportion to their loads, as on one manifold at one pressure: they run empty together.  An empty tank
@@ -9,66 +8,14 @@ a piece of the lander: no separation takes its propellant away.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Protocol
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Hardware, Key, param
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.vehicle.mass import Tank, body_of, join
 from edl6dof.vehicle.plant import PROPELLANT
-
-
-class Jet(Protocol):
-    """Properties of a thruster that a branch needs."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def full_flow_kg_s(self) -> float:
-        """Propellant flow while it fires, kg/s."""
-
-
-class Branch(Hardware):
-    """One propellant branch."""
-
-    name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
-    thrusters: list[Key] = param(REQUIRED, "thrusters behind its latch valve", record=False, min_length=1)
-
-
-def branch_problems(branches: Sequence[Branch], thrusters: Sequence[str]) -> dict[str, str]:
-    """Find problems of the branches of a vehicle with ``thrusters``, by dotted key: each thruster must lie on
-    one branch, unless there are no branches.
-    """
-    given = Counter(name for branch in branches for name in branch.thrusters)
-    problems = {
-        f"branches.{k}.thrusters.{j}": f"no thruster named {name!r}; names: {', '.join(thrusters) or 'none'}"
-        for k, branch in enumerate(branches)
-        for j, name in enumerate(branch.thrusters)
-        if name not in thrusters
-    }
-    twice = [name for name in thrusters if given[name] > 1]
-    missing = [name for name in thrusters if given[name] == 0]
-    words = [f"{', '.join(twice)} on more than one"] if twice else []
-    words += [f"{', '.join(missing)} on none"] if missing and branches else []
-    if words:
-        problems["branches"] = f"every thruster must be on one branch (got {'; '.join(words)})"
-    return problems
-
-
-def fill_branches(record: np.void, branches: Sequence[Branch], thrusters: Sequence[Jet]) -> None:
-    """Fill a ``BRANCHES`` record of zeros; each thruster lies on one of the ``branches``."""
-    record["count"] = len(branches)
-    for i, jet in enumerate(thrusters):
-        own = next(k for k, branch in enumerate(branches) if jet.name in branch.thrusters)
-        record["of"][i] = own
-        record["full_flow"][own] += jet.full_flow_kg_s
-
 
 #: Load (kg) of each tank that feeds an engine or thruster, in rows; 0 for one that does not.
 FEEDS = np.dtype(
@@ -93,10 +40,11 @@ def load_within_reach(loads, row, filled):
 
 
 @kernel
-def draw(loads, row, filled, within, flow, taken, first):
-    """Add what each tank gives of a ``flow`` (kg/s) to ``taken[first:]``, for ``row`` with ``within`` kg of
-    load in reach.
+def draw(feed, flow, taken, first):
+    """Add each tank's share of a ``flow`` (kg/s) to ``taken[first:]``; ``feed``: loads (kg), row of the
+    engine or thruster in them, filled tanks, and load within reach.
     """
+    loads, row, filled, within = feed
     for k in range(MAX_TANKS):
         if filled[k] != 0:
             taken[first + k] += flow * (loads[row, k] / within)

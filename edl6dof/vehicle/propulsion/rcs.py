@@ -3,14 +3,17 @@
 A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in
 ``rise_s`` while the valve is open and falls to zero in ``decay_s`` when it is shut.  Over one integration
 step the level is integrated twice in closed form and applied as a line
-(:mod:`edl6dof.vehicle.propulsion.engine_models`), so the impulse of a pulse does not depend on the step, nor
-does the displacement that it leaves.
+(:func:`edl6dof.vehicle.propulsion.engine_models.line_in_step`), so the impulse of a pulse does not depend on
+the step, nor does the displacement that it leaves.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections import Counter
+from collections.abc import Sequence
+from typing import Annotated
 
+import numpy as np
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
@@ -20,8 +23,8 @@ from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.effectors import ThrusterGroup
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
-from edl6dof.vehicle.propulsion.feed_system import Branch, draw, load_within_reach
-from edl6dof.vehicle.propulsion.line_in_step import line_in_step
+from edl6dof.vehicle.propulsion.engine_models import line_in_step
+from edl6dof.vehicle.propulsion.feed_system import draw, load_within_reach
 
 
 class Thruster(Hardware):
@@ -55,15 +58,19 @@ class Thruster(Hardware):
     decay_s: float = param(0.012, "time from valve closing to no thrust", status="estimate", gt=0.0, le=0.2)
     draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
 
-    @field_validator("direction")
-    @classmethod
-    def _unit_length(cls, value: Vec3) -> Vec3:
-        return unit_vector(value)
+    _unit_length = field_validator("direction")(unit_vector)
 
     @property
     def full_flow_kg_s(self) -> float:
         """Propellant flow at full thrust."""
         return self.thrust_n / (self.specific_impulse_s * G0)
+
+
+class Branch(Hardware):
+    """One propellant branch."""
+
+    name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
+    thrusters: list[Key] = param(REQUIRED, "thrusters behind its latch valve", record=False, min_length=1)
 
 
 class RcsParams(Hardware):
@@ -90,10 +97,7 @@ class RcsParams(Hardware):
         5000.0, "dynamic pressure at which flow_loss applies", status="estimate", gt=0.0
     )
 
-    @field_validator("thrusters", "branches")
-    @classmethod
-    def _unique_names(cls, value: list[Any]) -> list[Any]:
-        return unique_names(value)
+    _names_differ = field_validator("thrusters", "branches")(unique_names)
 
     @property
     def laid_branches(self) -> list[Branch]:
@@ -104,11 +108,36 @@ class RcsParams(Hardware):
 RCS = dtype_of(RcsParams)
 
 
+def branch_problems(branches: Sequence[Branch], thrusters: Sequence[str]) -> dict[str, str]:
+    """Problems by dotted key: each thruster must be on one branch, unless there are no branches."""
+    given = Counter(name for branch in branches for name in branch.thrusters)
+    problems = {
+        f"branches.{k}.thrusters.{j}": f"no thruster named {name!r}; names: {', '.join(thrusters) or 'none'}"
+        for k, branch in enumerate(branches)
+        for j, name in enumerate(branch.thrusters)
+        if name not in thrusters
+    }
+    twice = [name for name in thrusters if given[name] > 1]
+    missing = [name for name in thrusters if given[name] == 0]
+    words = [f"{', '.join(twice)} on more than one"] if twice else []
+    words += [f"{', '.join(missing)} on none"] if missing and branches else []
+    if words:
+        problems["branches"] = f"every thruster must be on one branch (got {'; '.join(words)})"
+    return problems
+
+
+def fill_branches(record: np.void, branches: Sequence[Branch], thrusters: Sequence[Thruster]) -> None:
+    """Fill a ``BRANCHES`` record of zeros; each thruster lies on one of the ``branches``."""
+    record["count"] = len(branches)
+    for i, jet in enumerate(thrusters):
+        own = next(k for k, branch in enumerate(branches) if jet.name in branch.thrusters)
+        record["of"][i] = own
+        record["full_flow"][own] += jet.full_flow_kg_s
+
+
 @kernel
 def climb(level, duration, slope):
-    """First and second integral of a level over ``duration`` while it moves at ``slope`` (1/s) and stops at 0
-    or 1; returns (first, second, new level).
-    """
+    """Two integrals of a level over ``duration`` at ``slope`` (1/s) within 0 .. 1, and the new level."""
     if duration <= 0.0:
         return 0.0, 0.0, level
     goal = 1.0 if slope > 0.0 else 0.0
@@ -123,9 +152,7 @@ def climb(level, duration, slope):
 
 @kernel
 def linear_level(level, rise, decay, start, step, open_time, close_time):
-    """Thrust level over [start, start + step] of a valve open during [open_time, close_time], as a line;
-    returns (mean, slope in 1/s, level at the end).
-    """
+    """Line (mean, slope in 1/s) of the level over a step of a valve open in an interval, and its end."""
     end = start + step
     a = clamp(open_time, start, end)
     b = clamp(close_time, a, end)
@@ -159,18 +186,13 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0
     force = moment = force_slope = moment_slope = (0.0, 0.0, 0.0)
     for i in range(rcs.n_thrusters):
-        if valves.level[i] == 0.0 and (valves.close_time[i] <= t or valves.open_time[i] >= t + step):
+        opens, closes = valves.open_time[i], valves.close_time[i]
+        if valves.level[i] == 0.0 and (closes <= t or opens >= t + step):
             valves.mean[i] = 0.0
             continue
         jet = rcs.thrusters[i]
         mean, slope, level = linear_level(
-            valves.level[i],
-            jet.rise,
-            jet.decay,
-            start=t,
-            step=step,
-            open_time=valves.open_time[i],
-            close_time=valves.close_time[i],
+            valves.level[i], jet.rise, jet.decay, t, step, open_time=opens, close_time=closes
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)
@@ -180,24 +202,9 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         thrust = jet.thrust * jet.thrust_factor
         full_flow = thrust / (jet.specific_impulse * G0)
         drawn = (1.0 - valves.flow_lost[i]) * (1.0 - valves.feed_lost)
-        draw(
-            loads,
-            row=i,
-            filled=inputs.filled,
-            within=within,
-            flow=mean * drawn * full_flow,
-            taken=inputs.rcs_flow,
-            first=0,
-        )
-        draw(
-            loads,
-            row=i,
-            filled=inputs.filled,
-            within=within,
-            flow=slope * drawn * full_flow,
-            taken=inputs.rcs_flow_slope,
-            first=0,
-        )
+        feed = (loads, i, inputs.filled, within)
+        draw(feed, mean * drawn * full_flow, inputs.rcs_flow, 0)
+        draw(feed, slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
         used[branch[i]] += mean * drawn * full_flow * step
         kept = (1.0 - valves.lost[i]) * (1.0 - valves.feed_lost)
         mean *= kept

@@ -207,13 +207,13 @@ def test_place_that_cannot_be_written(place, here, capsys, monkeypatch):
 
 
 def test_full_disk_leaves_nothing(here, capsys, monkeypatch):
-    from edl6dof.runs import run_files
+    from edl6dof.runs import run as run_folder
 
     def full(flight, path):
         path.write_bytes(b"half")
         raise OSError("[Errno 28] Error writing bytes to file.\nDetail: No space left on device")
 
-    monkeypatch.setattr(run_files, "write_telemetry", full)
+    monkeypatch.setattr(run_folder, "write_telemetry", full)
     code, out, err = run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)
     assert (code, out) == (2, "")
     assert "runs/drop: cannot be written: " in err
@@ -223,7 +223,7 @@ def test_full_disk_leaves_nothing(here, capsys, monkeypatch):
 
 
 def test_full_disk_keeps_the_former_run(here, capsys, monkeypatch):
-    from edl6dof.runs import run_files
+    from edl6dof.runs import run as run_folder
 
     run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)
     before = Path("runs/drop/summary.json").read_text()
@@ -231,7 +231,7 @@ def test_full_disk_keeps_the_former_run(here, capsys, monkeypatch):
     def full(flight, path):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(run_files, "write_telemetry", full)
+    monkeypatch.setattr(run_folder, "write_telemetry", full)
     assert run(capsys, monkeypatch, "fly", "drop.yaml", "--force", *QUICK)[0] == 2
     assert Path("runs/drop/summary.json").read_text() == before
     assert not hidden(here / "runs")

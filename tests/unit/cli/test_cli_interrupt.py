@@ -12,8 +12,8 @@ from cli_run import SHORT, hidden, run, spawn
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.runs import folder as run_folder
-from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs import files as run_files
+from edl6dof.runs.files import atomic_folder
 
 #: About ten seconds of computing, in chunks of a fraction of a second.
 SLOW = [
@@ -69,7 +69,7 @@ def test_kill_leaves_no_result_and_the_next_run_cleans_up(number, tmp_path, caps
 
 def test_run_of_a_living_process_is_left_alone(tmp_path, monkeypatch):
     target = tmp_path / "run"
-    other = tmp_path / f".run.{os.getppid()}-{run_folder._host()}.part"
+    other = tmp_path / f".run.{os.getppid()}-{run_files._host()}.part"
     other.mkdir()
     with atomic_folder(target, "flight", force=False) as folder:
         (folder / "summary.json").write_text("{}")
@@ -89,7 +89,7 @@ def test_folder_of_another_host_goes_only_when_it_is_old(tmp_path):
 
 def test_names_with_dots_and_brackets(tmp_path):
     for name in ("v1.2", "a[b]", "x y"):
-        dead = tmp_path / f".{name}.{2**22 + 1}-{run_folder._host()}.part"
+        dead = tmp_path / f".{name}.{2**22 + 1}-{run_files._host()}.part"
         dead.mkdir()
         with atomic_folder(tmp_path / name, "flight", force=False) as folder:
             (folder / "summary.json").write_text("{}")
@@ -98,7 +98,7 @@ def test_names_with_dots_and_brackets(tmp_path):
 
 
 def test_neighbours_leftovers_are_not_touched(tmp_path):
-    other = tmp_path / f".run.more.{2**22 + 1}-{run_folder._host()}.part"
+    other = tmp_path / f".run.more.{2**22 + 1}-{run_files._host()}.part"
     other.mkdir()
     user = tmp_path / ".run.backup.tar"
     user.mkdir()
@@ -108,7 +108,7 @@ def test_neighbours_leftovers_are_not_touched(tmp_path):
 
 
 def test_kill_between_the_two_renames_brings_the_former_run_back(tmp_path):
-    target, aside = tmp_path / "run", tmp_path / f".run.{2**22 + 1}-{run_folder._host()}.old"
+    target, aside = tmp_path / "run", tmp_path / f".run.{2**22 + 1}-{run_files._host()}.old"
     aside.mkdir()
     (aside / "summary.json").write_text("former")
     seal(aside, "flight")
@@ -130,7 +130,7 @@ def test_failing_second_rename_restores_the_former_run(tmp_path, monkeypatch):
     def failing(partial, target):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(run_folder, "put_in_place", failing)
+    monkeypatch.setattr(run_files, "put_in_place", failing)
     with pytest.raises(KeyboardInterrupt), atomic_folder(target, "flight", force=True) as folder:
         (folder / "summary.json").write_text("new")
     assert (target / "summary.json").read_text() == "former"

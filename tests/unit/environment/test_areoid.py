@@ -12,10 +12,9 @@ from scipy.special import factorial, lpmv
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.environment.areoid import areoid_height, areoid_map, areoid_path, lay_areoid
+from edl6dof.environment.areoid import areoid_height, areoid_map, areoid_path, lay_areoid, map_height
 from edl6dof.environment.gravity import read_coefficients
-from edl6dof.environment.height_map import map_height
-from edl6dof.environment.map_file import map_file
+from edl6dof.environment.height_map import map_file
 from edl6dof.spatial.frames import from_geodetic
 
 NAME = "mars_gmm3_degree12"

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.environment.landing_area.params import LandingAreaParams
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
+from edl6dof.environment.landing_area.relief import LandingAreaParams
 from edl6dof.environment.terrain import (
     TERRAIN,
     TerrainParams,

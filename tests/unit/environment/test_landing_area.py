@@ -10,11 +10,26 @@ import pytest
 from scipy import integrate, stats
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.environment.landing_area.features import DEPTH, EDGE, RIM, WORN_DEPTH, crater_height, rock_height
-from edl6dof.environment.landing_area.params import CRATER_DIAMETER, LandingAreaParams, landing_area_problems
-from edl6dof.environment.landing_area.population import POPULATION, drawn_in, list_within, within
+from edl6dof.environment.landing_area.population import (
+    DEPTH,
+    EDGE,
+    POPULATION,
+    RIM,
+    WORN_DEPTH,
+    crater_height,
+    drawn_in,
+    list_within,
+    rock_height,
+    within,
+)
 from edl6dof.environment.landing_area.raster import RASTER_WORK, lay_raster
-from edl6dof.environment.landing_area.surface import corners, relief
+from edl6dof.environment.landing_area.relief import (
+    CRATER_DIAMETER,
+    LandingAreaParams,
+    corners,
+    landing_area_problems,
+    relief,
+)
 from edl6dof.environment.terrain import (
     TERRAIN,
     TerrainParams,

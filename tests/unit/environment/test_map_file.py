@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from edl6dof.environment.areoid import DATA
-from edl6dof.environment.map_file import map_file, read_map
+from edl6dof.environment.height_map import map_file, read_map
 
 
 @pytest.mark.parametrize(

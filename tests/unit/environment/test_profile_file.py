@@ -7,7 +7,7 @@ import edl6dof
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.identity import input_files
 from edl6dof.config.errors import ConfigError
-from edl6dof.environment.profile_file import read_profile
+from edl6dof.environment.atmosphere_table import read_profile
 from edl6dof.scenario.records import build_tables
 
 ROWS = ((0.0, 700.0, 220.0), (1000.0, 640.0, 215.0), (2500.0, 560.0, 205.0))

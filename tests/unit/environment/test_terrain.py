@@ -7,8 +7,8 @@ from math import atan, cos, degrees, radians
 import numpy as np
 import pytest
 
-from edl6dof.environment.height_map import map_height
-from edl6dof.environment.map_file import map_file
+from edl6dof.environment.areoid import map_height
+from edl6dof.environment.height_map import map_file
 from edl6dof.environment.terrain import (
     MAP,
     TERRAIN,

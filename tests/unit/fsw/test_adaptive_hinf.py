@@ -12,12 +12,13 @@ from scipy.linalg import solve_continuous_are
 from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics, uncertain_drag
 from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
+    ceiling,
+    corridor,
     integrate_range,
     path_sine,
     profile_drag,
     profile_range,
 )
-from edl6dof.fsw.guidance.entry.entry_corridor import ceiling, corridor
 from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import AdaptiveHinfParams, adapt, feedback, riccati
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.scenario.loading import load_scenario

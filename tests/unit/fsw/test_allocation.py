@@ -9,10 +9,9 @@ from scipy.optimize import lsq_linear
 from thruster_wrenches import ENTRY, LANDER, wrenches
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.least_squares import LeastSquaresParams
-from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, AllocationParams
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND, AllocationParams, compose_demand
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.effectors import ATTITUDE, AXIAL, ENGINE_FULL, ENGINE_THROTTLE, FINE, THRUSTER_GROUPS
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from given_functions import allocate
 
-from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
-from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS
+from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.effectors import ATTITUDE, AXIAL, FINE, HORIZONTAL
 from edl6dof.scenario.loading import load_scenario

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from given_functions import steer_bank
 
-from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
-from edl6dof.fsw.guidance.entry.steering import STEERING
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, STEERING
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 

@@ -15,7 +15,6 @@ from powered_flight import Guided, PointMass
 
 from edl6dof.fsw.guidance import guidance_command
 from edl6dof.fsw.guidance.powered.convex.flight_time import growth
-from edl6dof.fsw.guidance.powered.convex.glide_slope import outside
 from edl6dof.fsw.guidance.powered.convex.landing_plan import (
     CONTROLS,
     PLAN,
@@ -23,7 +22,7 @@ from edl6dof.fsw.guidance.powered.convex.landing_plan import (
     lay_grid,
     shift_controls,
 )
-from edl6dof.fsw.guidance.powered.convex.pipg import nearest_thrust, solve
+from edl6dof.fsw.guidance.powered.convex.pipg import nearest_thrust, outside, solve
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
 import point_mass_landing as conic

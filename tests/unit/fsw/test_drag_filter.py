@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
-from edl6dof.fsw.navigation.drag_filter import DRAG_FILTER, filter_drag
+from edl6dof.fsw.navigation.derived import DRAG_FILTER, NAV, filter_drag, model_atmosphere
 
 DT, GAMMA, MACH = 0.02, -0.15, 12.0
 

@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.estimation.engine_shortfall import (
-    ENGINE_SHORTFALL,
-    EngineShortfallParams,
-    engine_shortfall,
-)
+from edl6dof.fsw.estimation.engine_thrust import ENGINE_SHORTFALL, EngineShortfallParams, engine_shortfall
 
 DT = 0.04
 

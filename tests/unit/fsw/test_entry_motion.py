@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from edl6dof.fsw.guidance.entry.motion import acceleration, roll, step
+from edl6dof.fsw.guidance.entry.predictor import acceleration, roll, step
 
 RATIOS = (1.1, 0.9)
 BANK = radians(-50.0)

@@ -14,10 +14,9 @@ from textbook_filter import TextbookFilter, matrix, skew
 
 from edl6dof.fsw.navigation.filters.error_state import correct, start
 from edl6dof.fsw.navigation.filters.kalman.covariance import axes_covariance
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import median, refused_again, weighted_noise
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import median, refused_again, weighted_noise
 from edl6dof.fsw.navigation.filters.kalman.radar_update import range_row, speed_row
-from edl6dof.fsw.navigation.filters.kalman.states import ACTING, MOVING, STATES, WIDTH
-from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
+from edl6dof.fsw.navigation.filters.kalman.states import ACTING, MOVING, STATES, WIDTH, fill_transition
 from edl6dof.fsw.navigation.radar_beams import expected_range, ground_normal, place_antenna
 from edl6dof.fsw.navigation.strapdown import level_axes
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import NONE, invert, outlier
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import NONE, invert, outlier
 
 
 def covariance(rng, n):

@@ -25,7 +25,7 @@ from edl6dof.fsw.guidance.powered.terminal_descent import (
     throttle,
 )
 from edl6dof.fsw.hazard.site_selection import LANDING_POINT
-from edl6dof.fsw.mission.phases import G_POWERED
+from edl6dof.fsw.mission import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
 from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_THROTTLE

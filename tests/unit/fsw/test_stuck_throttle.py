@@ -7,12 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.estimation.stuck_throttle_detection import (
-    STUCK_THROTTLE,
-    StuckThrottleParams,
-    stuck_throttle,
-)
-from edl6dof.fsw.guidance.powered.stuck_throttle_descent import LEAST_DESCENT, stop_height
+from edl6dof.fsw.estimation.engine_thrust import STUCK_THROTTLE, StuckThrottleParams, stuck_throttle
+from edl6dof.fsw.guidance.powered.stopping import LEAST_DESCENT, stop_height
 
 DT, FULL, WEIGHT = 0.04, 7500.0, 4500.0
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from edl6dof.fsw.guidance.entry.influence import INFLUENCE, fill_influence
-from edl6dof.fsw.guidance.entry.laws.etpc import guide, lay_plan
+from edl6dof.fsw.guidance.entry.laws.etpc import INFLUENCE, fill_influence, guide, lay_plan
 from edl6dof.fsw.guidance.entry.reference import PLANNED
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV

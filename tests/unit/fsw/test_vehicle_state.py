@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from edl6dof.fsw.mission.phases import MISSION
+from edl6dof.fsw.mission import MISSION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events, share_thrust
 from edl6dof.interface.capacities import MAX_ENGINES

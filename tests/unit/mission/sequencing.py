@@ -3,8 +3,7 @@
 import numpy as np
 
 from edl6dof.fsw.guidance.guidance_command import GUIDE
-from edl6dof.fsw.mission.phases import MISSION, MissionParams, Phase, Trigger
-from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
+from edl6dof.fsw.mission import MISSION, SEQUENCE, MissionParams, Phase, Trigger, sequence
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS

@@ -3,7 +3,7 @@
 import pytest
 from sequencing import Sequencer, last, plan, trigger
 
-from edl6dof.fsw.mission.phases import Condition, MissionParams, Phase, Transition
+from edl6dof.fsw.mission import Condition, MissionParams, Phase, Transition
 from edl6dof.scenario.mission_events import way_problems
 
 

@@ -9,6 +9,7 @@ from pyquaternion import Quaternion
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import in_si
+from edl6dof.fsw.navigation.gyro_gaps import RATE_BRIDGE, acceleration_of, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.integrity import (
     ABOVE_HORIZON,
     BELOW_GROUND,
@@ -22,7 +23,6 @@ from edl6dof.fsw.navigation.integrity import (
     plausible_height,
 )
 from edl6dof.fsw.navigation.radar_beams import height_from_beams, velocity_from_beams
-from edl6dof.fsw.navigation.rate_bridging import RATE_BRIDGE, acceleration_of, bridge_rate, end_bridge
 from edl6dof.fsw.navigation.recovery import RECOVERY, RecoveryParams, recover
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import CONFIGURATION, ONBOARD

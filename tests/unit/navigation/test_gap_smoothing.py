@@ -5,9 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from edl6dof.fsw.navigation.gap_smoothing import GAP_SMOOTHING, smooth_gap
+from edl6dof.fsw.navigation.gyro_gaps import GAP_SMOOTHING, bridge_rate, end_bridge, smooth_gap
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY
-from edl6dof.fsw.navigation.rate_bridging import bridge_rate, end_bridge
 from edl6dof.fsw.navigation.solution import MOTION, SOLUTION
 from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.fsw.onboard import CONFIGURATION

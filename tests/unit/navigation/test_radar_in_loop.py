@@ -9,8 +9,7 @@ import pytest
 
 from edl6dof.config.dtype import in_si
 from edl6dof.fsw.navigation.filters.radar_in_loop import MEMBER, RADAR_IN_LOOP, RadarInLoopParams
-from edl6dof.fsw.navigation.redundancy import REDUNDANT
-from edl6dof.fsw.navigation.saturation import SaturationParams, usable_gyros
+from edl6dof.fsw.navigation.redundancy import REDUNDANT, SaturationParams, usable_gyros
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import INERTIAL, SENSED

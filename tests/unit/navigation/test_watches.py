@@ -18,7 +18,7 @@ from edl6dof.fsw.navigation.exclusions import (
     watch_stars,
 )
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
-from edl6dof.fsw.navigation.saturation import exclude_stale_flags
+from edl6dof.fsw.navigation.redundancy import exclude_stale_flags
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.sensed import RADAR, STARS

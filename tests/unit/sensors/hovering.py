@@ -12,7 +12,7 @@ from edl6dof.interface.sensed import cell_direction
 from edl6dof.sensors.ray_ground import height_over_ground, point_motion
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_axes, from_euler_321, from_frame, multiply
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER
+from edl6dof.vehicle.mass import CONFIG_LANDER
 from edl6dof.vehicle.plant import ATTITUDE
 
 

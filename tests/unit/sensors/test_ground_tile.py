@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
-from edl6dof.sensors.ground_tile import GROUND_TILE, TILE_NODES, clear_tile, trace_ray
+from edl6dof.sensors.ray_ground import GROUND_TILE, TILE_NODES, clear_tile, trace_ray
 
 CELL = 0.1
 HALF = 0.5 * CELL * TILE_NODES

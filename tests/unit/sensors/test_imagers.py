@@ -12,7 +12,7 @@ from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import cell_direction
 from edl6dof.records import first_not_finite
 from edl6dof.scenario.records import build_records, initial_plant
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.mass import CONFIG_BACKSHELL, CONFIG_CAPSULE
 
 IMAGERS = ("landing_camera", "lidar", "stereo")
 GROUND = area()

@@ -8,7 +8,7 @@ from edl6dof.environment.landing_area.population import list_within
 from edl6dof.environment.terrain import geodetic_of
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.interface.sensed import cell_direction
-from edl6dof.sensors.landing_camera import smeared
+from edl6dof.sensors.landing_camera import smear_of_motion, smeared
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.vehicle.parachutes.parachute import RELEASED
@@ -154,6 +154,26 @@ def test_small_obstacles_are_lost_with_height_and_with_motion():
     blurred = total(150.0, v_ned=(60.0, 0.0, 0.0), params={"exposure_s": 0.01})
     coarser = total(150.0, params={"smallest_px": 2.0 + 0.6 / (2.0 * TANGENT * 150.5 / 1024)})
     assert blurred == pytest.approx(coarser, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_smear_is_how_far_a_point_moves_in_the_picture(seed):
+    """By the pinhole projection of the point before and after the exposure, half of it each way."""
+    rng = np.random.default_rng(seed)
+    velocity, rate = rng.normal(0.0, 5.0, 3), rng.normal(0.0, 0.1, 3)
+    look, depth, tangent, exposure = np.array([1.0, 0.3, -0.4]), 80.0, 0.4, 0.01
+    point = depth * look
+
+    def picture(t):
+        """Row and column: z and y of the point over its depth, seen from the moving, turning camera."""
+        seen = point - t * (velocity + np.cross(rate, point))
+        return 0.5 * CAMERA_CELLS / tangent * seen[[2, 1]] / seen[0]
+
+    half = 0.5e-3 * exposure
+    moved = (picture(half) - picture(-half)) * 1e3
+    motion = tuple(velocity), tuple(rate)
+    found = smear_of_motion(motion, tuple(look), depth, tangent, exposure)
+    assert found == pytest.approx(moved, rel=1e-6)
 
 
 def test_smear_runs_along_the_motion_and_keeps_the_sum():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from instrument_bench import Bench
 
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.mass import CONFIG_BACKSHELL, CONFIG_CAPSULE
 
 
 def ports(case=0, **params):

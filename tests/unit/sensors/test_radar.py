@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from edl6dof.environment.terrain import NONE, PLANE
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.mass import CONFIG_BACKSHELL, CONFIG_CAPSULE
 
 IDEAL = {
     **dict.fromkeys(("dropout", "misalignment_deg", "range_noise_m", "range_noise_relative_pct"), 0.0),

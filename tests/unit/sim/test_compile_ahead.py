@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from edl6dof.kernels import cache
-from edl6dof.sim import compile_ahead
+from edl6dof.sim import functions as compile_ahead
 
 
 @pytest.fixture

@@ -23,9 +23,8 @@ from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
 from edl6dof.report.document import Cell
 from edl6dof.report.flight.flight_report import limits_and_published, mood
 from edl6dof.report.terminal import LIMIT_STATUS, comparison, headline, published_table, show_flight
-from edl6dof.runs.folder import atomic_folder
-from edl6dof.runs.run import Run
-from edl6dof.runs.run_files import summary, write_run
+from edl6dof.runs.files import atomic_folder
+from edl6dof.runs.run import Run, summary, write_run
 from edl6dof.scenario.schema import LimitParams
 from edl6dof.vehicle.plant import STATE
 

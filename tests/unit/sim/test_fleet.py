@@ -46,12 +46,14 @@ def test_flights_side_by_side_in_portions_are_the_flight_alone(short):
 
 
 def helpers():
-    return [one for one in threading.enumerate() if one.name == "edl6dof-helper"]
+    return [one for one in threading.enumerate() if one.name.startswith("edl6dof-fleet")]
 
 
 def test_threads_end_with_the_fleet_and_a_closed_one_flies_no_further(short):
     before = len(helpers())
     closed, dropped = fleet_of(short, 3, 3), fleet_of(short, 2, 2)
+    closed.advance(1)
+    dropped.advance(1)
     assert len(helpers()) == before + 3
     closed.close()
     with pytest.raises(RuntimeError, match="closed"):

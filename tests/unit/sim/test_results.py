@@ -11,8 +11,8 @@ import pytest
 from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.runs.folder import atomic_folder
-from edl6dof.runs.run_files import write_run
+from edl6dof.runs.files import atomic_folder
+from edl6dof.runs.run import write_run
 from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
 

@@ -15,7 +15,6 @@ from aero_capsule import (
     D,
     coefficients,
     gas_record,
-    record,
     table_of,
     velocity,
     wrench,
@@ -112,15 +111,12 @@ def test_stored_slopes_belong_to_the_values(table):
 
 
 def test_bridging_limits_and_middle(table):
-    capsule = record().capsule
     path = 7.308e-26 / (sqrt(2) * pi * 4.59e-10**2)  # mean free path times density
     for kn, weight in ((9e-4, 0.0), (1e-3, 0.0), (1e-1, 0.5), (10.0, 1.0), (11.0, 1.0)):
-        assert free_molecular_weight(capsule, gas_record(), path / (kn * D)) == pytest.approx(
-            weight, abs=1e-9
-        )
-    assert free_molecular_weight(capsule, gas_record(), 0.0) == 1.0
+        assert free_molecular_weight(gas_record(), path / (kn * D), D) == pytest.approx(weight, abs=1e-9)
+    assert free_molecular_weight(gas_record(), 0.0, D) == 1.0
     for kn in (1.5e-3, 8.0, 0.03):
-        got = free_molecular_weight(capsule, gas_record(), path / (kn * D))
+        got = free_molecular_weight(gas_record(), path / (kn * D), D)
         assert got == pytest.approx(sin(pi / 8 * (3 + log10(kn))) ** 2, abs=1e-12)
     dense, rare = coefficients(table, 20.0, 30.0), coefficients(table, 20.0, 30.0, RARE)
     mixed = coefficients(table, 20.0, 30.0, path / (kn * D))

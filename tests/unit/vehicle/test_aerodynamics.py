@@ -24,14 +24,15 @@ from pydantic import ValidationError
 from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero
 from edl6dof.vehicle.aerodynamics.capsule_table import AERO_TABLE
-from edl6dof.vehicle.aerodynamics.constant_coefficients import (
+from edl6dof.vehicle.aerodynamics.wrench import (
+    AeroParams,
     BluffParams,
     ConstantAeroParams,
+    aerodynamic_wrench,
     bluff_aero,
     constant_aero,
 )
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE, CONFIG_LANDER
-from edl6dof.vehicle.aerodynamics.wrench import AeroParams, aerodynamic_wrench
+from edl6dof.vehicle.mass import CONFIG_BACKSHELL, CONFIG_CAPSULE, CONFIG_LANDER
 
 
 def no_body():

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from edl6dof.config.dtype import fill
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.vehicle.parachutes.bridle import confluence
-from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, riser_tension
+from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, confluence, riser_tension
 
 MEETING = np.array([-3.9, 0.0, -0.034])
 ATTACHMENTS = np.array([[-2.5, 0.6, 0.0], [-2.5, -0.3, 0.52], [-2.5, -0.3, -0.52]])

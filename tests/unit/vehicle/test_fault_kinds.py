@@ -9,7 +9,7 @@ from given_functions import actuate
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.effectors import THRUSTER_FAILURES
-from edl6dof.vehicle.faults.fault import FAULT_KINDS, components_of, failure_of
+from edl6dof.vehicle.faults.fault import FAULT_KINDS, about
 from edl6dof.vehicle.parachutes.parachute import INFLATING
 
 INSTRUMENTS = (
@@ -38,7 +38,7 @@ def of_kind(tables, sound_vehicle):
     """Makes a vehicle with a fault of a kind, and a healthy one."""
 
     def make(kind):
-        name = NAMED.get(components_of(kind)[0], "")
+        name = NAMED.get(about(kind).components[0], "")
         fault = f"{{{name}kind: {kind}, at: {{time_s: {BEGINS}}}}}"
         sound, plant, command = sound_vehicle
         return broken(tables, fault, others=[INSTRUMENTS]), (sound, plant.copy(), command.copy())
@@ -59,8 +59,8 @@ def put_to_use(command, *plants):
 
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)
 def test_a_kind_that_is_about_thrusters_says_how_they_fail(kind):
-    about_thrusters = set(components_of(kind)) <= {"thruster", "branch", "rcs"}
-    assert (failure_of(kind) in THRUSTER_FAILURES) == about_thrusters
+    about_thrusters = set(about(kind).components) <= {"thruster", "branch", "rcs"}
+    assert (about(kind).failure in THRUSTER_FAILURES) == about_thrusters
 
 
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from broken_vehicle import broken
 from given_functions import actuate
@@ -10,6 +11,7 @@ import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.capacities import MAX_ENGINES
 from edl6dof.interface.events import DEPLOY
+from edl6dof.vehicle.motion.balance import engines
 from edl6dof.vehicle.plant import THRUST
 
 
@@ -45,6 +47,17 @@ def test_only_the_engine_that_is_named_loses_thrust(tables, kind, lost):
     case, plant, command = broken(tables, fault, others=TWO_ENGINES)
     actuate(case, command, plant)
     assert plant["thrust_lost"] == pytest.approx([0.0, lost] + [0.0] * (MAX_ENGINES - 2))
+
+
+def test_the_balance_counts_the_thrust_that_is_left(tables):
+    """Sum of the engines' forces: all of the first, 0.7 of the second; both point along x."""
+    fault = "{kind: engine_shortfall, engine: right, engine_shortfall: {thrust_factor: 0.7}, at: {time_s: 0}}"
+    case, plant, command = broken(tables, fault, others=TWO_ENGINES)
+    actuate(case, command, plant)
+    thrusts = np.zeros(MAX_ENGINES)
+    thrusts[:2] = 2000.0, 3000.0
+    force, _ = engines(case, plant, thrusts, 0)
+    assert force == pytest.approx((2000.0 + 0.7 * 3000.0, 0.0, 0.0), abs=1e-9)
 
 
 def test_only_the_throttle_that_is_named_is_stuck(tables):

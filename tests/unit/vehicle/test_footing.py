@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 import edl6dof
 from edl6dof.environment.terrain import ground
 from edl6dof.scenario import records
-from edl6dof.vehicle.landing_gear import contacts
-from edl6dof.vehicle.motion.ground_contact import ground_loads, minimum_clearance, normal_of
+from edl6dof.vehicle.landing_gear import contacts, ground_loads, minimum_clearance, normal_of
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
 PLACE = np.sin(LATITUDE), np.cos(LATITUDE), np.sin(LONGITUDE), np.cos(LONGITUDE)

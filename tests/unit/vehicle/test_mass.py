@@ -11,9 +11,11 @@ from pydantic import ValidationError
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_PARTS, MAX_TANKS
-from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE, CONFIG_LANDER
 from edl6dof.vehicle.mass import (
     BODY,
+    CONFIG_BACKSHELL,
+    CONFIG_CAPSULE,
+    CONFIG_LANDER,
     MassParams,
     Part,
     Tank,

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from edl6dof.vehicle.landing_gear import ground_speed, note_motion
 from edl6dof.vehicle.motion.balance import update_peaks
 from edl6dof.vehicle.motion.body import tilt
-from edl6dof.vehicle.motion.ground_contact import ground_speed, note_motion
 from edl6dof.vehicle.parachutes.parachute import INFLATING, PACKED, RELEASED
 from edl6dof.vehicle.plant import POSITION, RATE, STATES, VELOCITY
 

@@ -9,7 +9,7 @@ import pytest
 
 import edl6dof
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.vehicle.aerodynamics.constant_coefficients import LiftDragParams, lift_drag_aero
+from edl6dof.vehicle.aerodynamics.wrench import LiftDragParams, lift_drag_aero
 from edl6dof.verify.entries import integrated
 
 RADIUS = 3394500.0

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from edl6dof.scenario import records
-from edl6dof.vehicle.motion.integrate import advance
+from edl6dof.vehicle.motion.integrate import advance, clearance, slack
 from edl6dof.vehicle.motion.runge_kutta import evaluate
-from edl6dof.vehicle.motion.state_events import STATE_EVENTS, clearance, slack
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, PROPELLANT, WORKSPACE
 from edl6dof.verify.case import BARE, FLAT, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
@@ -182,7 +181,3 @@ def test_event_that_has_come_already_is_not_lost():
     flown = Flown(*FLAT, "initial.altitude_m=-1")
     flown.to(0.02)
     assert flown.plant["touched"][0] == 1 and flown.plant["touchdown_time"][0] <= STEP_S
-
-
-def test_every_event_has_its_own_name():
-    assert len({event.name for event in STATE_EVENTS}) == len(STATE_EVENTS)

@@ -18,8 +18,8 @@ from edl6dof.spatial.vector import clamp
 def to_target(onboard, nav):
     """Great-circle range to the aim point, signed crossrange and downrange to go (m on the reference sphere).
 
-    Crossrange is positive when the velocity points to the right of the aim point.  Downrange to go is what is
-    left along the course until the aim point lies abeam; negative beyond it.
+    Crossrange is positive when the velocity points to the right of the aim point.  Downrange to go is
+    measured along the course until the aim point lies abeam; negative beyond it.
     """
     site, planet = onboard.site, onboard.planet
     arc, bearing = great_circle((nav.latitude, nav.longitude), (site.aim_latitude, site.aim_longitude))
@@ -32,9 +32,7 @@ def to_target(onboard, nav):
 
 @kernel
 def first_side(out):
-    """Side to bank to at first (+1 right, -1 left): the one that the commanded bank angle is on already, else
-    towards the aim point.
-    """
+    """Side of the first bank (+1 right, -1 left): that of the commanded bank, else towards the aim point."""
     away = out.crossrange if out.bank == 0.0 else -out.bank
     return -1.0 if away > 0.0 else 1.0
 
@@ -49,7 +47,5 @@ class HeadingAlignmentParams(Params):
 
 @kernel
 def heading_bank(p, range_to_go, crossrange):
-    """Bank angle (rad) against the heading error, the angle at the vehicle between its velocity and the aim
-    point, by its range and crossrange (m); ``p`` are the settings of heading alignment.
-    """
+    """Bank angle (rad) against the heading error towards the aim point; range and crossrange in m."""
     return clamp(-p.gain * atan2(crossrange, max(range_to_go, 1.0)), -p.limit, p.limit)

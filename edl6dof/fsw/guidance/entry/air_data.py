@@ -18,42 +18,29 @@ Brunner & Lu 2008, eqs. 33-34), there first-order fading memories; local linear 
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
+
+#: Usual winds, m/s.
+_JETS = (-150, 150, "jet streams")
 
 
 class ExpectedWindParams(Params):
     """Mean wind against height: a factor on the winds of a table, and a wind that is the same everywhere."""
 
     table_factor: float = param(
-        1.0,
-        "factor on the mean wind of the table that atmosphere.table names; without one there is none",
-        record=False,
-        ge=-10.0,
-        le=10.0,
+        1.0, "factor on the mean wind of atmosphere.table, where it has one", record=False, ge=-10.0, le=10.0
     )
     north_m_s: float = param(
-        0.0,
-        "wind towards north, added at all heights",
-        record=False,
-        ge=-200.0,
-        le=200.0,
-        usual=(-150, 150, "jet streams"),
+        0.0, "wind towards north, added at all heights", record=False, ge=-200.0, le=200.0, usual=_JETS
     )
     east_m_s: float = param(
-        0.0,
-        "wind towards east, added at all heights",
-        record=False,
-        ge=-200.0,
-        le=200.0,
-        usual=(-150, 150, "jet streams"),
+        0.0, "wind towards east, added at all heights", record=False, ge=-200.0, le=200.0, usual=_JETS
     )
 
 
@@ -64,11 +51,7 @@ class AirDataParams(Params):
         0.1, "standard deviation of the ratio of drag before entry", status="estimate", gt=0.0, lt=1.0
     )
     scale_height_error: float = param(
-        0.025,
-        "relative standard deviation of the believed density scale height: 5 K of temperature",
-        status="estimate",
-        ge=0.0,
-        lt=1.0,
+        0.025, "relative standard deviation of the scale height: 5 K", status="estimate", ge=0.0, lt=1.0
     )
     wave_sigma: float = param(
         0.03, "relative standard deviation of waves of density", status="estimate", gt=0.0, lt=1.0
@@ -84,19 +67,16 @@ class AirDataParams(Params):
     limit: float = param(0.5, "largest deviation of a ratio from one", gt=0.0, lt=1.0)
 
 
-AIR_DATA = np.dtype(
-    [
-        ("started", FLAG),
-        ("t", "f8"),
-        ("altitude", "f8"),  # m: of the last reading
-        ("drag", "f8"),
-        ("trend", "f8"),  # of the ratio of drag with height, 1/m
-        ("drag_variance", "f8"),
-        ("covariance", "f8"),
-        ("trend_variance", "f8"),
-        ("lift", "f8"),
-    ],
-    align=True,
+AIR_DATA = record(
+    ("started", FLAG),
+    ("t", "f8"),
+    ("altitude", "f8"),  # m: of the last reading
+    ("drag", "f8"),
+    ("trend", "f8"),  # of the ratio of drag with height, 1/m
+    ("drag_variance", "f8"),
+    ("covariance", "f8"),
+    ("trend_variance", "f8"),
+    ("lift", "f8"),
 )
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import log
 from edl6dof.spatial.table_index import between, held_cell
@@ -20,18 +21,13 @@ NODES = 64
 FIRST_MACH, LAST_MACH = 0.5, 30.0
 SPACING = log(LAST_MACH / FIRST_MACH) / (NODES - 1)
 
-AIRFRAME = np.dtype(
-    [
-        ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 when it does not, or by speed
-        # m/s: speed at which the trim wing opens; 0 when it does not, or by Mach number
-        ("wing_speed", "f8"),
-        ("alpha", "f8", (NODES,)),  # rad: angle of attack at trim
-        ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
-        ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
-        # drag area over the vehicle's one, wing open, zero angle of attack
-        ("drag_with_wing", "f8", (NODES,)),
-    ],
-    align=True,
+AIRFRAME = record(
+    ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 when it does not, or by speed
+    ("wing_speed", "f8"),  # m/s: speed at which the trim wing opens; 0 when it does not, or by Mach number
+    ("alpha", "f8", (NODES,)),  # rad: angle of attack at trim
+    ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
+    ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
+    ("drag_with_wing", "f8", (NODES,)),  # drag area over the vehicle's one, wing open, zero angle of attack
 )
 
 
@@ -65,9 +61,7 @@ def believed_aero(vehicle, mach, speed):
 
 @kernel
 def area_rate(vehicle, mach, speed, speed_rate):
-    """Relative rate (1/s) of the drag area at trim while the speed changes at ``speed_rate`` (m/s2), the
-    speed of sound held.
-    """
+    """Relative rate (1/s) of the trimmed drag area at ``speed_rate`` (m/s2), with constant speed of sound."""
     drag = vehicle.airframe.drag
     i, _ = node_of(mach)
     return log(drag[i + 1] / drag[i]) / SPACING * speed_rate / speed

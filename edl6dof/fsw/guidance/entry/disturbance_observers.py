@@ -23,14 +23,12 @@ Source: Yan, Sun & Guo 2016, eqs. 5 and 16-17.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import cos, exp
 
 #: Longest time (s) between two samples over which the chain of integrators is believed; after it the observer
@@ -38,17 +36,14 @@ from edl6dof.spatial.elementary import cos, exp
 MEMORY_S = 3.0
 
 #: Estimates; a, b and time of the last sample.
-OBSERVER = np.dtype(
-    [("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", FLAG)],
-    align=True,
+OBSERVER = record(
+    ("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", FLAG)
 )
 
 
 @kernel
 def observer_gains(epsilon, dt):
-    """Gains on drag, rate and phi that put the poles of the sampled error at exp(-dt/eps), its square and its
-    cube.
-    """
+    """Gains on drag, rate, phi: poles of the sampled error at z = exp(-dt/eps), z^2 and z^3."""
     z1 = exp(-dt / epsilon)
     z2, z3 = z1 * z1, z1 * z1 * z1
     total, pairs, product = z1 + z2 + z3, z1 * z2 + z1 * z3 + z2 * z3, z1 * z2 * z3
@@ -59,13 +54,12 @@ def observer_gains(epsilon, dt):
 
 @kernel
 def observe(memory, epsilon, start, t, drag, a, b, u):
-    """Bring the estimates to time ``t`` with the measured ``drag`` (m/s2); ``memory`` is an ``OBSERVER``,
-    ``start`` the drag (m/s2) that it starts from.
+    """Bring the estimates of ``memory`` (``OBSERVER``) to time ``t`` with the measured ``drag`` (m/s2);
+    ``start`` is the drag (m/s2) that it starts from.
 
     ``a`` and ``b`` are those of the drag dynamics now, ``u`` is the cosine of the bank angle flown since the
-    last sample.  The model
-    acceleration is the mean of both ends of the interval: that of its beginning alone would put half an
-    interval of lag into phi.
+    last sample.  The model acceleration is the mean of both ends of the interval: that of its beginning alone
+    would put half an interval of lag into phi.
     """
     dt = t - memory.t
     if memory.started == 0 or dt > MEMORY_S:
@@ -89,20 +83,17 @@ class PathObserverParams(Params):
 
 #: State at the last call: time, flight-path angle, lift over speed, the rest of the path rate; and the
 #: estimate, rad/s.
-PATH_OBSERVER = np.dtype(
-    [
-        ("started", FLAG),
-        ("t", "f8"),
-        ("gamma", "f8"),
-        ("lift_rate", "f8"),
-        ("free_rate", "f8"),
-        ("disturbance", "f8"),
-    ],
-    align=True,
+PATH_OBSERVER = record(
+    ("started", FLAG),
+    ("t", "f8"),
+    ("gamma", "f8"),
+    ("lift_rate", "f8"),
+    ("free_rate", "f8"),
+    ("disturbance", "f8"),
 )
 
 #: Memory of a law that tracks drag with this observer.
-MEMORY = np.dtype([("tracking", TRACKING), ("observer", PATH_OBSERVER)], align=True)
+MEMORY = record(("tracking", TRACKING), ("observer", PATH_OBSERVER))
 
 
 @kernel
@@ -126,15 +117,12 @@ def disturbed_drag(onboard, nav, p, memory, out):
     """Drag errors and drag dynamics with the observed disturbance (eqs. 14 and 19).
 
     Returns (D - D_r, D' - D_r', a + f d^ - D_r'', b): the error's second derivative is the third plus b
-    cos(bank).  A disturbance d of the
-    path rate acts as lift does: f = b V/L.
+    cos(bank).  A disturbance d of the path rate acts as lift does: f = b V/L.
     """
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, authority, free = measured_drag_dynamics(onboard, nav, lift)
-    goal, goal_rate, goal_acceleration = drag_goal(
-        onboard, nav, memory=memory.tracking, drag=nav.drag, drag_rate=rate, out=out
-    )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, rate, out)
     disturbance = observe_path(p, memory.observer, nav, lift)
     out.path_disturbance = disturbance
     path_authority = (

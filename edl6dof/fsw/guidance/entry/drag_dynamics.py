@@ -47,9 +47,7 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height, area_
 
 @kernel
 def measured_drag_dynamics(onboard, nav, lift):
-    """The same at the navigated state and measured drag, in the believed air, with the believed drag area
-    along the Mach number; ``lift`` in m/s2.
-    """
+    """The same at the navigated state and measured drag, with the believed drag area; ``lift`` in m/s2."""
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     return drag_dynamics(
         nav.drag,
@@ -65,9 +63,7 @@ def measured_drag_dynamics(onboard, nav, lift):
 
 @kernel
 def bank_for(wanted, free, authority):
-    """Bank angle (rad, 0..pi) whose D'' = free + authority cos(bank) is nearest to ``wanted``; authority is
-    negative, zero in no air.
-    """
+    """Bank angle (rad, 0..pi) with D'' = free + authority cos(bank) nearest to ``wanted``; authority <= 0."""
     return acos(clamp((wanted - free) / min(authority, -1e-12), -1.0, 1.0))
 
 

@@ -23,7 +23,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.range_update import shape
 from edl6dof.fsw.guidance.entry.reference import node_of
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.vector import clamp
@@ -47,16 +47,13 @@ FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
 #: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples
 #: are scratch.
-PROFILE = np.dtype(
-    [
-        ("coefficient", "f8", (ORDER + 1,)),
-        ("energy", "f8"),
-        ("updated", "f8"),
-        ("started", FLAG),
-        ("drag", "f8", (SAMPLES,)),
-        ("ground", "f8", (SAMPLES,)),
-    ],
-    align=True,
+PROFILE = record(
+    ("coefficient", "f8", (ORDER + 1,)),
+    ("energy", "f8"),
+    ("updated", "f8"),
+    ("started", FLAG),
+    ("drag", "f8", (SAMPLES,)),
+    ("ground", "f8", (SAMPLES,)),
 )
 
 
@@ -81,9 +78,7 @@ def evaluate(coefficient, x):
 
 @kernel
 def predicted_range(memory, span, eta):
-    """Range (m) along the sampled drag scaled by 1 + eta f, over ``span`` of energy, and its derivative by
-    eta (Simpson's rule).
-    """
+    """Range (m) of the sampled drag times 1 + eta f, ``span`` of energy; its derivative by eta (Simpson)."""
     total, slope = 0.0, 0.0
     for i in range(SAMPLES):
         f = shape(1.0 - SHARE[i])
@@ -96,9 +91,7 @@ def predicted_range(memory, span, eta):
 @kernel
 def refit(reference, energy, wanted, limit, memory):
     """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
-    ``wanted`` m (eqs. 13-15).
-
-    ``limit`` bounds eta; 0 fits without changing the range.
+    ``wanted`` m (eqs. 13-15); ``limit`` bounds eta, 0 fits without changing the range.
     """
     terminal = 0.5 * reference.first * reference.first
     span = energy - terminal
@@ -128,23 +121,17 @@ def refit(reference, energy, wanted, limit, memory):
 @kernel
 def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
-    the updates included.
+    updates included.  ``p``: ``PolynomialParams`` of the law, ``memory``: its ``PROFILE``.
 
-    ``p`` are the ``PolynomialParams`` of the law, ``memory`` its ``PROFILE``.  With dE/dt = -V D the
-    derivatives are those along the flight as it is flown.
+    With dE/dt = -V D the derivatives are those along the flight as it is flown.
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
     terminal = 0.5 * reference.first * reference.first
     updating = shared.update and nav.speed > shared.update_stop
     if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
         # nothing is left to fit at the terminal energy
-        refit(
-            reference,
-            max(nav.energy, 1.01 * terminal),
-            out.range_to_go,
-            shared.scale_limit if updating else 0.0,
-            memory,
-        )
+        limit = shared.scale_limit if updating else 0.0
+        refit(reference, max(nav.energy, 1.01 * terminal), out.range_to_go, limit, memory)
         memory.updated = nav.t
     span = memory.energy - terminal
     goal, slope, curvature = evaluate(memory.coefficient, clamp((nav.energy - terminal) / span, 0.0, 1.0))

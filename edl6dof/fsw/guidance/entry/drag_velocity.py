@@ -1,9 +1,13 @@
-"""The drag-velocity profile in three segments: quadratic, equilibrium glide (linear), constant drag; and the
-range along it.
+"""The entry flight corridor in the plane of drag and velocity, and a drag-velocity profile inside it.
 
-Each segment is c0 + c1 V + c2 V^2.  The profile bends over into the glide without a break of slope, and
-levels out.  It is laid by least squares along the reference flight, under the ceiling of the entry corridor,
-and scaled to the range of that flight.  In guidance one
+From above drag is bounded by the stagnation heat rate (Sutton-Graves), the load factor and the dynamic
+pressure; from below by equilibrium glide: with less drag all the lift, pointed up, does not carry the weight
+left by the centrifugal force, and the path bends down.  The lower bound vanishes above circular speed, and a
+capsule ends its entry below it: it falls.
+
+The profile has three segments c0 + c1 V + c2 V^2: quadratic, equilibrium glide (linear), constant drag.  It
+bends over into the glide without a break of slope, and levels out.  It is fitted by least squares along the
+reference flight, under the ceiling of the corridor, and scaled to the range of that flight.  In guidance one
 factor on the whole profile meets the range to go: along a drag profile, range goes with the inverse of drag.
 Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
 
@@ -14,16 +18,52 @@ itself: with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
+from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.arrays import product, pseudo_inverse
 from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import clamp
+
+
+class EntryLimitParams(Params):
+    """Limits of the vehicle during entry, as guidance knows them; every bound is met with the margin."""
+
+    heat_rate_w_cm2: float = param(200.0, "stagnation-point heat rate", status="estimate", gt=0.0)
+    nose_radius_m: float = param(
+        0.85, "nose radius of that heat rate", status="estimate", source="D/4, Viking family", gt=0.0
+    )
+    load_g0: float = param(20.0, "aerodynamic load", status="estimate", gt=0.0)
+    dynamic_pressure_pa: float = param(25000.0, "dynamic pressure", status="estimate", gt=0.0)
+    margin: float = param(0.1, "share of each upper bound that a drag profile leaves free", ge=0.0, lt=1.0)
+
+
+@kernel
+def corridor(onboard, speed):
+    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure and glide."""
+    limits, vehicle, planet = onboard.guidance.entry.limits, onboard.vehicle, onboard.planet
+    area = vehicle.drag_area / vehicle.entry_mass
+    density = limits.nose_radius * (limits.heat_rate / (planet.sutton_graves_constant * speed**3)) ** 2
+    heat = 0.5 * density * speed * speed * area
+    load = limits.load / sqrt(1.0 + vehicle.lift_to_drag**2)
+    weight = planet.mu / planet.equatorial_radius**2 - speed * speed / planet.equatorial_radius
+    glide = inf
+    if vehicle.lift_to_drag > 0.0 or weight <= 0.0:
+        glide = max(weight, 0.0) / max(vehicle.lift_to_drag, 1e-9)
+    return heat, load, limits.dynamic_pressure * area, glide
+
+
+@kernel
+def ceiling(onboard, speed):
+    """Largest drag (m/s2) that a profile may ask for at ``speed``: the lowest upper bound less the margin."""
+    heat, load, pressure, _ = corridor(onboard, max(speed, 1.0))
+    return (1.0 - onboard.guidance.entry.limits.margin) * min(heat, load, pressure)
+
 
 RANGE_NODES = 129
 #: Speeds tried for the two joints, as shares of the speed at the start and of the speed at the end.
@@ -32,25 +72,20 @@ _ROWS = 300
 #: Weight of the share by which a profile exceeds the ceiling, against the misfit to the flight.
 _STIFF = 100.0
 
-DRAG_VELOCITY = np.dtype(
-    [
-        ("start", "f8"),  # speed where the profile begins, m/s
-        ("join", "f8"),  # quadratic to glide
-        ("level", "f8"),  # glide to constant
-        ("final", "f8"),  # speed where it ends
-        ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
-        # ground range from each of evenly spaced speeds, final .. start, to the end
-        ("range", "f8", (RANGE_NODES,)),
-    ],
-    align=True,
+DRAG_VELOCITY = record(
+    ("start", "f8"),  # speed where the profile begins, m/s
+    ("join", "f8"),  # quadratic to glide
+    ("level", "f8"),  # glide to constant
+    ("final", "f8"),  # speed where it ends
+    ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
+    # ground range from each of evenly spaced speeds, final .. start, to the end
+    ("range", "f8", (RANGE_NODES,)),
 )
 
 
 @kernel
 def profile_drag(profile, speed):
-    """Drag of the profile and its first and second derivative by speed; held outside the speeds it was made
-    for.
-    """
+    """Drag of the profile and its two derivatives by speed; held outside the speeds it was made for."""
     v = clamp(speed, profile.final, profile.start)
     segment = 0 if v > profile.join else (1 if v > profile.level else 2)
     c0, c1, c2 = (
@@ -72,9 +107,7 @@ def profile_range(profile, speed):
 @kernel
 def path_sine(speed, drag, slope, gravity, scale_height):
     """Sine of the flight-path angle at which drag follows a profile of value ``drag`` and derivative
-    ``slope`` by speed.
-
-    From f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
+    ``slope`` by speed: from f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
     """
     stiff = slope - 2.0 * drag / speed
     return clamp(stiff / (speed * drag / (gravity * scale_height) - stiff) * drag / gravity, -0.99, 0.99)
@@ -98,9 +131,7 @@ def altitude_of(onboard, speed, drag):
 
 @kernel
 def integrate_range(onboard, profile):
-    """Fill ``profile.range`` from its coefficients: trapezoidal rule over four steps a node, upwards from the
-    final speed.
-    """
+    """Fill ``profile.range`` by the trapezoidal rule, four steps a node, from the final speed upwards."""
     planet = onboard.planet
     step = (profile.start - profile.final) / (4.0 * (RANGE_NODES - 1))
     total, before = 0.0, 0.0
@@ -148,10 +179,8 @@ def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: flo
 
 def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float, float, np.ndarray]:
     """Joints and coefficients, shape (3, 3), closest to the drag ``d`` and not above ``highest`` at the
-    speeds ``v``.
-
-    For given joints the profile is linear in drag, slope and curvature at the first joint.  A relative misfit
-    counts as the range it costs.
+    speeds ``v``.  For given joints the profile is linear in drag, slope and curvature at the first joint.  A
+    relative misfit counts as the range it costs.
     """
     weight, target = np.sqrt(np.abs(np.gradient(v)) * v) / d, np.minimum(d, highest)
     best, found = np.inf, (0.0, 0.0, np.zeros(3))

@@ -1,5 +1,11 @@
 """Onboard prediction of the entry, from the navigated state to the parachute, with a bank plan.
 
+Motion: a point mass over the rotating ellipsoid in Cartesian planet-fixed axes, with believed air, airframe
+and gravity with J2, and the mean wind that is expected: drag is along the velocity through that air, lift
+across it, at the bank angle about it.  The plan on the ground integrates the same equations.  Source: Vinh,
+Busemann & Culp 1980, "Hypersonic and Planetary Entry Flight Mechanics", chapter 2, here without a singular
+heading and with wind; the mean lift of a roll: derived.
+
 Bank plan: one number sets its magnitude, two speeds its reversals.  Magnitude: the open-loop profile of the
 reference with its cosine shifted, or linear in kinetic energy from one angle now to another at the end.
 Side: the present one, changed at each of the speeds.  Sources: Lu 2014, "Entry guidance: a unified method",
@@ -8,20 +14,112 @@ section IV.A (linear in energy); Smith 2016, AAS 16-216 (reversals as part of th
 Prediction: the plan is rolled at no more than the vehicle's rate from its present bank angle, reversals
 included; against the heading error where the shared steering aligns the heading; at last with level wings.
 Steps are taken for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source: Lu 2014,
-section II (there with energy as independent variable); the equations:
-:mod:`~edl6dof.fsw.guidance.entry.motion`.
+section II (there with energy as independent variable).
 """
 
 from __future__ import annotations
 
+from math import sqrt
+
 from edl6dof.fsw.guidance.entry.aim_point import heading_bank
 from edl6dof.fsw.guidance.entry.air_data import drag_ratio_at
-from edl6dof.fsw.guidance.entry.motion import acceleration, fixed_state, height_above_ellipsoid, roll, step
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.reference import reference_bank
+from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
+from edl6dof.fsw.navigation.strapdown import gravity_I
 from edl6dof.kernels import kernel
-from edl6dof.spatial.elementary import asin, atan2
-from edl6dof.spatial.frames import from_geodetic
+from edl6dof.spatial.elementary import asin, atan2, cos, sin, sincos
+from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, unit
+
+
+@kernel
+def height_above_ellipsoid(planet, r):
+    """Height (m) along the radius; within 20 m of the geodetic height in the atmosphere of Mars."""
+    size = norm(r)
+    squash = 1.0 - planet.flattening
+    sine2 = r[2] * r[2] / (size * size)
+    return size - planet.equatorial_radius / sqrt(1.0 + (1.0 / (squash * squash) - 1.0) * sine2)
+
+
+@kernel
+def fixed_state(planet, nav):
+    """Position (m) and planet-relative velocity (m/s) of ``nav`` in planet-fixed axes F."""
+    lat, lon = nav.latitude, nav.longitude
+    r = from_geodetic(planet.equatorial_radius, planet.flattening, lat, lon, nav.altitude)
+    return r, ned_to_fixed(sin(lat), cos(lat), sin(lon), cos(lon), (nav.v_N[0], nav.v_N[1], nav.v_N[2]))
+
+
+@kernel
+def velocity_in_air(atmosphere, r, v, height):
+    """Velocity (m/s, F) through the air of the expected mean wind, at ``height`` (m)."""
+    up = unit(r)
+    across = max(sqrt(up[0] * up[0] + up[1] * up[1]), 1e-9)
+    east = (-up[1] / across, up[0] / across, 0.0)
+    to_north, to_east = expected_wind(atmosphere, height)
+    return sub(v, add(scale(to_east, east), scale(to_north, cross(up, east))))
+
+
+@kernel
+def acceleration(onboard, ratios, r, v, lift_shares):
+    """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the planet-relative Mach number.
+
+    Drag and lift-to-drag ratio are the believed ones times the two ``ratios``; of the lift the two
+    ``lift_shares``, cosine and sine of a steady bank angle, point up and right.
+    """
+    planet, vehicle = onboard.planet, onboard.vehicle
+    height = height_above_ellipsoid(planet, r)
+    density, sound, _ = model_atmosphere(onboard.atmosphere, height)
+    through = velocity_in_air(onboard.atmosphere, r, v, height)
+    air_speed, mach = max(norm(through), 1e-3), norm(v) / sound
+    area, lift_to_drag = believed_aero(vehicle, mach, norm(v))
+    drag = ratios[0] * 0.5 * density * air_speed * air_speed * area / vehicle.entry_mass
+    lift = ratios[1] * lift_to_drag * drag
+    x = scale(1.0 / air_speed, through)
+    right = unit(cross(x, r))
+    a = sub(scale(lift * lift_shares[0], cross(right, x)), scale(drag, x))
+    a = add(add(a, scale(lift * lift_shares[1], right)), gravity_I(planet, r))
+    w = planet.rotation_rate
+    return add(a, (w * (2.0 * v[1] + w * r[0]), w * (w * r[1] - 2.0 * v[0]), 0.0)), drag, mach
+
+
+@kernel
+def step(onboard, ratios, r, v, a, lift_shares, dt):
+    """Position (m) and velocity (m/s) after ``dt`` (s) with the lift held, by the classical fourth-order
+    Runge-Kutta step; ``a`` is the acceleration at its beginning.
+    """
+    half = 0.5 * dt
+    v2 = add(v, scale(half, a))
+    r2 = add(r, scale(half, v))
+    a2, _, _ = acceleration(onboard, ratios, r2, v2, lift_shares)
+    v3 = add(v, scale(half, a2))
+    r3 = add(r, scale(half, v2))
+    a3, _, _ = acceleration(onboard, ratios, r3, v3, lift_shares)
+    v4 = add(v, scale(dt, a3))
+    a4, _, _ = acceleration(onboard, ratios, add(r, scale(dt, v3)), v4, lift_shares)
+    sixth = dt / 6.0
+    return (
+        add(r, scale(sixth, add(add(v, v4), scale(2.0, add(v2, v3))))),
+        add(v, scale(sixth, add(add(a, a4), scale(2.0, add(a2, a3))))),
+    )
+
+
+@kernel
+def roll(bank, goal, rate, dt):
+    """Bank angle (rad) after ``dt`` (s) of rolling to ``goal`` through zero at no more than ``rate`` (rad/s),
+    and the mean cosine and sine of it over that time: the lift that a step of the motion sees.
+    """
+    most = rate * dt
+    after = clamp(goal, bank - most, bank + most)
+    turned = after - bank
+    if abs(turned) < 1e-6:
+        s, c = sincos(after)
+        return after, c, s
+    share = abs(turned) / most
+    up = (sin(after) - sin(bank)) / turned
+    right = (cos(bank) - cos(after)) / turned
+    return after, share * up + (1.0 - share) * cos(after), share * right + (1.0 - share) * sin(after)
+
 
 #: Kinds of plan.
 SHIFTED, LINEAR, IN_PLANE, HELD = range(4)
@@ -29,25 +127,19 @@ SHIFTED, LINEAR, IN_PLANE, HELD = range(4)
 
 @kernel
 def shifted(shift, side, first_turn, second_turn):
-    """Reference profile, its cosine shifted by ``shift``; ``side`` is +1 right, -1 left; reversals at two
-    speeds (m/s), 0 for none.
-    """
+    """Reference profile, cosine shifted; ``side`` +1 right, -1 left; reversal speeds (m/s), 0 for none."""
     return SHIFTED, shift, 0.0, 0.0, side, first_turn, second_turn
 
 
 @kernel
 def in_plane_shifted(shift, first_turn, second_turn):
-    """The same with the sideways lift left out, which the reversals cancel: they pass through lift up and no
-    more.
-    """
+    """The same without the sideways lift, which the reversals cancel: they only pass through lift up."""
     return IN_PLANE, shift, 0.0, 0.0, 1.0, first_turn, second_turn
 
 
 @kernel
 def linear(bank, last_bank, speed, side, first_turn, second_turn):
-    """Linear in kinetic energy from ``bank`` at ``speed`` to ``last_bank`` (rad) at the final speed; the rest
-    as in ``shifted``.
-    """
+    """Linear in kinetic energy from ``bank`` at ``speed`` to ``last_bank`` (rad) at the final speed."""
     return LINEAR, bank, last_bank, speed, side, first_turn, second_turn
 
 
@@ -59,9 +151,7 @@ def held(bank):
 
 @kernel
 def planned_bank(onboard, plan, speed):
-    """Bank angle (rad) that the plan holds at ``speed``, its magnitude within the limits; of a flight in the
-    plane positive on the present side.
-    """
+    """Bank angle (rad) of the plan at ``speed``, within limits; in plane, positive on the present side."""
     entry = onboard.guidance.entry
     kind, first, last, start, side, first_turn, second_turn = plan
     if kind == HELD:
@@ -190,17 +280,13 @@ def direction_ahead(here, target, v):
 
 @kernel
 def present_bank(nav, out):
-    """Bank angle (rad), positive on the side that is banked to: negative while a reversal is still short of
-    lift up.
-    """
+    """Bank angle (rad), positive on the commanded side; negative while a reversal is short of lift up."""
     return abs(nav.bank) if out.side == 0.0 else out.side * nav.bank
 
 
 @kernel
 def to_aim(planet, target, r, v):
-    """Great-circle range to the aim point in direction ``target`` and signed crossrange, as ``to_target`` has
-    them, m.
-    """
+    """Great-circle range to ``target`` (unit vector) and crossrange, m, as ``to_target`` has them."""
     up = unit(r)
     left = unit(cross(up, v))
     radius = planet.equatorial_radius

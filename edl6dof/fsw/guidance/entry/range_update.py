@@ -13,11 +13,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reference import NODES, node_of
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial.elementary import sin
 from edl6dof.spatial.table_index import catmull_rom, cell, held
 from edl6dof.spatial.vector import clamp
@@ -41,19 +40,13 @@ ITERATIONS, RESOLUTION = 3, 1e-5
 SHAPE_CURVATURE = -4.0 * sqrt(2.0)
 
 #: Memory of a law that follows the reference drag.
-TRACKING = np.dtype([("scale", "f8")], align=True)
+TRACKING = record(("scale", "f8"))
 
 
 @kernel
 def shape(share):
     """Where along the energy the reference is changed (eq. 15)."""
     return 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
-
-
-@kernel
-def shape_slope(share):
-    """Derivative of ``shape`` by the share of energy; its own derivative is ``SHAPE_CURVATURE``."""
-    return SHAPE_CURVATURE * (share - 0.5)
 
 
 @kernel
@@ -65,9 +58,8 @@ def top_of(reference):
 @kernel
 def range_scale(reference, energy_speed, wanted, scale, limit):
     """Scale of the reference drag whose predicted range is ``wanted`` (m): Newton's method from the last
-    value (eqs. 14-15).
-
-    Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE = u du.
+    value (eqs. 14-15).  Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE =
+    u du.
     """
     last, _ = cell((energy_speed - reference.first) / reference.spacing, NODES)
     if last < 3:
@@ -110,11 +102,9 @@ def tracking(onboard, nav):
 
 
 @kernel
-def drag_goal(onboard, nav, memory, drag, drag_rate, out):
-    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
-    the range update included.
-
-    ``memory`` is a ``TRACKING`` record; the goal is written to ``out.reference_drag``.
+def drag_goal(onboard, nav, memory, drag_rate, out):
+    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4) at the measured drag and
+    its rate; the range update included.  ``memory``: ``TRACKING``; the goal is in ``out.reference_drag``.
     """
     p, reference = onboard.guidance.entry.tracking, onboard.reference
     u = sqrt(2.0 * max(nav.energy, 0.0))
@@ -122,7 +112,7 @@ def drag_goal(onboard, nav, memory, drag, drag_rate, out):
         memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
     along = nav.gravity * sin(nav.flight_path_angle)
     out.reference_drag, rate, acceleration = scaled(
-        reference, memory.scale, energy_speed=u, speed=nav.speed, along=along, drag=drag, drag_rate=drag_rate
+        reference, memory.scale, u, nav.speed, along, drag=nav.drag, drag_rate=drag_rate
     )
     return out.reference_drag, rate, acceleration
 
@@ -130,9 +120,8 @@ def drag_goal(onboard, nav, memory, drag, drag_rate, out):
 @kernel
 def scaled(reference, scale, energy_speed, speed, along, drag, drag_rate):
     """Reference drag times F = 1 + ``scale`` f at an energy, and its first and second time derivative (m/s2,
-    m/s3, m/s4) while the energy falls as the flight's own ``drag`` makes it: E' = -V D.
-
-    ``along`` is the gravity against the velocity, m/s2.
+    m/s3, m/s4) while the energy falls with the flight's own ``drag``: E' = -V D.  ``along``: gravity against
+    the velocity, m/s2.
     """
     i, f = node_of(reference, energy_speed)
     d = catmull_rom(reference.drag, NODES, i, f)
@@ -146,7 +135,10 @@ def scaled(reference, scale, energy_speed, speed, along, drag, drag_rate):
     bend = catmull_rom(reference.drag_acceleration, NODES, i, f) - slope * planned_acceleration
     bend /= planned_rate * planned_rate
     factor = 1.0 + scale * shape(share)
-    factor_slope, factor_bend = scale * shape_slope(share) / span, scale * SHAPE_CURVATURE / (span * span)
+    factor_slope, factor_bend = (
+        scale * (SHAPE_CURVATURE * (share - 0.5)) / span,
+        scale * SHAPE_CURVATURE / (span * span),
+    )
     goal_slope = factor * slope + factor_slope * d
     goal_bend = factor * bend + 2.0 * factor_slope * slope + factor_bend * d
     energy_rate, energy_acceleration = -speed * drag, (drag + along) * drag - speed * drag_rate

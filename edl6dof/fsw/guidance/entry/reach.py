@@ -26,9 +26,7 @@ from edl6dof.spatial.vector import clamp
 
 @kernel
 def straight_bank(onboard, nav, out):
-    """Bank angle (rad) to either side, no larger than the smallest magnitude, with which the predicted
-    crossrange is least if it is held to the end.
-    """
+    """Bank angle (rad), within the smallest magnitude, of least predicted crossrange if held to the end."""
     least = onboard.guidance.entry.bank_min
     _, right, _, _ = predict(onboard, nav, out, held(least))
     _, left, _, _ = predict(onboard, nav, out, held(-least))
@@ -41,12 +39,8 @@ def stretched(onboard, nav, out, side, turn, later):
     speeds ``turn`` and ``later`` (m/s), 0 for none.
     """
     least = onboard.guidance.entry.bank_min
-    reserve, _, _, _ = predict(
-        onboard,
-        nav,
-        out,
-        linear(least, last_bank=least, speed=nav.speed, side=side, first_turn=turn, second_turn=later),
-    )
+    smallest = linear(least, least, nav.speed, side, turn, second_turn=later)
+    reserve, _, _, _ = predict(onboard, nav, out, smallest)
     straight = straight_bank(onboard, nav, out)
     longest, _, _, _ = predict(onboard, nav, out, held(straight))
     share = clamp(reserve / max(longest - reserve, 1.0), 0.0, 1.0)
@@ -65,12 +59,8 @@ def nearest_end(onboard, nav, out, side, turn):
     crossrange, from ``side`` with a reversal at the speed ``turn`` (m/s), 0 for none.
     """
     most = onboard.guidance.entry.bank_max
-    beyond, aside, _, _ = predict(
-        onboard,
-        nav,
-        out,
-        linear(most, last_bank=most, speed=nav.speed, side=side, first_turn=turn, second_turn=0.0),
-    )
+    largest = linear(most, most, nav.speed, side, turn, second_turn=0.0)
+    beyond, aside, _, _ = predict(onboard, nav, out, largest)
     return max(beyond, 0.0), aside
 
 

@@ -21,6 +21,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.spatial import arrays
 from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.table_index import held_cell
@@ -87,38 +88,33 @@ class ReferenceBankParams(Params):
         return self
 
 
-REFERENCE = np.dtype(
-    [
-        ("first", "f8"),
-        ("spacing", "f8"),
-        ("shift", "f8"),
-        ("drag", "f8", (NODES,)),
-        ("drag_rate", "f8", (NODES,)),
-        ("drag_acceleration", "f8", (NODES,)),
-        ("ground", "f8", (NODES,)),  # drag times ground range per energy: near cos(gamma) R/r
-    ],
-    align=True,
+REFERENCE = record(
+    ("first", "f8"),
+    ("spacing", "f8"),
+    ("shift", "f8"),
+    ("drag", "f8", (NODES,)),
+    ("drag_rate", "f8", (NODES,)),
+    ("drag_acceleration", "f8", (NODES,)),
+    ("ground", "f8", (NODES,)),  # drag times ground range per energy: near cos(gamma) R/r
 )
 
 #: The planned entry in rows from the start to where the parachute opens.
-PLANNED = np.dtype(
-    [
-        ("t", "f8"),  # s
-        ("altitude", "f8"),  # m
-        ("speed", "f8"),  # m/s, relative to the planet
-        ("path_angle", "f8"),  # rad
-        ("azimuth", "f8"),  # rad
-        ("energy", "f8"),  # J/kg
-        ("beyond", "f8"),  # m, beyond the aim point along the great circle from the start
-        ("aside", "f8"),  # m, right of it
-        ("bank", "f8"),  # rad, commanded
-        ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
-        ("mach", "f8"),
-        ("drag", "f8"),  # m/s2, in the expected wind, as the next two
-        ("load", "f8"),  # m/s2
-        ("dynamic_pressure", "f8"),  # Pa
-        ("density", "f8"),  # kg/m3
-    ]
+PLANNED = record(
+    ("t", "f8"),  # s
+    ("altitude", "f8"),  # m
+    ("speed", "f8"),  # m/s, relative to the planet
+    ("path_angle", "f8"),  # rad
+    ("azimuth", "f8"),  # rad
+    ("energy", "f8"),  # J/kg
+    ("beyond", "f8"),  # m, beyond the aim point along the great circle from the start
+    ("aside", "f8"),  # m, right of it
+    ("bank", "f8"),  # rad, commanded
+    ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
+    ("mach", "f8"),
+    ("drag", "f8"),  # m/s2, in the expected wind, as the next two
+    ("load", "f8"),  # m/s2
+    ("dynamic_pressure", "f8"),  # Pa
+    ("density", "f8"),  # kg/m3
 )
 
 
@@ -144,9 +140,7 @@ def point_mass(onboard, h, v, gamma, bank):
 @kernel
 def reference_bank(onboard, shift, speed):
     """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift``, inside the
-    limits that all laws share.
-
-    Heading alignment banks to either side of zero: from there on the reference flies with wings level.
+    limits that all laws share; zero in heading alignment, which banks to either side of it.
     """
     entry = onboard.guidance.entry
     if speed <= max(entry.align_speed, entry.heading.speed):
@@ -158,9 +152,7 @@ def reference_bank(onboard, shift, speed):
 
 @kernel
 def node_of(reference, energy_speed):
-    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held
-    at both ends.
-    """
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) and the share of the way to the next; held at the ends."""
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 

@@ -5,12 +5,10 @@ wants (rad).  ``params``, ``plan`` and ``memory`` are its own: its settings, wha
 ``plan(onboard, planned)`` tabulated on the ground, and what it remembers.  ``onboard`` is what the flight
 computer believes.  Range to go, crossrange and the measured drag and lift ratios are in ``out`` before it is
 called; limits, side, heading alignment and rate come after it, in
-:mod:`~edl6dof.fsw.guidance.entry.steering`.
+:mod:`~edl6dof.fsw.guidance.entry.reversal.registry`.
 """
 
 from __future__ import annotations
-
-import numpy as np
 
 from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
@@ -28,8 +26,9 @@ from edl6dof.fsw.guidance.entry.laws import (
     npc,
     pd_dob,
 )
-from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
+from edl6dof.fsw.guidance.entry.reversal.registry import STEERING, steer_bank
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Family
 
 ENTRY_LAWS = Family(
@@ -50,7 +49,7 @@ ENTRY_LAWS = Family(
     ),
 )
 
-ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
+ENTRY_MEMORY = record(("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING))
 
 wanted_bank = ENTRY_LAWS.role(
     "guide", "params", "plan", "onboard", "nav", "memory", "out", own=("params", "plan", "memory")

@@ -34,15 +34,7 @@ def quadratic(miss, velocity, final, t_go):
 def guide(params, vehicle, state, nav, target, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
     p = params
-    out.time_to_go = plan_arrival(
-        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor),
-        gains=_GAINS,
-        least=0.0,
-        state=state,
-        nav=nav,
-        target=target,
-        plan=memory,
-    )
+    out.time_to_go = plan_arrival(p, _GAINS, 0.0, state, nav, target=target, plan=memory)
     t_go = max(out.time_to_go, p.time_floor)
     upward = quadratic(target.height - nav.height, -nav.v_N[2], memory.upward, t_go) + nav.gravity
     t_go = max(out.time_to_go, p.lateral_time_floor)

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import param
 from edl6dof.fsw.guidance.powered.target import (
     LEAST_HEIGHT,
@@ -24,7 +22,7 @@ from edl6dof.fsw.guidance.powered.target import (
     planned_upward,
 )
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos, sin
 
@@ -40,17 +38,12 @@ class ConstantThrustParams(PlanningParams):
 #: At arrival the upward acceleration of the polynomial law is (6 h - 2 V T) / T^2.
 GAINS = (2.0, 6.0)
 
-MEMORY = np.dtype(
-    [("over", FLAG), ("rest", PLAN)],  # the burn, and the plan of what follows it
-    align=True,
-)
+MEMORY = record(("over", FLAG), ("rest", PLAN))
 
 
 @kernel
 def too_fast(p, state, nav, target):
-    """Return whether the largest deceleration within the throttle band, less the reserve, is too small to
-    stop the descent before the target height.
-    """
+    """Return whether the throttle band, less the reserve, cannot stop the descent above the target height."""
     height = max(nav.height - target.height, LEAST_HEIGHT)
     weak = planned_upward(p.thrust_reserve, state, nav, target)
     return nav.v_N[2] > 0.0 and nav.v_N[2] * nav.v_N[2] > 2.0 * weak * height
@@ -80,18 +73,11 @@ def guide(params, vehicle, state, nav, target, memory, out):
         north, east, up = against_velocity(p.offset, state.engine.full_thrust / state.mass, nav, target)
         return north, east, max(up, 0.5 * nav.gravity), p.tilt_limit
     memory.over = 1
-    limits = (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor)
-    out.time_to_go = plan_arrival(
-        limits, gains=GAINS, least=0.0, state=state, nav=nav, target=target, plan=memory.rest
-    )
+    out.time_to_go = plan_arrival(p, GAINS, 0.0, state, nav, target=target, plan=memory.rest)
     north, east, up = meet(p.time_floor, p.lateral_time_floor, out.time_to_go, nav, target)
     return north, east, up, p.tilt_limit
 
 
 MEMBER = Member(
-    "constant_thrust",
-    ConstantThrustParams,
-    {"guide": guide},
-    "CN108594802B (Tianwen-1: constant thrust at an offset, refined)",
-    MEMORY,
+    "constant_thrust", ConstantThrustParams, {"guide": guide}, "CN108594802B, claim 1 (Tianwen-1)", MEMORY
 )

@@ -35,9 +35,8 @@ _SHORTEST, _LONGEST, _RATIO, _HALVINGS = 0.1, 1e4, 1.1, 40
 
 @kernel
 def effort_rate(t, gravity, position, velocity):
-    """t^4 times the rate at which the cost changes with the time to go ``t``, up to its sign.
-
-    The position is relative to the target.  D'Souza 1997, without a weight of the flight time.
+    """t^4 times the rate at which the cost changes with the time to go ``t``, up to its sign; the position is
+    relative to the target.  D'Souza 1997, without a weight of the flight time.
     """
     rr, rv, vv = dot(position, position), dot(position, velocity), dot(velocity, velocity)
     return (0.5 * gravity * gravity * t * t - 2.0 * vv) * t * t - 12.0 * rv * t - 18.0 * rr
@@ -64,13 +63,8 @@ def optimal_time(gravity, position, velocity):
 
 @kernel
 def zem_zev(miss, velocity, gravity, t_go):
-    """Thrust acceleration along one axis.
-
-    Args:
-        miss: target less position, m.
-        velocity: m/s; none is wanted at arrival.
-        gravity: along the axis, m/s2.
-        t_go: time to go, s.
+    """Thrust acceleration (m/s2) along one axis; ``miss``: target less position, m; no ``velocity`` is wanted
+    at arrival.
     """
     zem = miss - velocity * t_go - 0.5 * gravity * t_go * t_go
     zev = -velocity - gravity * t_go
@@ -87,15 +81,7 @@ def guide(params, vehicle, state, nav, target, memory, out):
     if memory.made == 0:
         velocity = nav.v_N[0], nav.v_N[1], -nav.v_N[2]
         least = optimal_time(nav.gravity, (-north, -east, -up), velocity)
-    out.time_to_go = plan_arrival(
-        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor),
-        gains=_GAINS,
-        least=least,
-        state=state,
-        nav=nav,
-        target=target,
-        plan=memory,
-    )
+    out.time_to_go = plan_arrival(p, _GAINS, least, state, nav, target=target, plan=memory)
     t_go = max(out.time_to_go, p.time_floor)
     upward = zem_zev(up, -nav.v_N[2], -nav.gravity, t_go)
     t_go = max(out.time_to_go, p.lateral_time_floor)
@@ -108,9 +94,5 @@ def guide(params, vehicle, state, nav, target, memory, out):
 
 
 MEMBER = Member(
-    "e_guidance",
-    EGuidanceParams,
-    {"guide": guide},
-    "Cherry 1964; D'Souza 1997; Guo, Hawkins & Wie 2013",
-    PLAN,
+    "e_guidance", EGuidanceParams, {"guide": guide}, "Cherry 1964; D'Souza 1997; Guo et al. 2013", PLAN
 )

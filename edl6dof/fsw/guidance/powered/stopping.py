@@ -1,21 +1,35 @@
-"""Braking while there is time: full thrust against the velocity where nothing less stops the lander.
+"""Where a gravity turn stops the lander: braking in time, and the descent on a stuck throttle.
 
-In each call the height is worked out at which a gravity turn at full thrust would bring the lander to rest.
-While that is above the least height of the target, the law has its way, whichever it is.  Where it is not,
-every limit of the law gives way to a gravity turn at full thrust, which leaves the least speed at the ground,
-until the throttle band alone stops the lander above that height, or full thrust above the target.  The axial
-thrusters, which burn at full thrust, are left out: they make up for the lag of the engine.
+Braking in time: each call computes the height at which a gravity turn at full thrust would bring the lander
+to rest.  While that is above the least height of the target, the acceleration of the law is flown, whichever
+law it is.  Otherwise every limit of the law gives way to a gravity turn at full thrust, which leaves the
+least speed at the ground, until the throttle band alone stops the lander above that height, or full thrust
+above the target.  The axial thrusters, which burn at full thrust, are left out: they make up for the lag of
+the engine.
+
+Stuck throttle: an engine whose throttle is stuck above the weight stops the lander in the air and carries it
+up again; only the time of its burn can still be chosen.  Each call computes the height at which it would
+bring the lander to rest, if it braked from now on.  While that is well above the ground the engine is off and
+the lander falls; where it is the ground, the engine is lit again.  The axial thrusters are planned with for a
+share of their force, so that they correct to both sides: on while the stop lies too low.  Just above the
+ground, where a fall does no harm any more, the engine is cut off.  Events and phases belong to the mission:
+one phase that cuts the engine off and lasts until ``stop_height_m`` is low, and one that lights it, with a
+cut-off where ``time_to_go_s`` is over.
 
 Source: Cheng, AIAA 66-1863 (gravity turn); to brake with full thrust as late as possible takes the least
-propellant (Meditch, IEEE Trans. Automatic Control 9 (1964) 477-484), so that no later moment would do.
+propellant (Meditch, IEEE Trans. Automatic Control 9 (1964) 477-484), so that no later moment would do; one
+burn of constant thrust to the ground: this project.
 """
 
 from __future__ import annotations
 
 from math import sqrt
 
+from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.guidance_command import EVERYTHING
+from edl6dof.fsw.guidance.powered.terminal_descent import command_thrust, push_sideways
+from edl6dof.interface.effectors import AXIAL, ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 
@@ -28,19 +42,17 @@ STOPPED = 2.0
 
 @kernel
 def stop_height(tilt_limit, stop_speed, thrust, flow, mass, gravity, height, sideways, descent):
-    """Height (m) at which a gravity turn from here is down to a descent rate of ``stop_speed``; far below
-    zero where it is not stopped.
+    """Height (m) at which a gravity turn from here is down to a descent rate of ``stop_speed`` (m/s); far
+    below zero where it is not stopped.
 
     Args:
         tilt_limit: of the thrust, rad.
         stop_speed: m/s.
         thrust: N, constant.
-        flow: propellant, kg/s.
-        mass: kg.
+        flow, mass: propellant, kg/s, and mass, kg.
         gravity: m/s2.
         height: above ground, m.
-        sideways: horizontal speed, m/s.
-        descent: descent rate, m/s.
+        sideways, descent: horizontal speed and descent rate, m/s.
     """
     steepest = tan(tilt_limit)
     while descent > stop_speed and height > -DEEP:
@@ -78,14 +90,13 @@ def stop_at(thrust, tilt_limit, engine, nav, mass):
 
 @kernel
 def brake_in_time(wanted, engine, nav, mass, target, braking, out):
-    """The acceleration (north, east, up, m/s2, gravity included) of the law or of a gravity turn at full
-    thrust, and whether it is the latter.
+    """Choose the acceleration (north, east, up, m/s2, gravity included): that of the law or of a gravity turn
+    at full thrust; returns it, and whether it is the latter.
 
     Args:
-        wanted: of the law, with its tilt limit (rad) as the last.
+        wanted: acceleration of the law, with its tilt limit (rad) as the last.
         engine: ``ENGINE_ABILITY`` record of those that burn.
-        nav: ``NAV`` record.
-        mass: kg.
+        nav, mass: ``NAV`` record; kg.
         target: ``POWERED_TARGET`` record.
         braking: whether it was the latter before.
         out: ``GUIDE`` record, written: full level, time to go, and what is relaxed.
@@ -104,3 +115,86 @@ def brake_in_time(wanted, engine, nav, mass, target, braking, out):
     v_n, v_e, upward = nav.v_N[0], nav.v_N[1], max(descent, LEAST_DESCENT)
     scale = size / sqrt(v_n * v_n + v_e * v_e + upward * upward)
     return (-scale * v_n, -scale * v_e, scale * upward), True
+
+
+class StuckThrottleDescentParams(Params):
+    """Descent on a throttle that is stuck."""
+
+    thruster_share: float = param(
+        0.4, "share of the axial thrusters' force planned for braking", status="estimate", ge=0.0, le=1.0
+    )
+    stop_height_m: float = param(
+        1.0, "height at which the lander is to come down to stop_speed_m_s", status="estimate", ge=0.0
+    )
+    stop_speed_m_s: float = param(1.0, "descent rate there", status="estimate", gt=0.0)
+    start_s: float = param(0.3, "from lighting the engine to its thrust", status="estimate", ge=0.0, le=60.0)
+    tilt_limit_deg: float = param(30.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
+    upright_below_m: float = param(8.0, "height below which the lander stays nearly upright", ge=0.0)
+    upright_tilt_deg: float = param(2.0, "largest tilt below that", ge=0.0, le=20.0)
+    drop_speed_m_s: float = param(
+        2.5, "speed of a fall to the ground up to which the engine is cut off above it", gt=0.0
+    )
+
+
+@kernel
+def axial_force(thrusters, count):
+    """Force of all axial thrusters together, N."""
+    total = 0.0
+    for i in range(count):
+        if thrusters[i].group == AXIAL:
+            total += thrusters[i].thrust
+    return total
+
+
+@kernel
+def expect_stop(p, vehicle, state, nav):
+    """Height (m) at which the engine, once started, and a share of the axial thrusters stop the lander."""
+    fall = 0.0
+    if state.ignited == 0:
+        fall = p.start
+    elif nav.t < state.ignition_time + p.start:
+        fall = min(state.ignition_time + p.start - nav.t, p.start)
+    force = p.thruster_share * axial_force(vehicle.thrusters, vehicle.n_thrusters)
+    return stop_height(
+        p.tilt_limit,
+        p.stop_speed,
+        thrust=state.held_thrust + force,
+        flow=state.held_thrust / (vehicle.engines[0].specific_impulse * G0),
+        mass=state.mass,
+        gravity=nav.gravity,
+        height=nav.height - (nav.v_N[2] + 0.5 * nav.gravity * fall) * fall,
+        sideways=sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1]),
+        descent=nav.v_N[2] + nav.gravity * fall,
+    )
+
+
+@kernel
+def descend_on_stuck_throttle(p, terminal, vehicle, state, nav, bias, out):
+    """Command thrust against the velocity, and when it is to begin and to end.
+
+    Args:
+        p: ``StuckThrottleDescentParams`` record.
+        terminal: ``TerminalParams`` record: the horizontal thrusters work below ``upright_below_m`` as in the
+            slow descent.
+        vehicle, state, nav: believed vehicle, ``VEHICLE_STATE`` and ``NAV`` records.
+        bias: lateral bias force (north, east, N).
+        out: ``GUIDE`` record, written: ``stop_height`` (m), and a ``time_to_go`` of 0 where the engine is to
+            be cut off.
+    """
+    out.stop_height = expect_stop(p, vehicle, state, nav)
+    descent, upright = nav.v_N[2], nav.height < p.upright_below
+    tilt_limit = p.upright_tilt if upright else p.tilt_limit
+    command_thrust(state.mass, (-nav.v_N[0], -nav.v_N[1], max(descent, LEAST_DESCENT)), tilt_limit, out)
+    out.thrust = 0.0
+    if state.ignited != 0:
+        starting = nav.t < state.ignition_time + p.start
+        low = descent > p.stop_speed and out.stop_height < p.stop_height
+        out.thrust = state.held_thrust
+        out.engine_mode = ENGINE_FULL if starting or low else ENGINE_THROTTLE
+    out.translating = 0
+    if upright and nav.height > terminal.rest_height:
+        gain = -terminal.touchdown_velocity_gain
+        push_sideways(terminal, state.mass, (gain * nav.v_N[0], gain * nav.v_N[1]), bias, out)
+    drop = sqrt(max(descent, 0.0) ** 2 + 2.0 * nav.gravity * max(nav.height, 0.0))
+    over = descent < 0.0 or drop < p.drop_speed
+    out.time_to_go = 0.0 if over else max(nav.height, 0.0) / max(descent, 1.0)

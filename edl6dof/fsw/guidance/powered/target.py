@@ -18,12 +18,10 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp, sin
 from edl6dof.spatial.vector import clamp
 
@@ -45,11 +43,7 @@ class PoweredTargetParams(Params):
         usual=(0.5, 1000, "airbags cut loose to hover"),
     )
     time_factor: float = param(
-        1.0,
-        "expected duration over 2 height / descent rate, that of a constant deceleration",
-        status="estimate",
-        gt=0.2,
-        le=3.0,
+        1.0, "expected duration over that of a constant deceleration", status="estimate", gt=0.2, le=3.0
     )
     drift_share: float = param(
         0.33, "share of velocity times expected duration by which the target leads the lander", ge=0.0, le=1.0
@@ -59,27 +53,19 @@ class PoweredTargetParams(Params):
     )
 
 
-POWERED_TARGET = np.dtype(
-    [
-        ("set", FLAG),  # the target has been chosen
-        ("arrival", "f8"),  # s: flight time at which the lander is expected there
-        ("point_L", "f8", (2,)),  # m, L: east and north of the landing site
-        ("height", "f8"),  # m: above the ground
-        ("least_height", "f8"),  # m: above the ground, to come to rest at where the target cannot be reached
-    ],
-    align=True,
+POWERED_TARGET = record(
+    ("set", FLAG),  # the target has been chosen
+    ("arrival", "f8"),  # s: flight time at which the lander is expected there
+    ("point_L", "f8", (2,)),  # m, L: east and north of the landing site
+    ("height", "f8"),  # m: above the ground
+    ("least_height", "f8"),  # m: above the ground, to come to rest at where the target cannot be reached
 )
 
 
 @kernel
 def choose_target(p, nav, point, target):
-    """Set ``target`` unless it is set already.
-
-    Args:
-        p: ``target`` section of powered guidance.
-        nav: ``NAV`` record.
-        point: ``LANDING_POINT`` record: its coarse point is taken where one is chosen.
-        target: ``POWERED_TARGET`` record.
+    """Set ``target`` (``POWERED_TARGET``) unless it is set already; ``point``: ``LANDING_POINT`` record,
+    whose coarse point is taken where one is chosen.
     """
     if target.set != 0:
         return
@@ -123,11 +109,7 @@ class PlanningParams(Params):
 
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
     thrust_reserve: float = param(
-        0.1,
-        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
-        status="estimate",
-        ge=0.0,
-        le=0.5,
+        0.1, "share of throttle band and tilt limit held back for feedback", status="estimate", ge=0.0, le=0.5
     )
     time_floor_s: float = param(2.5, "smallest time to go used in the gains of height", gt=0.0)
     lateral_time_floor_s: float = param(
@@ -135,21 +117,16 @@ class PlanningParams(Params):
     )
 
 
-PLAN = np.dtype(
-    [
-        ("made", FLAG),
-        ("upward", "f8"),  # m/s2, gravity taken off, at arrival
-        ("arrival", "f8"),  # s, flight time
-    ],
-    align=True,
+PLAN = record(
+    ("made", FLAG),
+    ("upward", "f8"),  # m/s2, gravity taken off, at arrival
+    ("arrival", "f8"),  # s, flight time
 )
 
 
 @kernel
 def planned_upward(reserve, state, nav, target):
-    """Upward acceleration (m/s2, gravity taken off) that the throttle band less the reserve gives at arrival,
-    when the propellant for the speed and the expected duration is gone.
-    """
+    """Upward acceleration at arrival (m/s2, no gravity), with the throttle band less the reserve."""
     engine = state.engine
     spent = nav.speed + nav.gravity * max(target.arrival - nav.t, 0.0)
     mass = state.mass * exp(-spent / (G0 * engine.specific_impulse))
@@ -161,14 +138,6 @@ def root(a, s, d):
     """The positive T of a T^2 + s T - d = 0, for positive ``a`` and ``d``."""
     half = sqrt(s * s + 4.0 * a * d)
     return 2.0 * d / (half + s) if s > 0.0 else (half - s) / (2.0 * a)
-
-
-@kernel
-def planned_sideways(reserve, tilt_limit, state):
-    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at the full level of the
-    start.
-    """
-    return (1.0 - reserve) * sin(tilt_limit) * state.engine.full_thrust / state.mass
 
 
 @kernel
@@ -188,24 +157,22 @@ def plan_arrival(p, gains, least, state, nav, target, plan):
     runs down at the end.
 
     Args:
-        p: tilt limit (rad), thrust reserve, and time to go (s) below which it runs down.
+        p: parameters of the law, ``PlanningParams``.
         gains: s and d of the upward law (see above).
         least: time to go that the law wants at least, s.
-        state: ``VEHICLE_STATE`` record.
-        nav: ``NAV`` record.
-        target: ``POWERED_TARGET`` record.
-        plan: ``PLAN`` record.
+        state, nav, target: ``VEHICLE_STATE``, ``NAV`` and ``POWERED_TARGET`` records.
+        plan: ``PLAN`` record, updated.
     """
-    tilt_limit, reserve, runs_down = p
     s, d = gains
     height, descent = max(nav.height - target.height, LEAST_HEIGHT), nav.v_N[2]
     if plan.made == 0:
         plan.made = 1
-        upward = planned_upward(reserve, state, nav, target)
-        sideways = planned_sideways(reserve, tilt_limit, state)
+        upward = planned_upward(p.thrust_reserve, state, nav, target)
+        # within the tilt limit, less the reserve, at the full level of the start
+        sideways = (1.0 - p.thrust_reserve) * sin(p.tilt_limit) * state.engine.full_thrust / state.mass
         t = max(root(upward, s * descent, d * height), least, time_to_divert(sideways, nav, target))
         plan.upward = max((d * height - s * descent * t) / (t * t), LEAST_UPWARD)
         plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
-    elif plan.arrival - nav.t > runs_down:
+    elif plan.arrival - nav.t > p.lateral_time_floor:
         plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
     return plan.arrival - nav.t

@@ -11,17 +11,15 @@ from __future__ import annotations
 from math import sqrt
 from typing import Literal
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp, tan
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import clamp, dot, put3, take3
+from edl6dof.spatial.vector import clamp, dot, put3, take3, take4
 
-LATERAL_BIAS = np.dtype([("known", FLAG), ("force_N", "f8", (2,))], align=True)
+LATERAL_BIAS = record(("known", FLAG), ("force_N", "f8", (2,)))
 
 
 @kernel
@@ -30,16 +28,10 @@ def lateral_bias(time_constant, nav, disturbance, dt, memory):
     engine nor thrusters explain.
 
     It is the estimated disturbance force (Hu et al. 2022, eqs. 10-12) without its axial part, turned into
-    north and east and smoothed, since each single estimate contains the vibration of the engine.
-
-    Args:
-        time_constant: over which it is smoothed, s.
-        nav: ``NAV`` record.
-        disturbance: ``DISTURBANCE`` record.
-        dt: time since the last call, s.
-        memory: ``LATERAL_BIAS`` record; at the first call it takes the estimate as it is.
+    north and east and smoothed over ``time_constant`` (s), since each single estimate contains the vibration
+    of the engine; ``memory``: ``LATERAL_BIAS`` record, which takes the first estimate as it is.
     """
-    q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+    q = take4(nav.q_I2B)
     force = from_frame(q, (0.0, disturbance.force[1], disturbance.force[2]))
     step = 1.0 - exp(-dt / time_constant) if memory.known != 0 else 1.0
     memory.known = 1
@@ -83,14 +75,11 @@ class TerminalParams(Params):
         0.2, "lateral acceleration per velocity in slow descent, 1/s", ge=0.0
     )
     rest_height_m: float = param(
-        3.0,
-        "height below which the horizontal thrusters rest, so that no pulse turns the vehicle as it touches",
-        ge=0.0,
+        3.0, "height below which the horizontal thrusters rest, to touch down without a turn", ge=0.0
     )
     descent_sideways: Literal["thrusters", "tilt"] = param(
         "thrusters",
-        "what stops lateral motion in slow descent: horizontal thrusters with the vehicle upright, or the "
-        "small tilt of hover, for a vehicle without any",
+        "what stops lateral motion in slow descent: horizontal thrusters, or the small tilt of hover",
     )
     standing_force_s: float = param(
         1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
@@ -104,14 +93,12 @@ LEAST_UPWARD = 0.5
 #: Index of ``tilt`` among the choices of ``descent_sideways``.
 BY_TILT = 1
 
-TERMINAL = np.dtype([("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
+TERMINAL = record(("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8", (2,)))
 
 
 @kernel
 def command_thrust(mass, acceleration, tilt_limit, out):
-    """Turn a wanted acceleration (north, east, up, gravity included, m/s2) into thrust direction and size for
-    ``mass`` (kg).
-    """
+    """Turn an acceleration (north, east, up, gravity included, m/s2) into thrust direction and size (N)."""
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
@@ -163,9 +150,7 @@ def vertical(p, nav, rate):
 
 @kernel
 def hover(p, engine, nav, mass, bias, out):
-    """Hold the hover height, and take out lateral velocity and the lateral ``bias`` (north, east, N) by a
-    small tilt.
-    """
+    """Hold the hover height; stop lateral velocity and the ``bias`` (north, east, N) by a small tilt."""
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
     settle_by_tilt(p, engine, nav, mass, rate, bias=bias, out=out)
 
@@ -189,9 +174,7 @@ def stay_upright(p, engine, nav, mass, rate, out):
 
 @kernel
 def push_sideways(p, mass, acceleration, bias, out):
-    """Ask for the lateral force that makes an ``acceleration`` (north, east, m/s2) against the lateral
-    ``bias`` (N).
-    """
+    """Command lateral force for ``acceleration`` (north, east, m/s2) against the lateral ``bias`` (N)."""
     limit = p.lateral_force
     out.translating = 1
     out.force_N[0] = clamp(mass * acceleration[0] - bias[0], -limit, limit)
@@ -208,9 +191,7 @@ def acceleration_towards(p, nav, north, east):
 
 @kernel
 def avoid(p, engine, nav, mass, bias, point, memory, out):
-    """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending: to the
-    one that was chosen, else to the one that is given.
-    """
+    """Fly sideways to the safe spot, the one chosen or else the given one, while descending."""
     if point.fine_known != 0:
         memory.target_set = 1
         memory.target_L[0], memory.target_L[1] = point.fine_L[0], point.fine_L[1]

@@ -7,7 +7,7 @@ Guidance 25(6) (2002) 1091-1099.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.safety import classify_by_limits
+from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, SAFE, TOO_ROUGH, TOO_STEEP, UNKNOWN, UNSEEN
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import tan
@@ -25,6 +25,24 @@ class LidarDetectionParams(Params):
         "of half a metre is not to be missed between two rays",
         status="estimate", gt=0.0, le=5.0,
     )  # fmt: skip
+
+
+@kernel
+def classify_by_limits(footprint, steepest, roughest, out):
+    """Call a cell safe where slope and roughness of ``footprint`` are at most ``steepest`` (tangent) and
+    ``roughest`` (m); writes classes and probabilities of ``out`` (``SAFETY_MAP``).
+    """
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            cell_class = SAFE
+            if footprint.slope[i, j] >= UNKNOWN:
+                cell_class = UNSEEN
+            elif footprint.slope[i, j] > steepest:
+                cell_class = TOO_STEEP
+            elif footprint.roughness[i, j] > roughest:
+                cell_class = TOO_ROUGH
+            out.cell_class[i, j] = cell_class
+            out.probability[i, j] = 1.0 if cell_class == SAFE else 0.0
 
 
 @kernel

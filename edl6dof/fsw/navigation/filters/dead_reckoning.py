@@ -15,16 +15,15 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
 from edl6dof.fsw.navigation.strapdown import adopt_attitude, gravity_I, turn_by
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, take4
 
 #: Where each error begins in the covariance, and how many there are.
 R, V, TURN, GYRO_BIAS, FORCE_BIAS, GYRO_RELATIVE, FORCE_RELATIVE, ERRORS = range(0, 24, 3)
@@ -38,32 +37,21 @@ class DeadReckoningParams(Params):
         1e-3, "standard deviation of what the gravity model leaves out", status="estimate", ge=0.0, le=1.0
     )
     unknown_rate_deg_s: float = param(
-        5.0,
-        "standard deviation of the rate while it has to be bridged",
-        status="estimate",
-        ge=0.0,
-        le=1000.0,
+        5.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
-        5.0,
-        "standard deviation of the specific force while it has to be held",
-        status="estimate",
-        ge=0.0,
-        le=1000.0,
+        5.0, "standard deviation of the specific force while it is held", status="estimate", ge=0.0, le=1000.0
     )
 
 
-DEAD_RECKONING = np.dtype(
-    [
-        ("covariance", "f8", (ERRORS, ERRORS)),  # of the errors, SI
-        ("time", "f8"),  # s, since its last step
-        ("age", "f8"),  # s, since the start
-        ("v_I", "f8", (3,)),  # m/s, I: velocity at its last step
-        ("roll", "f8"),  # rad: angle turned about x of B since its last step
-        ("rate_gap", "f8"),  # s: for how long the rate has been bridged
-        ("force_gap", "f8"),  # s: for how long the specific force has been held
-    ],
-    align=True,
+DEAD_RECKONING = record(
+    ("covariance", "f8", (ERRORS, ERRORS)),  # of the errors, SI
+    ("time", "f8"),  # s, since its last step
+    ("age", "f8"),  # s, since the start
+    ("v_I", "f8", (3,)),  # m/s, I: velocity at its last step
+    ("roll", "f8"),  # rad: angle turned about x of B since its last step
+    ("rate_gap", "f8"),  # s: for how long the rate has been bridged
+    ("force_gap", "f8"),  # s: for how long the specific force has been held
 )
 
 
@@ -112,9 +100,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _widen(P, first, sigma, known, dt, gap):
-    """Add the variance of three errors in a gap in which their rate is not known (standard deviation
-    ``sigma``); returns the duration of the gap.
-    """
+    """Add the variance of three errors in a gap of their rate (deviation ``sigma``); returns its duration."""
     if known != 0:
         return 0.0
     for i in range(first, first + 3):
@@ -133,14 +119,12 @@ def _forget(P, first, variance):
 
 @kernel
 def _step(gravity, onboard, motion, solution, memory):
-    """Propagate the covariance over the time since its last step; ``gravity``: standard deviation (m/s2) of
-    the model, whose error is constant.
-    """
+    """Propagate the covariance since its last step; ``gravity``: constant error of its model (m/s2)."""
     P, known, time = memory.covariance, onboard.instruments, memory.time
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
     gained = sub(sub(v, take3(memory.v_I, 0)), scale(time, gravity_I(onboard.planet, take3(solution.r_I, 0))))
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     middle = turn_by(q, (-0.5 * memory.roll, 0.0, 0.0))
     for _ in range(2):
         _carry(onboard.planet.mu, r, q=middle, gained=gained, roll=memory.roll, time=time, P=P)

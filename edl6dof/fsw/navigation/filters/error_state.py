@@ -18,11 +18,10 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import (
     report_covariance,
     start_covariance,
 )
-from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction, update_by_stars
 from edl6dof.fsw.navigation.filters.kalman.radar_update import update_by_radar
-from edl6dof.fsw.navigation.filters.kalman.star_update import update_by_stars
-from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE
-from edl6dof.fsw.navigation.filters.kalman.transition import (
+from edl6dof.fsw.navigation.filters.kalman.states import (
+    ERROR_STATE,
     accumulate,
     begin_interval,
     fill_transition,
@@ -33,7 +32,7 @@ from edl6dof.fsw.navigation.radar_beams import count_usable_beams
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import dot, scale, take3
+from edl6dof.spatial.vector import dot, scale, take3, take4
 
 
 class ErrorStateParams(Params):
@@ -49,38 +48,19 @@ class ErrorStateParams(Params):
     )
     huber: float = param(2.5, "those beyond which it counts less than fully", ge=1.0, le=20.0)
     patience: int = param(
-        10,
-        "looks in a row that refuse most beams, after which the solution is taken to be wrong instead",
-        ge=1,
-        le=1000,
+        10, "looks in a row that refuse most beams until the solution is taken to be wrong", ge=1, le=1000
     )
     terrain_sigma_m: float = param(
-        300.0,
-        "standard deviation of the ground below against the landing site, at the start",
-        status="estimate",
-        gt=0.0,
-        le=10e3,
+        300.0, "initial standard deviation of the ground over the site", status="estimate", gt=0.0, le=10e3
     )
     terrain_change_m: float = param(
-        5.0,
-        "standard deviation of how much the ground rises or falls over 1 km",
-        status="estimate",
-        gt=0.0,
-        le=1000.0,
+        5.0, "standard deviation of the rise of the ground over 1 km", status="estimate", gt=0.0, le=1000.0
     )
     slope_sigma_deg: float = param(
-        12.0,
-        "standard deviation of the slope of the ground, north and east, before the radar sees it",
-        status="estimate",
-        gt=0.0,
-        le=45.0,
+        12.0, "standard deviation of the slope before the radar sees it", status="estimate", gt=0.0, le=45.0
     )
     slope_change_deg: float = param(
-        2.0,
-        "standard deviation of how much it changes over a way as long as the height",
-        status="estimate",
-        gt=0.0,
-        le=45.0,
+        2.0, "standard deviation of its change over a way of one height", status="estimate", gt=0.0, le=45.0
     )
     unevenness_m: float = param(
         120.0,
@@ -113,9 +93,7 @@ def start(params, onboard, sensed, solution, memory):
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Accumulate the motion; where it is time to, propagate the covariance and update with star tracker and
-    radar.
-    """
+    """Accumulate the motion; when due, propagate the covariance and update it with star tracker and radar."""
     accumulate(params, motion, solution, memory)
     early = 0.5 * motion.dt
     stars = sensed.stars.valid != 0 and health.star_tracker != 0
@@ -146,7 +124,7 @@ def _carry_forward(params, onboard, health, ground_seen, solution, memory):
     north, east, up, altitude = level_axes(planet, r_I, solution.t)
     spin, v_I = planet.rotation_rate, take3(solution.v_I, 0)
     v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     if ground_seen:
         way = scale(memory.interval.dt, v_rel_I)
         follow_slope(dot(north, way), dot(east, way), solution, memory.covariance)

@@ -14,8 +14,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import (
     count_usable_beams,
@@ -25,7 +23,7 @@ from edl6dof.fsw.navigation.radar_beams import (
     velocity_from_beams,
 )
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame, to_frame
@@ -36,10 +34,7 @@ class RadarInLoopParams(Params):
     """Inertial solution, drawn to the radar once that is in the loop."""
 
     settle_s: float = param(
-        10.0,
-        "time from the first echo until radar and inertial solution are compared",
-        status="estimate",
-        ge=0.0,
+        10.0, "time from the first echo until radar and solution are compared", status="estimate", ge=0.0
     )
     agree_s: float = param(
         1.0, "time for which they must agree to bring the radar into the loop", status="estimate", ge=0.0
@@ -60,18 +55,15 @@ class RadarInLoopParams(Params):
     lag_s: float = param(0.5, "time constant with which the solution follows the radar", gt=0.0)
 
 
-RADAR_IN_LOOP = np.dtype(
-    [
-        ("started_t", "f8"),  # s, flight time
-        ("age", "f8"),  # s: since the last use of the radar
-        ("begun", FLAG),  # whether there was an echo
-        ("seen", "f8"),  # s: duration of echoes
-        ("agreed", "f8"),  # s: duration of the present agreement of radar and inertial solution
-        ("against", "f8"),  # s: duration of their present contradiction
-        ("in_loop", FLAG),
-        ("forced", FLAG),  # by patience, against the comparison
-    ],
-    align=True,
+RADAR_IN_LOOP = record(
+    ("started_t", "f8"),  # s, flight time
+    ("age", "f8"),  # s: since the last use of the radar
+    ("begun", FLAG),  # whether there was an echo
+    ("seen", "f8"),  # s: duration of echoes
+    ("agreed", "f8"),  # s: duration of the present agreement of radar and inertial solution
+    ("against", "f8"),  # s: duration of their present contradiction
+    ("in_loop", FLAG),
+    ("forced", FLAG),  # by patience, against the comparison
 )
 
 
@@ -123,9 +115,7 @@ def _compare(params, height_off, speed_off, dt, memory):
 
 @kernel
 def _report_covariance(onboard, solution, memory):
-    """Fill the standard deviations: those of dead reckoning from the start, and in the loop those of the
-    radar.
-    """
+    """Fill the standard deviations: of dead reckoning from the start, in the loop those of the radar."""
     known, t = onboard.instruments, solution.t - memory.started_t
     turned = known.star_sigma**2 + known.star_bias**2 + known.gyro_noise**2 * t + (known.gyro_bias * t) ** 2
     for i in range(3):

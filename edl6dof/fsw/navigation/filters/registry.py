@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import group
-from edl6dof.fsw.navigation.drag_filter import DragFilterParams
+from edl6dof.fsw.navigation.derived import DragFilterParams
 from edl6dof.fsw.navigation.exclusions import BeamWatchParams, StarWatchParams
 from edl6dof.fsw.navigation.filters import (
     dead_reckoning,
@@ -26,7 +26,7 @@ from edl6dof.fsw.navigation.filters import (
 from edl6dof.fsw.navigation.integrity import GuardParams
 from edl6dof.fsw.navigation.parity_test import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
-from edl6dof.fsw.navigation.saturation import SaturationParams
+from edl6dof.fsw.navigation.redundancy import SaturationParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(

@@ -14,17 +14,15 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     apply_gain,
     explained_by,
+    median,
     optimal_gain,
     predicted_variance,
 )
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import median
 from edl6dof.fsw.navigation.radar_beams import (
     STEEPEST,
     beam_usable,
@@ -36,7 +34,7 @@ from edl6dof.fsw.navigation.radar_beams import (
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame
@@ -45,25 +43,22 @@ from edl6dof.spatial.vector import add, dot, put3, take3
 #: Beam heights that the buffer can hold.
 HEIGHTS = 128
 
-TWO_FILTER = np.dtype(
-    [
-        # errors of velocity (m/s, I) and acceleration (m/s2, I)
-        ("covariance", "f8", (6, 6)),
-        ("correction", "f8", (6,)),
-        ("converged", FLAG),  # whether velocity is corrected
-        ("age", "f8"),  # s: since the last use of the radar
-        ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
-        ("heights", COUNT),  # how many have come yet
-        ("started_t", "f8"),  # s, flight time
-        # workspace
-        ("considered", "f8", (6,)),
-        ("row", "f8", (6,)),
-        ("product", "f8", (6,)),
-        ("gain", "f8", (6,)),
-        ("beam_errors", "f8", (MAX_BEAMS,)),
-        ("ordered", "f8", (MAX_BEAMS,)),
-    ],
-    align=True,
+TWO_FILTER = record(
+    # errors of velocity (m/s, I) and acceleration (m/s2, I)
+    ("covariance", "f8", (6, 6)),
+    ("correction", "f8", (6,)),
+    ("converged", FLAG),  # whether velocity is corrected
+    ("age", "f8"),  # s: since the last use of the radar
+    ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
+    ("heights", COUNT),  # how many have come yet
+    ("started_t", "f8"),  # s, flight time
+    # workspace
+    ("considered", "f8", (6,)),
+    ("row", "f8", (6,)),
+    ("product", "f8", (6,)),
+    ("gain", "f8", (6,)),
+    ("beam_errors", "f8", (MAX_BEAMS,)),
+    ("ordered", "f8", (MAX_BEAMS,)),
 )
 
 
@@ -110,28 +105,10 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     n_beams = onboard.instruments.n_beams
     if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
         _carry_forward(params, memory)
-        q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
-        speeds = _fit_speeds(
-            params,
-            onboard,
-            health,
-            sensed.radar,
-            q,
-            velocity=add(velocity, swing),
-            solution=solution,
-            memory=memory,
-        )
+        antenna = place_antenna(onboard, motion, solution, sensed.t)
+        speeds = _fit_speeds(params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory)
         ranges = _buffer_heights(
-            params,
-            onboard,
-            health,
-            sensed.radar,
-            speeds,
-            q=q,
-            up=up,
-            height=height,
-            solution=solution,
-            memory=memory,
+            params, onboard, health, sensed.radar, speeds, antenna=antenna, solution=solution, memory=memory
         )
         solution.beams_used = speeds | ranges
         solution.speeds_refused = locked_beams(sensed.radar, n_beams) & ~speeds
@@ -143,9 +120,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _carry_forward(params, memory):
-    """Propagate the fit to the time of a measurement: the velocity error grows by that of the acceleration,
-    and the information fades.
-    """
+    """Propagate the fit: the acceleration error adds to that of the velocity, and the information fades."""
     P, T = memory.covariance, memory.age
     fade = exp(min(T / params.window, 2.0))
     for i in range(3):
@@ -163,9 +138,10 @@ def _carry_forward(params, memory):
 
 
 @kernel
-def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
+def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
     """Update with the speeds whose residuals are not too large; returns a bit for each."""
     instruments, used, row = onboard.instruments, 0, memory.row
+    q, velocity = antenna[0], add(antenna[2], antenna[3])
     put3(row, 3, (0.0, 0.0, 0.0))
     for beam in range(instruments.n_beams):
         solution.speed_innovation[beam] = 0.0
@@ -179,25 +155,17 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
             residual = radar.speed[beam] - speed - explained_by(row, memory.correction)
             solution.speed_innovation[beam] = residual / sqrt(variance)
             if residual**2 <= params.edit**2 * variance:
-                optimal_gain(memory.product, variance, memory.gain)
-                apply_gain(
-                    memory.covariance,
-                    memory.product,
-                    memory.gain,
-                    memory.correction,
-                    variance,
-                    innovation=residual,
-                )
+                optimal_gain(memory, variance)
+                apply_gain(memory, variance, residual)
                 used |= 1 << beam
     return used
 
 
 @kernel
-def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solution, memory):
-    """Put the heights of the beams whose speed was used (bits ``speeds``) and that agree with their median
-    into the buffer; returns a bit for each.
-    """
+def _buffer_heights(params, onboard, health, radar, speeds, antenna, solution, memory):
+    """Buffer the heights of beams with a used speed (bits) that agree with their median; returns bits."""
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
+    q, _, _, _, up, height = antenna
     used, count = 0, 0
     for step in range(2):  # the median first
         common = median(memory.beam_errors, count, memory.ordered) if count > 0 else 0.0
@@ -221,9 +189,7 @@ def _buffer_heights(params, onboard, health, radar, speeds, q, up, height, solut
 
 @kernel
 def _correct_velocity(params, solution, memory):
-    """Take the velocity error out of the solution once it is known well enough; the acceleration error is
-    kept for the prediction.
-    """
+    """Correct the velocity once its error is known well enough; the acceleration error stays in the fit."""
     worst = max(memory.covariance[0, 0], memory.covariance[1, 1], memory.covariance[2, 2])
     if worst < params.converged**2:
         memory.converged = 1
@@ -247,9 +213,7 @@ def _correct_height(params, solution, memory):
 
 @kernel
 def _report_covariance(params, onboard, solution, memory):
-    """Fill the standard deviations of the solution: of the fit and the mean, and those of dead reckoning from
-    the start.
-    """
+    """Fill the standard deviations: of fit and mean, and those of dead reckoning from the start."""
     instruments, t = onboard.instruments, solution.t - memory.started_t
     r_I = take3(solution.r_I, 0)
     north, east, up, altitude = level_axes(onboard.planet, r_I, solution.t)

@@ -7,9 +7,8 @@ from charts import new
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.hazard import backshell_drift as kernels
-from edl6dof.fsw.hazard.backshell_drift import DRIFT, DRIFTER
-from edl6dof.fsw.hazard.coarse_avoidance import COARSE, CoarseParams, choose_part
+from edl6dof.fsw.hazard import coarse_avoidance as kernels
+from edl6dof.fsw.hazard.coarse_avoidance import COARSE, DRIFT, DRIFTER, CoarseParams, choose_part
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import FSW, NODES, ONBOARD
 from edl6dof.interface.capacities import CAMERA_CELLS

@@ -10,7 +10,7 @@ from pyquaternion import Quaternion
 
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, HazardParams
-from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
+from edl6dof.fsw.mission import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.sensed import SENSED, cell_direction

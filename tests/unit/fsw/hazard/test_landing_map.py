@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_detection import SITE, Lander
 
-from edl6dof.runs.run_files import LANDING_MAP, read_landing_map, write_landing_map
+from edl6dof.runs.run import LANDING_MAP, read_landing_map, write_landing_map
 from edl6dof.telemetry.landing_map import LandingMap, landing_map
 
 

@@ -9,21 +9,24 @@ from charts import CELL_M, EAST, NORTH, chart_of, empty_chart, new, rocks, rocky
 from scipy import ndimage, special
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.hazard.distance_transform import ENVELOPE
-from edl6dof.fsw.hazard.distance_transform import clearances as clearances_of
-from edl6dof.fsw.hazard.elevation_map import MAP_CELLS, add_point, add_range, fill_holes
-from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
-from edl6dof.fsw.hazard.registry import HazardParams
-from edl6dof.fsw.hazard.safety import (
+from edl6dof.fsw.hazard.detectors.lidar import classify_by_limits
+from edl6dof.fsw.hazard.detectors.lidar_probabilistic import classify_by_probability
+from edl6dof.fsw.hazard.elevation_map import (
+    FOOTPRINT,
+    MAP_CELLS,
     SAFE,
     SAFETY_MAP,
     TOO_ROUGH,
     TOO_STEEP,
     UNSEEN,
-    classify_by_limits,
-    classify_by_probability,
+    add_point,
+    add_range,
+    assess,
+    fill_holes,
 )
-from edl6dof.fsw.hazard.site_selection import CHOICE, ChoiceParams, choose_spot
+from edl6dof.fsw.hazard.registry import HazardParams
+from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, ChoiceParams, choose_spot
+from edl6dof.fsw.hazard.site_selection import clearances as clearances_of
 
 #: Fills the clearance of a safety map from its classes.
 clearances = as_flown(clearances_of, "out, cell_m, work", "out.cell_class, cell_m, work, out.clearance")

@@ -33,15 +33,15 @@ from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics, uncertain_drag
 from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
+    ceiling,
     fill_drag_velocity,
     profile_drag,
     profile_range,
 )
-from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, sin, sincos
 from edl6dof.spatial.vector import clamp
@@ -122,16 +122,13 @@ class AdaptiveHinfParams(PrintedParams):
         return self
 
 
-MEMORY = np.dtype(
-    [
-        ("theta", "f8", (PARAMETERS,)),
-        ("low", "f8", (PARAMETERS,)),
-        ("high", "f8", (PARAMETERS,)),
-        ("scale", "f8"),
-        ("t", "f8"),
-        ("started", FLAG),
-    ],
-    align=True,
+MEMORY = record(
+    ("theta", "f8", (PARAMETERS,)),
+    ("low", "f8", (PARAMETERS,)),
+    ("high", "f8", (PARAMETERS,)),
+    ("scale", "f8"),
+    ("t", "f8"),
+    ("started", FLAG),
 )
 
 
@@ -151,9 +148,7 @@ def begin(p, memory):
 
 @kernel
 def scaled_profile(profile, onboard, nav, memory, out):
-    """Drag to follow at this speed and its first and second derivative by speed, scaled to the range to go,
-    under the ceiling.
-    """
+    """Drag to follow and its two derivatives by speed, scaled to the range to go, under the ceiling."""
     shared = onboard.guidance.entry.tracking
     if shared.update and nav.speed > shared.update_stop:
         wanted = profile_range(profile, nav.speed) / max(out.range_to_go, 1.0)
@@ -180,10 +175,10 @@ def goal_rates(nav, drag, drag_rate, slope, curvature):
 
 @kernel
 def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u):
-    """Let theta follow what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
+    """Update theta by what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
     now, u = (L/D) cos(bank) without a limit.
 
-    ``dynamics`` is what :func:`~edl6dof.fsw.guidance.entry.drag_dynamics.uncertain_drag` returns;
+    ``dynamics`` is the result of :func:`~edl6dof.fsw.guidance.entry.drag_dynamics.uncertain_drag`;
     ``goal_free`` and ``goal_per_u`` are the two parts of D_r''.
     """
     free, unknown, per_u = dynamics

@@ -18,15 +18,13 @@ b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import param
 from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
-from edl6dof.records import FLAG
+from edl6dof.records import FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, exp
 from edl6dof.spatial.vector import clamp
@@ -56,12 +54,7 @@ class DobSlidingParams(PrintedParams):
         usual=(0.01, 20, "the bandwidth of the law"),
     )
     surface_gain: float = param(
-        0.1,
-        "k_s, rate at which the surface is approached, 1/s",
-        status="published",
-        source=PAPER,
-        ge=0.0,
-        le=100.0,
+        0.1, "k_s, rate of approach to the surface, 1/s", status="published", source=PAPER, ge=0.0, le=100.0
     )
     boundary_m_s3: float = param(
         0.1, "c_s, boundary layer of the surface", status="published", source=PAPER, gt=0.0, le=100.0
@@ -74,30 +67,25 @@ class DobSlidingParams(PrintedParams):
     )
 
 
-MEMORY = np.dtype(
-    [
-        ("tracking", TRACKING),
-        ("started", FLAG),
-        ("t", "f8"),
-        ("surface", "f8"),
-        ("virtual", "f8"),
-        ("disturbance", "f8"),
-        ("eta", "f8"),
-        ("input", "f8"),
-        ("feedback", "f8"),
-        ("authority", "f8"),
-        ("decay", "f8"),
-    ],
-    align=True,
+MEMORY = record(
+    ("tracking", TRACKING),
+    ("started", FLAG),
+    ("t", "f8"),
+    ("surface", "f8"),
+    ("virtual", "f8"),
+    ("disturbance", "f8"),
+    ("eta", "f8"),
+    ("input", "f8"),
+    ("feedback", "f8"),
+    ("authority", "f8"),
+    ("decay", "f8"),
 )
 
 
 @kernel
 def observe(p, memory, dt, error, error_rate, applied):
     """Bring surface, virtual state, disturbance estimate and eta over the ``dt`` seconds in which cos(bank)
-    was ``applied``.
-
-    Source: eqs. 19, 23, 26, 28 and Fig. 1.  ``error`` and ``error_rate`` belong to the end of the interval.
+    was ``applied``; ``error`` and ``error_rate`` belong to the end.  Source: eqs. 19, 23, 26, 28 and Fig. 1.
     """
     if memory.started == 0 or dt <= 0.0:
         memory.started = 1
@@ -122,9 +110,7 @@ def guide(params, plan, onboard, nav, memory, out):
     p = params
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, authority, _ = measured_drag_dynamics(onboard, nav, lift)
-    goal, goal_rate, goal_acceleration = drag_goal(
-        onboard, nav, memory=memory.tracking, drag=nav.drag, drag_rate=rate, out=out
-    )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, rate, out)
     error, error_rate = nav.drag - goal, rate - goal_rate
     observe(p, memory, dt=nav.t - memory.t, error=error, error_rate=error_rate, applied=cos(nav.bank))
 

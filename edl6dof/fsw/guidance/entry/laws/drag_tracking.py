@@ -12,14 +12,13 @@ damping, since K = [0.4 0.04] as printed gives a nearly undamped pair.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 
 
@@ -34,7 +33,7 @@ class DragTrackingParams(Params):
 #: wing has taken the lift.
 LEAST_LIFT = 0.01
 
-MEMORY = np.dtype([("tracking", TRACKING)], align=True)
+MEMORY = record(("tracking", TRACKING))
 
 
 @kernel
@@ -45,9 +44,7 @@ def guide(params, plan, onboard, nav, memory, out):
     _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
     rate, a, b = measured_drag_dynamics(onboard, nav, lift)
-    goal, goal_rate, goal_acceleration = drag_goal(
-        onboard, nav, memory=memory.tracking, drag=nav.drag, drag_rate=rate, out=out
-    )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, rate, out)
     omega = params.frequency
     wanted_acceleration = (
         goal_acceleration

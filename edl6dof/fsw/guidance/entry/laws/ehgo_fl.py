@@ -17,8 +17,6 @@ peaking.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import group, param
 from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.disturbance_observers import OBSERVER, observe
@@ -28,6 +26,7 @@ from edl6dof.fsw.guidance.entry.laws.fl import PAPER
 from edl6dof.fsw.guidance.entry.range_update import tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.vector import clamp
@@ -64,7 +63,7 @@ class EhgoFlParams(PrintedParams):
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
-MEMORY = np.dtype([("observer", OBSERVER), ("profile", PROFILE)], align=True)
+MEMORY = record(("observer", OBSERVER), ("profile", PROFILE))
 
 
 @kernel

@@ -8,9 +8,25 @@ predicted miss over its own coefficient, times an overcontrol gain:
     R_p = R_ref + dR/dD (D - D_ref) + dR/dh' (h' - h'_ref),    (L/D)_v = (L/D)_v,ref + K (R - R_p) /
     (dR/d(L/D)_v)
 
-Source: Carman, Ives & Geller 1998, AIAA 98-4570; Mendeck & Carman 2002, AIAA 2002-4502; flown: Mendeck &
-Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars Science Laboratory
-mission".  The coefficients: see :mod:`~edl6dof.fsw.guidance.entry.influence`.
+The influence coefficients are the adjoint variables of the linearised motion, integrated backwards along the
+reference from the final speed, where they are zero.  Speed is the independent variable: the coefficients
+belong to departures at equal speed, the bank profile of the reference, a function of speed, stays in step,
+and the range counts at the final speed, as the parachute opens by speed, not at an altitude:
+
+    x = (h, gamma), x' = f(x, V), s' = g(x, V), H = l' f + g:
+    dl/dV = -dH/dx, dm/dV = -dH/du, l(V_f) = m(V_f) = 0
+
+with u the vertical lift-to-drag ratio, as far as it is controlled.  At equal speed a change of altitude is a
+change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude rate, d(h') = V cos(gamma)
+d(gamma), so that the coefficients belong to measured quantities.
+
+Source: Carman, Ives & Geller 1998, "Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck &
+Carman 2002, "Guidance design for Mars smart landers using the entry terminal point controller", AIAA
+2002-4502; flown: Mendeck & Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars
+Science Laboratory mission"; adjoint equations: Bryson & Ho 1975, section 2.3.
+
+Difference: the partial derivatives are central differences of the believed motion, so that Mach-dependent
+airframe and trim wing are in them.
 """
 
 from __future__ import annotations
@@ -19,13 +35,142 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.influence import INFLUENCE, NODES, fill_influence
-from edl6dof.fsw.guidance.entry.reference import reference_bank
+from edl6dof.fsw.guidance.entry.reference import point_mass, reference_bank
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
-from edl6dof.spatial.elementary import acos, sin
+from edl6dof.spatial import arrays
+from edl6dof.spatial.elementary import acos, cos, sin
 from edl6dof.spatial.table_index import between, held_cell
 from edl6dof.spatial.vector import clamp
+
+NODES = 64
+#: Steps of the adjoint integration between two nodes.
+SUBSTEPS = 8
+#: Deceleration (m/s2) from which on speed separates one point of the reference from the next.
+LEAST_DECELERATION = 0.5
+#: Half the differences: altitude (m), flight-path angle (rad), vertical lift-to-drag ratio.
+D_ALTITUDE, D_PATH, D_LIFT = 50.0, 1e-5, 1e-4
+
+INFLUENCE = record(
+    ("first", "f8"),  # speed of the first node, m/s
+    ("spacing", "f8"),
+    ("range", "f8", (NODES,)),  # range to go, m
+    ("drag", "f8", (NODES,)),
+    ("climb", "f8", (NODES,)),  # altitude rate, m/s
+    ("lift", "f8", (NODES,)),  # vertical lift-to-drag ratio
+    ("by_drag", "f8", (NODES,)),  # d range / d drag, s2
+    ("by_climb", "f8", (NODES,)),  # d range / d altitude rate, s
+    ("by_lift", "f8", (NODES,)),  # d range / d vertical lift-to-drag ratio, kept to the end, m
+)
+
+
+@kernel
+def hamiltonian(onboard, shift, state, more_lift, adjoints):
+    """Hamiltonian of the motion by speed on the reference profile, with ``more_lift`` added to its vertical
+    L/D where range is controlled.
+
+    Args:
+        onboard: ``ONBOARD`` record.
+        shift: of the cosine of the reference bank angle.
+        state: speed (m/s), altitude (m) and flight-path angle (rad).
+        more_lift: added vertical lift-to-drag ratio.
+        adjoints: derivatives of the range by altitude (m/m) and path angle (m/rad).
+    """
+    entry = onboard.guidance.entry
+    v, h, gamma = state
+    climb, slowing, turn, ground, drag = point_mass(onboard, h, v, gamma, reference_bank(onboard, shift, v))
+    if v > max(entry.align_speed, entry.heading.speed):
+        turn += more_lift * drag / v
+    return (adjoints[0] * climb + adjoints[1] * turn + ground) / slowing
+
+
+@kernel
+def adjoint_rates(onboard, shift, state, adjoints):
+    """Derivatives by speed of the range's derivatives by altitude, path angle and vertical L/D."""
+    v, h, gamma = state
+    up = hamiltonian(onboard, shift, (v, h + D_ALTITUDE, gamma), 0.0, adjoints)
+    down = hamiltonian(onboard, shift, (v, h - D_ALTITUDE, gamma), 0.0, adjoints)
+    level = hamiltonian(onboard, shift, (v, h, gamma + D_PATH), 0.0, adjoints)
+    steep = hamiltonian(onboard, shift, (v, h, gamma - D_PATH), 0.0, adjoints)
+    more = hamiltonian(onboard, shift, state, D_LIFT, adjoints)
+    less = hamiltonian(onboard, shift, state, -D_LIFT, adjoints)
+    return (down - up) / (2 * D_ALTITUDE), (steep - level) / (2 * D_PATH), (less - more) / (2 * D_LIFT)
+
+
+@kernel
+def integrate_adjoints(onboard, shift, speeds, altitude, path, found):
+    """Integrate the adjoint equations from the final speed up to the first, by the classical Runge-Kutta
+    method.
+
+    Args:
+        onboard: ``ONBOARD`` record.
+        shift: of the cosine of the reference bank angle.
+        speeds: from the final speed upwards in even steps, m/s, each ``2 SUBSTEPS``-th of them a node.
+        altitude, path: of the reference there, m; flight-path angle, rad.
+        found: written, a row for each node: derivatives of the range to go by altitude (m/m), path angle
+            (m/rad) and vertical lift-to-drag ratio (m) at equal speed.
+    """
+    x, y, z = 0.0, 0.0, 0.0
+    step = 2.0 * (speeds[1] - speeds[0])
+    for node in range(NODES):
+        found[node, 0], found[node, 1], found[node, 2] = x, y, z
+        if node == NODES - 1:
+            break
+        for i in range(2 * SUBSTEPS * node, 2 * SUBSTEPS * (node + 1), 2):
+            first = speeds[i], altitude[i], path[i]
+            middle = speeds[i + 1], altitude[i + 1], path[i + 1]
+            last = speeds[i + 2], altitude[i + 2], path[i + 2]
+            a = adjoint_rates(onboard, shift, first, (x, y))
+            b = adjoint_rates(onboard, shift, middle, (x + 0.5 * step * a[0], y + 0.5 * step * a[1]))
+            c = adjoint_rates(onboard, shift, middle, (x + 0.5 * step * b[0], y + 0.5 * step * b[1]))
+            d = adjoint_rates(onboard, shift, last, (x + step * c[0], y + step * c[1]))
+            x += step * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
+            y += step * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
+            z += step * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
+
+
+def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> None:
+    """Tabulate the planned reference and its influence coefficients over speed.
+
+    Args:
+        onboard: onboard record array of length one, its reference planned.
+        planned: rows of the planned entry, ``PLANNED``.
+        table: ``INFLUENCE`` record to fill.
+    """
+    record = onboard[0]
+    shift = float(record["reference"]["shift"])
+    rows = _slowing(planned, record["planet"])
+    speeds = np.linspace(rows["speed"][-1], rows["speed"][0], 2 * SUBSTEPS * (NODES - 1) + 1)
+    altitude, path, beyond, drag = (
+        arrays.interpolate(speeds, rows["speed"][::-1], rows[name][::-1])
+        for name in ("altitude", "path_angle", "beyond", "drag")
+    )
+    found = np.zeros((NODES, 3))
+    integrate_adjoints(record, shift, speeds, altitude, path, found=found)
+    table["first"], table["spacing"] = speeds[0], speeds[2 * SUBSTEPS] - speeds[0]
+    for i in range(NODES):
+        k = 2 * SUBSTEPS * i
+        v, h, gamma = speeds[k], altitude[k], path[k]
+        bank = reference_bank(record, shift, v)
+        _, _, path_rate, _, still_drag = point_mass(record, h, v, gamma, bank)
+        without_lift = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
+        _, _, scale_height = model_atmosphere(record["atmosphere"], h)
+        table["range"][i], table["drag"][i] = beyond[0] - beyond[k], drag[k]
+        table["climb"][i] = v * sin(gamma)
+        table["lift"][i] = (path_rate - without_lift) * v / still_drag
+        table["by_drag"][i] = -found[i, 0] * scale_height / drag[k]
+        table["by_climb"][i] = found[i, 1] / (v * cos(gamma))
+        table["by_lift"][i] = found[i, 2]
+
+
+def _slowing(planned: np.ndarray, planet: np.void) -> np.ndarray:
+    """Return the rows of the plan from where the speed falls well and separates them."""
+    gravity = planet["mu"] / np.square(planet["equatorial_radius"] + planned["altitude"])
+    deceleration = planned["drag"] + gravity * arrays.sin(planned["path_angle"])
+    before = deceleration[: np.argmax(deceleration)] < LEAST_DECELERATION
+    return planned[np.count_nonzero(before) :]
 
 
 class EtpcParams(Params):
@@ -66,10 +211,5 @@ def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
 
 
 MEMBER = Member(
-    "etpc",
-    EtpcParams,
-    {"guide": guide},
-    "Carman, Ives & Geller 1998; Mendeck & Carman 2002",
-    tables=INFLUENCE,
-    plan=lay_plan,
+    "etpc", EtpcParams, {"guide": guide}, "Carman, Ives & Geller 1998", tables=INFLUENCE, plan=lay_plan
 )

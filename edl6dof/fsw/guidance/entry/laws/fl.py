@@ -10,8 +10,6 @@ defaults are slower, for a rigid body.
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import group, param
 from edl6dof.config.paper_values import PrintedParams
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
@@ -19,6 +17,7 @@ from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, po
 from edl6dof.fsw.guidance.entry.range_update import tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
+from edl6dof.records import record
 from edl6dof.registry import Member
 
 PAPER = "Wu, Cui & Cui 2013, section 5"
@@ -34,7 +33,7 @@ class FlParams(PrintedParams):
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
-MEMORY = np.dtype([("profile", PROFILE)], align=True)
+MEMORY = record(("profile", PROFILE))
 
 
 @kernel

@@ -24,15 +24,13 @@ from __future__ import annotations
 
 from math import copysign, sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.aim_point import first_side
 from edl6dof.fsw.guidance.entry.predictor import linear, planned_bank, predict
 from edl6dof.fsw.guidance.entry.reach import stretched
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos, hypot, sin
 from edl6dof.spatial.vector import clamp
@@ -51,11 +49,7 @@ class FnpegParams(Params):
     )
     tolerance_m: float = param(50.0, "predicted miss at which the correction stops", gt=0.0, le=10e3)
     authority_m: float = param(
-        200.0,
-        "range by which the whole span of bank angles must still move the end for the bank to be corrected",
-        status="design",
-        ge=0.0,
-        le=100e3,
+        200.0, "bank is corrected while all bank angles span this range", status="design", ge=0.0, le=100e3
     )
     start_drag_m_s2: float = param(
         0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
@@ -69,39 +63,25 @@ class FnpegParams(Params):
     )
     reversals: int = param(3, "reversals planned", ge=0, le=10)
     spacing: float = param(
-        0.55,
-        "first guess of a reversal's speed over the present one, and of the reversal after it over that",
-        status="design",
-        gt=0.0,
-        lt=1.0,
+        0.55, "first guess of the speed of a reversal over the one before it", status="design", gt=0.0, lt=1.0
     )
     stretch: bool = param(
-        True,
-        "whether bank_min_deg is let go where it leaves range too short",
-        status="design",
+        True, "whether bank_min_deg is let go where it leaves range too short", status="design"
     )
     heading_speed_m_s: float | None = param(
-        None,
-        "speed down to which this law controls range, in place of heading.speed_m_s",
-        status="design",
-        record=False,
-        ge=0.0,
-        le=10e3,
+        None, "this law's own value of heading.speed_m_s", status="design", record=False, ge=0.0, le=10e3
     )
 
 
-MEMORY = np.dtype(
-    [
-        ("started", FLAG),
-        ("side", "f8"),  # +1 right, -1 left
-        ("bank", "f8"),  # magnitude now, rad; beyond the largest, what is added to the last
-        ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
-        ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
-        ("left", COUNT),  # reversals left
-        ("miss", "f8"),  # predicted, m: downrange, and crossrange
-        ("aside", "f8"),
-    ],
-    align=True,
+MEMORY = record(
+    ("started", FLAG),
+    ("side", "f8"),  # +1 right, -1 left
+    ("bank", "f8"),  # magnitude now, rad; beyond the largest, what is added to the last
+    ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
+    ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
+    ("left", COUNT),  # reversals left
+    ("miss", "f8"),  # predicted, m: downrange, and crossrange
+    ("aside", "f8"),
 )
 
 

@@ -27,10 +27,7 @@ class FtcDobParams(Params):
 
     error_gain: float = param(0.25, "k_1, weight of |D - D_r|^alpha_1", gt=0.0, le=100.0)
     rate_gain: float = param(
-        0.8,
-        "k_2, weight of the error rate to the power alpha_2 = 2 alpha_1/(1 + alpha_1)",
-        gt=0.0,
-        le=100.0,
+        0.8, "k_2, weight of the error rate to the power alpha_2 = 2 alpha_1/(1 + alpha_1)", gt=0.0, le=100.0
     )
     exponent: float = param(0.6, "alpha_1", gt=0.0, lt=1.0)
     observer: PathObserverParams = group(PathObserverParams, "disturbance observer")

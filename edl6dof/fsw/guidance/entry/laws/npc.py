@@ -20,7 +20,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.predictor import in_plane_shifted, predict
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import acos, cos
 from edl6dof.spatial.vector import clamp
@@ -42,27 +42,22 @@ class NpcParams(Params):
 #: Reversals of the plan that are looked at, at most.
 MAX_TURNS = 12
 
-MEMORY = np.dtype(
-    [
-        ("shift", "f8"),
-        ("started", FLAG),
-        ("miss", "f8"),
-        ("iterations", COUNT),
-        ("side", "f8"),  # at the last call, +1 right, -1 left
-        ("done", COUNT),  # reversals begun
-    ],
-    align=True,
+MEMORY = record(
+    ("shift", "f8"),
+    ("started", FLAG),
+    ("miss", "f8"),
+    ("iterations", COUNT),
+    ("side", "f8"),  # at the last call, +1 right, -1 left
+    ("done", COUNT),  # reversals begun
 )
 
 #: Speeds (m/s) at which the plan reverses, falling, zero after the last.
-PLAN = np.dtype([("turn", "f8", (MAX_TURNS,))])
+PLAN = record(("turn", "f8", (MAX_TURNS,)))
 
 
 @kernel
 def miss_of(onboard, nav, out, shift, turn, later):
-    """Predicted downrange miss (m) with the next two reversals at ``turn`` and ``later`` (m/s), 0 for
-    none.
-    """
+    """Predicted downrange miss (m) with the next two reversals at ``turn`` and ``later`` (m/s; 0: none)."""
     miss, _, _, _ = predict(onboard, nav, out, in_plane_shifted(shift, turn, later))
     return miss
 
@@ -79,9 +74,7 @@ def next_turns(plan, memory, out):
 
 @kernel
 def solve(p, onboard, nav, out, low, high, turn, later, memory):
-    """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound
-    nearest to that.
-    """
+    """Move ``memory.shift`` to where the predicted miss is zero, or to the nearer of ``low`` and ``high``."""
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
     memory.miss = miss_of(onboard, nav, out, memory.shift, turn, later=later)
@@ -127,11 +120,5 @@ def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
 
 
 MEMBER = Member(
-    "npc",
-    NpcParams,
-    {"guide": guide},
-    "Lu 2014, J. Guidance 37(3), section IV",
-    MEMORY,
-    tables=PLAN,
-    plan=lay_plan,
+    "npc", NpcParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3)", MEMORY, tables=PLAN, plan=lay_plan
 )

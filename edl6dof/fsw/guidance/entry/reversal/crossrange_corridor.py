@@ -23,17 +23,12 @@ class CrossrangeCorridorParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once the crossrange leaves the corridor on the side being
-    turned to.
-    """
+    """Side (+1 right): the other one once the crossrange leaves the corridor on the side turned to."""
     p = params
     limit = p.c0 + p.c1 * nav.speed + p.c2 * nav.speed * nav.speed
     return reversed_in_reach(onboard, nav, out, sign) if sign * out.crossrange > limit else sign
 
 
 MEMBER = Member(
-    "crossrange_corridor",
-    CrossrangeCorridorParams,
-    {"side": side},
-    "Mendeck & Craig McGrew 2014; Wu, Cui & Cui 2013, section 4",
+    "crossrange_corridor", CrossrangeCorridorParams, {"side": side}, "Mendeck & Craig McGrew 2014"
 )

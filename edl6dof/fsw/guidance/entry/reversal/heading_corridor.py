@@ -24,9 +24,7 @@ class HeadingCorridorParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once the heading leaves the corridor on the side being turned
-    to.
-    """
+    """Side (+1 right): the other one once the heading leaves the corridor on the side turned to."""
     p, radius = params, onboard.planet.equatorial_radius
     error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
     limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)

@@ -24,10 +24,7 @@ class PredictiveParams(Params):
     """Predictive bank reversal."""
 
     ratio: float = param(
-        0.5,
-        "predicted crossrange of a reversal now, over that of going on, at which to reverse",
-        gt=0.0,
-        lt=1.0,
+        0.5, "predicted crossrange of a reversal now, over that of going on, to reverse at", gt=0.0, lt=1.0
     )
     dead_zone_m: float = param(
         500.0, "predicted crossrange of going on below which nothing is reversed", ge=0.0, le=100e3
@@ -37,9 +34,7 @@ class PredictiveParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once a reversal now would overshoot by no more than ``ratio``
-    of keeping the side.
-    """
+    """Side (+1 right): the other one once reversing overshoots by at most ``ratio`` of keeping the side."""
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:
         return sign

@@ -1,25 +1,84 @@
-"""The bank-reversal logics.
+"""The bank-reversal logics, and the steering that all laws share: from the bank angle that a law wants to the
+one commanded by limits, side, heading alignment, wings level and rate.
 
 A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``: the side to bank to (+1
 right, -1 left), given the bank angle that the law wants (rad), the present side, and range and crossrange in
 ``out``.  ``params`` and ``memory`` are its own.
+
+Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range
+control, sign from the lateral logic; near the end the range control stops and the bank angle takes out the
+heading error; last the lift is levelled for the parachute.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
+from edl6dof.fsw.guidance.entry.aim_point import first_side, heading_bank
 from edl6dof.fsw.guidance.entry.reversal import crossrange_corridor, heading_corridor, own_sign, predictive
+from edl6dof.kernels import kernel
+from edl6dof.records import COUNT, record
 from edl6dof.registry import Family
+from edl6dof.spatial.vector import clamp
 
 REVERSALS = Family(
     "bank-reversal logic",
-    (
-        crossrange_corridor.MEMBER,
-        heading_corridor.MEMBER,
-        own_sign.MEMBER,
-        predictive.MEMBER,
-    ),
+    (crossrange_corridor.MEMBER, heading_corridor.MEMBER, own_sign.MEMBER, predictive.MEMBER),
 )
 
 bank_side = REVERSALS.role(
     "side", "params", "onboard", "nav", "memory", "out", "wanted", "sign", own=("params", "memory")
 )
+
+
+_Logics: Any = REVERSALS.params_model("ReversalLogics", "logic", "crossrange_corridor", "Bank reversals.")
+
+
+class ReversalParams(_Logics):
+    """Bank reversals."""
+
+
+STEERING = record(
+    ("sign", "f8"), ("count", COUNT), ("bank", "f8"), ("t", "f8"), ("reversal", REVERSALS.memory)
+)
+
+
+@kernel
+def limited(onboard, out, wanted):
+    """Bank magnitude (rad) between the smallest that the law allows now and the largest of all laws."""
+    return clamp(abs(wanted), out.least_bank, onboard.guidance.entry.bank_max)
+
+
+@kernel
+def chosen_side(bank_side, onboard, nav, memory, out, wanted):
+    """Side to bank to: the first one, then as the reversal logic says; reversals are counted."""
+    p = onboard.guidance.entry.reversal
+    if memory.sign == 0.0:
+        memory.sign = first_side(out)
+    sign = bank_side(
+        p.logic, p, onboard, nav, memory=memory.reversal, out=out, wanted=wanted, sign=memory.sign
+    )
+    if sign != memory.sign:
+        memory.count += 1
+    memory.sign = out.side = sign
+    return sign
+
+
+@kernel
+def steer_bank(bank_side, onboard, nav, memory, out, wanted):
+    """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
+    ``own_sign`` only).  The rate limit moves the command through zero bank, never through lift down.
+    """
+    p = onboard.guidance.entry
+    if nav.speed < p.align_speed:
+        goal = 0.0
+    elif nav.speed < p.heading.speed:
+        goal = heading_bank(p.heading, out.range_to_go, out.crossrange)
+    else:
+        goal = chosen_side(bank_side, onboard, nav, memory, out, wanted=wanted)
+        goal *= limited(onboard, out, wanted)
+    if memory.t > 0.0:
+        step = p.bank_rate * (nav.t - memory.t)
+        goal = clamp(goal, memory.bank - step, memory.bank + step)
+    memory.bank, memory.t = goal, nav.t
+    out.bank = goal

@@ -53,8 +53,8 @@ def growth(landing, plan):
 
 @kernel
 def try_time(landing, time, throttled, most, plan):
-    """Solve for a time of flight with ``throttled`` s of it in the throttle band, from the solution that
-    stands in ``plan``; the growth of the cost.
+    """Solve for a time of flight with ``throttled`` s of it in the throttle band, from the solution in
+    ``plan``; returns the growth of the cost.
     """
     shift_controls(plan, 0.0, time, max(time - throttled, 0.0))
     solve(landing, most, plan)
@@ -63,12 +63,12 @@ def try_time(landing, time, throttled, most, plan):
 
 @kernel
 def search_time(landing, throttled, reach, most, plan):
-    """Best time of flight with ``throttled`` s of it in the throttle band.
+    """Find the best time of flight with ``throttled`` s of it in the throttle band.
 
     Args:
         landing: ``LANDING`` record.
         throttled: s; infinite: all of it.
-        reach: first step away from the time that stands in ``plan``, over it.
+        reach: first step away from the time in ``plan``, over it.
         most: iterations of the solution; those on the way get a share of them.
         plan: ``PLAN`` record: first guess, then the solution.
     """
@@ -133,14 +133,14 @@ def refine_throttled(landing, throttled, least, factor, most, plan, other):
 
 @kernel
 def search_times(landing, least, most, plan, other):
-    """Best time of flight, and how long of it is throttled: all of it, if that costs less.
+    """Find the best time of flight, and how long of it is throttled: all of it, if that costs less.
 
     Args:
         landing: ``LANDING`` record.
         least: shortest time in the throttle band, s.
         most: iterations of each solution.
-        plan: ``PLAN`` record: the guess of the time of flight, then the solution.
-        other: a second ``PLAN`` record to work in.
+        plan, other: ``PLAN`` records: the guess of the time of flight, then the solution; a second to work
+            in.
     """
     throttled = least
     search_time(landing, throttled, REACH, most, plan)

@@ -16,64 +16,56 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import put3, take3
 
 #: Controls of a plan, each held constant.
 CONTROLS = 30
 
-LANDING = np.dtype(
-    [
-        ("mass", "f8"),  # kg
-        ("low", "f8"),  # N, least thrust
-        ("high", "f8"),  # N, largest thrust
-        ("low_now", "f8"),  # N, least and largest thrust in the first seconds
-        ("high_now", "f8"),
-        ("now", "f8"),  # s, how long they hold
-        ("full", "f8"),  # N, thrust of the start
-        ("exhaust_speed", "f8"),  # m/s
-        ("gravity", "f8"),  # m/s2, downwards
-        ("position", "f8", (3,)),  # m, from the landing point
-        ("velocity", "f8", (3,)),  # m/s
-        ("slope", "f8"),  # tangent of the least angle of the lander over the horizon; negative: none
-        ("cos_tilt", "f8"),  # of the largest tilt of thrust
-        ("cos_last_tilt", "f8"),  # of that of the last control
-        ("miss_price", "f8"),  # 1/s: velocity worth a metre of horizontal miss
-    ],
-    align=True,
+LANDING = record(
+    ("mass", "f8"),  # kg
+    ("low", "f8"),  # N, least thrust
+    ("high", "f8"),  # N, largest thrust
+    ("low_now", "f8"),  # N, least and largest thrust in the first seconds
+    ("high_now", "f8"),
+    ("now", "f8"),  # s, how long they hold
+    ("full", "f8"),  # N, thrust of the start
+    ("exhaust_speed", "f8"),  # m/s
+    ("gravity", "f8"),  # m/s2, downwards
+    ("position", "f8", (3,)),  # m, from the landing point
+    ("velocity", "f8", (3,)),  # m/s
+    ("slope", "f8"),  # tangent of the least angle of the lander over the horizon; negative: none
+    ("cos_tilt", "f8"),  # of the largest tilt of thrust
+    ("cos_last_tilt", "f8"),  # of that of the last control
+    ("miss_price", "f8"),  # 1/s: velocity worth a metre of horizontal miss
 )
 
-PLAN = np.dtype(
-    [
-        ("time", "f8"),  # s, of flight
-        ("full_time", "f8"),  # s of it at full thrust, at the start
-        ("u", "f8", (CONTROLS, 3)),  # m/s2
-        # the primer vector is primer_end + pull * (time to go)
-        ("primer_end", "f8", (3,)),
-        ("pull", "f8", (3,)),  # 1/s
-        ("glide", "f8", (CONTROLS, 3)),  # multipliers of the glide slope where each control ends
-        ("fuel", "f8"),  # kg
-        ("cost", "f8"),  # m/s: velocity spent, and the worth of the miss
-        ("miss", "f8"),  # m, horizontal, where the landing point cannot be reached
-        ("height_error", "f8"),  # m, at the end
-        ("end_velocity", "f8", (3,)),  # m/s
-        ("change", "f8"),  # of the primer, in the last iteration
-        ("iterations", COUNT),  # of the last solution
-        ("converged", FLAG),
-        # the grid and what an iteration works with
-        ("step", "f8", (CONTROLS,)),  # s
-        ("to_go", "f8", (CONTROLS,)),  # s, from the middle of each control
-        ("slant", "f8", (CONTROLS,)),  # second basis function of the end; the first is constant
-        ("mass", "f8", (CONTROLS,)),  # kg, in the middle of each control
-        ("w", "f8", (CONTROLS, 3)),  # m/s2, the iterate within its bounds
-        ("push", "f8", (CONTROLS, 3)),  # of the glide slope on the primer
-        ("row", "f8", (CONTROLS,)),  # factor of the glide slope where each control ends
-    ],
-    align=True,
+PLAN = record(
+    ("time", "f8"),  # s, of flight
+    ("full_time", "f8"),  # s of it at full thrust, at the start
+    ("u", "f8", (CONTROLS, 3)),  # m/s2
+    # the primer vector is primer_end + pull * (time to go)
+    ("primer_end", "f8", (3,)),
+    ("pull", "f8", (3,)),  # 1/s
+    ("glide", "f8", (CONTROLS, 3)),  # multipliers of the glide slope where each control ends
+    ("fuel", "f8"),  # kg
+    ("cost", "f8"),  # m/s: velocity spent, and the worth of the miss
+    ("miss", "f8"),  # m, horizontal, where the landing point cannot be reached
+    ("height_error", "f8"),  # m, at the end
+    ("end_velocity", "f8", (3,)),  # m/s
+    ("change", "f8"),  # of the primer, in the last iteration
+    ("iterations", COUNT),  # of the last solution
+    ("converged", FLAG),
+    # the grid and what an iteration works with
+    ("step", "f8", (CONTROLS,)),  # s
+    ("to_go", "f8", (CONTROLS,)),  # s, from the middle of each control
+    ("slant", "f8", (CONTROLS,)),  # second basis function of the end; the first is constant
+    ("mass", "f8", (CONTROLS,)),  # kg, in the middle of each control
+    ("w", "f8", (CONTROLS, 3)),  # m/s2, the iterate within its bounds
+    ("push", "f8", (CONTROLS, 3)),  # of the glide slope on the primer
+    ("row", "f8", (CONTROLS,)),  # factor of the glide slope where each control ends
 )
 
 
@@ -88,10 +80,8 @@ def full_controls(plan):
 
 @kernel
 def lay_grid(plan):
-    """Lay the controls over the time of flight.
-
-    Returns:
-        Mean time to go (s), and the norm of (time to go less its mean), s^1.5.
+    """Lay the controls over the time of flight; returns mean time to go (s) and norm of its deviation
+    (s^1.5).
     """
     count = full_controls(plan)
     short = plan.full_time / count if count > 0 else 0.0
@@ -125,9 +115,8 @@ def control_at(plan, elapsed):
 @kernel
 def shift_controls(plan, elapsed, time, full_time):
     """Move the start of the plan forward by ``elapsed`` s and lay it over a new ``time``, each control taken
-    from what the plan says of its middle.
-
-    The multipliers stay: primer at the end and pull are constants of the motion.
+    from the old plan at its middle.  The multipliers stay: primer at the end and pull are constants of the
+    motion.
     """
     share = (plan.time - elapsed) / time
     old_full, old_time, old_count = plan.full_time, plan.time, full_controls(plan)

@@ -17,8 +17,6 @@ from __future__ import annotations
 
 from math import inf
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.guidance_command import ARRIVAL, DWELL, GLIDE_SLOPE, TARGET, TILT
@@ -38,7 +36,7 @@ from edl6dof.fsw.guidance.powered.convex.landing_plan import (
 )
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, whole
+from edl6dof.records import COUNT, record, whole
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import atan, cos, tan
 from edl6dof.spatial.vector import norm, take3
@@ -70,11 +68,7 @@ class ConvexParams(Params):
         10.0, "least angle over the horizon at which the target sees the lander", ge=0.0, lt=80.0
     )
     thrust_reserve: float = param(
-        0.1,
-        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
-        status="estimate",
-        ge=0.0,
-        le=0.5,
+        0.1, "share of throttle band and tilt limit held back for feedback", status="estimate", ge=0.0, le=0.5
     )
     throttled_s: float = param(
         8.0, "shortest time in the throttle band before the target, after the start at full thrust", gt=0.0
@@ -89,24 +83,21 @@ class ConvexParams(Params):
     velocity_gain: float = param(0.4, "acceleration per velocity off the plan, 1/s", ge=0.0)
 
 
-MEMORY = np.dtype(
-    [
-        ("plans", COUNT),
-        ("start", "f8"),  # s, flight time of the start of the plan
-        ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
-        ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
-        ("landing", LANDING),  # the state that the plan begins in
-        ("plan", PLAN),
-        ("other", PLAN),
-    ],
-    align=True,
+MEMORY = record(
+    ("plans", COUNT),
+    ("start", "f8"),  # s, flight time of the start of the plan
+    ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
+    ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
+    ("landing", LANDING),  # the state that the plan begins in
+    ("plan", PLAN),
+    ("other", PLAN),
 )
 
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem that the present state poses, with no constraint relaxed: what the engine is
-    believed to lack is taken from the thrust that is held back.
+    """Write the landing problem of the present state, with no constraint relaxed: what the engine is believed
+    to lack is taken from the thrust that is held back.
     """
     left = 1.0 - state.thrust_lost
     landing.mass = state.mass
@@ -149,9 +140,7 @@ def least_throttled(p, memory):
 
 @kernel
 def first_plan(p, landing, throttled, memory):
-    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity, and
-    ``throttled`` s in the throttle band at least.
-    """
+    """Plan from a guess, the time of a constant deceleration, with at least ``throttled`` s in the band."""
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
     plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * throttled), LONGEST_GUESS)
@@ -177,8 +166,8 @@ def next_plan(p, landing, elapsed, memory):
     """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival or a
     little earlier.
 
-    If that cannot be kept, what is held back of the thrust may be used at once, not later; then the time of
-    arrival is searched.  If none will do, the engine gives all of the throttle band now.
+    If that cannot be kept, the thrust held back may be used at once, not later; then the time of arrival is
+    searched.  If none will do, the engine gives all of the throttle band now.
     """
     plan, other = memory.plan, memory.other
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
@@ -195,13 +184,7 @@ def next_plan(p, landing, elapsed, memory):
     search_time(landing, throttled, REACH, p.iterations, plan)
     if error_of(landing, plan) > TOLERATED and throttled < inf:
         refine_throttled(
-            landing,
-            throttled,
-            least=least_throttled(p, memory),
-            factor=FACTOR,
-            most=p.iterations,
-            plan=plan,
-            other=other,
+            landing, throttled, least_throttled(p, memory), FACTOR, p.iterations, plan=plan, other=other
         )
     if error_of(landing, plan) > TOLERATED:
         landing.low_now = landing.high = landing.high_now
@@ -237,9 +220,7 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """Return how far from the target a plan ends, if it has one, and how far it would move on in a second,
-    m.
-    """
+    """Return how far from the target, if any, a plan ends, plus how far it moves on in a second, m."""
     miss = plan.miss if landing.miss_price > 0.0 else 0.0
     return miss + plan.height_error + norm(take3(plan.end_velocity, 0))
 
@@ -266,9 +247,5 @@ def guide(params, vehicle, state, nav, target, memory, out):
 
 
 MEMBER = Member(
-    "convex",
-    ConvexParams,
-    {"guide": guide},
-    "Acikmese & Ploen 2007; Yu, Elango, Acikmese 2021 (PIPG)",
-    MEMORY,
+    "convex", ConvexParams, {"guide": guide}, "Acikmese & Ploen 2007; Yu, Elango, Acikmese 2021", MEMORY
 )

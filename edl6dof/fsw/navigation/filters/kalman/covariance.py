@@ -24,13 +24,13 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     TERRAIN,
     VELOCITY,
     WIDTH,
+    begin_interval,
 )
-from edl6dof.fsw.navigation.filters.kalman.transition import begin_interval
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 from edl6dof.spatial.quaternion import axes
-from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub, take3
+from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub, take3, take4
 
 #: Variance about one axis (rad2) of an unknown attitude.
 ANYHOW = pi * pi / 3.0
@@ -50,9 +50,7 @@ def in_use(healthy, count):
 
 @kernel
 def axes_covariance(axis, bits, count, out):
-    """Write the inverse of H'H of the instruments in ``bits`` into ``out``; leave it unchanged where they do
-    not span space.
-    """
+    """Write the inverse of H'H of the instruments in ``bits`` into ``out``, unless they do not span space."""
     xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         if bits >> k & 1:
@@ -94,9 +92,7 @@ def add_rotated_block(covariance, at, variance, spread, q):
 
 @kernel
 def follow_exclusions(instruments, health, memory):
-    """Add the bias variance of the remaining instruments when some go out of use: the three axes are then
-    other means of other biases.
-    """
+    """Add the bias variance of the remaining instruments when some drop out: their means are others."""
     gyros = in_use(health.gyro, instruments.n_gyros)
     if gyros != memory.gyros_in_use:
         memory.gyros_in_use = gyros
@@ -169,7 +165,7 @@ def start_covariance(params, instruments, solution, memory):
         memory.correction[i] = 0.0
         for j in range(WIDTH):
             covariance[i, j] = 0.0
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     x, y, z = axes(q)
     fix = instruments.star_sigma**2 + instruments.star_bias**2
     for i in range(3):

@@ -1,32 +1,124 @@
-"""Measurement update of covariance and error state by one scalar reading, with considered errors.
+"""Measurement update of covariance and error state by one scalar reading, with considered errors; the outlier
+tests of readings; and the update by the star tracker, three scalars.
 
 Arrays: ``covariance`` of n states against m >= n states and considered errors; ``considered`` the variances
 of the latter, from place n on; ``row`` the sensitivity of the reading to both; ``product`` = row times
 covariance.
 
-Source: P. D. Joseph's form for a scalar, in Bierman, Factorization Methods for Discrete Sequential Estimation
-(1977), chapter V; with consider states (gain zero) Woodbury and Junkins, AIAA 2010-7752.
+Readings that are used one after the other may meet a wrong one first, which makes the others look wrong.
+Before any is used, all are therefore tested together: with innovations n and their covariance S, leaving out
+reading i lets n'S^-1 n fall by (S^-1 n)_i^2 / (S^-1)_ii, the square of a standard normal number as long as
+reading i is correct (data snooping).  When most readings are refused again and again, the solution is wrong
+and not the readings.
+
+Sources: P. D. Joseph's form for a scalar, in Bierman, Factorization Methods for Discrete Sequential
+Estimation (1977), chapter V; with consider states (gain zero) Woodbury and Junkins, AIAA 2010-7752; W.
+Baarda, A testing procedure for use in geodetic networks, Netherlands Geodetic Commission (1968); gate:
+Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), 5.4; weight:
+Karlgaard and Schaub, "Huber-based divided difference filtering", JGCD 30 (2007), eqs. 23-26; star fix:
+Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and Control (2014), 6.2.
 """
 
 from __future__ import annotations
 
 from math import sqrt
 
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import weighted_noise
 from edl6dof.fsw.navigation.filters.kalman.states import (
     ACCELEROMETER_BIAS,
     ATTITUDE_ERROR,
     GYRO_BIAS,
     POSITION,
     SLOPE,
+    STAR_BIAS,
     STATES,
     TERRAIN,
     VELOCITY,
     WIDTH,
 )
+from edl6dof.fsw.navigation.strapdown import attitude_at
 from edl6dof.kernels import kernel
-from edl6dof.spatial.quaternion import multiply, normalise
-from edl6dof.spatial.vector import dot, put3, scale, take3
+from edl6dof.spatial.quaternion import axes, conjugate, multiply, normalise, rotation_vector
+from edl6dof.spatial.vector import dot, put3, put4, scale, take3, take4, unit
+
+
+@kernel
+def weighted_noise(innovation, variance, noise, gate, huber):
+    """Noise variance to use for a reading, or -1 where it lies beyond the gate.
+
+    Args:
+        innovation: reading less expected reading.
+        variance, noise: variance of that difference, noise included; noise variance of the reading.
+        gate: standard deviations beyond which it is refused.
+        huber: those beyond which its noise is enlarged, so that it lies there.
+    """
+    deviation = abs(innovation) / sqrt(variance)
+    if deviation > gate:
+        return -1.0
+    if deviation > huber:
+        return noise + variance * (deviation / huber - 1.0)
+    return noise
+
+
+@kernel
+def median(values, count, ordered):
+    """Median of the first ``count`` values, at least one; ``ordered`` is workspace."""
+    for i in range(count):
+        k = i
+        while k > 0 and ordered[k - 1] > values[i]:
+            ordered[k] = ordered[k - 1]
+            k -= 1
+        ordered[k] = values[i]
+    return 0.5 * (ordered[(count - 1) // 2] + ordered[count // 2])
+
+
+@kernel
+def refused_again(count, refused, usable):
+    """Count of looks in a row in which more than half of the ``usable`` readings were ``refused``."""
+    if usable == 0:
+        return count
+    return count + 1 if 2 * refused > usable else 0
+
+
+#: No reading.
+NONE = -1
+
+
+@kernel
+def outlier(gate, count, spread, innovation):
+    """Index of the reading to leave out of ``count``, or ``NONE``.
+
+    Args:
+        gate: standard deviations beyond which a reading is an outlier.
+        count: number of readings.
+        spread: covariance S of the innovations, positive definite; its inverse is left in it.
+        innovation: each reading less its expected value.
+    """
+    invert(count, spread)
+    found, most = NONE, gate * gate
+    for i in range(count):
+        weighed = 0.0
+        for j in range(count):
+            weighed += spread[i, j] * innovation[j]
+        fall = weighed * weighed / spread[i, i]
+        if fall > most:
+            found, most = i, fall
+    return found
+
+
+@kernel
+def invert(count, a):
+    """Invert the first ``count`` rows and columns of a positive definite matrix in place (Gauss-Jordan)."""
+    for k in range(count):
+        pivot = 1.0 / a[k, k]
+        a[k, k] = 1.0
+        for j in range(count):
+            a[k, j] *= pivot
+        for i in range(count):
+            if i != k:
+                factor = a[i, k]
+                a[i, k] = 0.0
+                for j in range(count):
+                    a[i, j] -= factor * a[k, j]
 
 
 @kernel
@@ -60,22 +152,21 @@ def explained_by(row, correction):
 
 
 @kernel
-def optimal_gain(product, variance, gain):
-    """Write the ``gain`` of least variance for a reading of ``variance``, noise included."""
-    for i in range(gain.shape[0]):
-        gain[i] = product[i] / variance
+def optimal_gain(memory, variance):
+    """Write the gain of least variance for a reading of ``variance``, noise included, into ``memory``."""
+    for i in range(memory.gain.shape[0]):
+        memory.gain[i] = memory.product[i] / variance
 
 
 @kernel
-def apply_gain(covariance, product, gain, correction, variance, innovation):
+def apply_gain(memory, variance, innovation):
     """Update covariance and correction with a reading of the ``innovation`` and its ``variance``, noise
-    included, by any ``gain``.
-
-    The covariance stays symmetric to the last bit.
+    included, by any ``gain``; the covariance stays symmetric to the last bit.
     """
+    covariance, product, gain = memory.covariance, memory.product, memory.gain
     n, m = covariance.shape
     for i in range(n):
-        correction[i] += gain[i] * innovation
+        memory.correction[i] += gain[i] * innovation
     for i in range(n):
         for j in range(n):
             covariance[i, j] += variance * (gain[i] * gain[j]) - (gain[i] * product[j] + product[i] * gain[j])
@@ -103,26 +194,17 @@ def hold_horizontal(up, gain):
 
 @kernel
 def update_by_reading(params, noise, innovation, up, trusted, row, memory):
-    """Update covariance and correction with a reading of sensitivity ``row``, if it passes the gate and is
-    ``trusted``.
-
-    Returns its innovation over its standard deviation, and whether it passes the gate.
+    """Update with a reading of sensitivity ``row``, if it passes the gate and is ``trusted``.  Returns its
+    innovation over its standard deviation, and whether it passes the gate.
     """
     own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
     rest = innovation - explained_by(row, memory.correction)
     variance = own + noise
     weighted = weighted_noise(rest, variance, noise, params.gate, params.huber)
     if trusted and weighted >= 0.0:
-        optimal_gain(memory.product, own + weighted, memory.gain)
+        optimal_gain(memory, own + weighted)
         hold_horizontal(up, memory.gain)
-        apply_gain(
-            memory.covariance,
-            memory.product,
-            memory.gain,
-            memory.correction,
-            variance=own + weighted,
-            innovation=rest,
-        )
+        apply_gain(memory, own + weighted, rest)
     return rest / sqrt(variance), weighted >= 0.0
 
 
@@ -131,10 +213,9 @@ def apply_correction(memory, solution):
     """Move the estimated error from the filter into the solution."""
     found = memory.correction
     half = scale(0.5, take3(found, ATTITUDE_ERROR))
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(solution.q_I2B)
     q = normalise(multiply((1.0, half[0], half[1], half[2]), q))
-    for i in range(4):
-        solution.q_I2B[i] = q[i]
+    put4(solution.q_I2B, q)
     for i in range(3):
         solution.r_I[i] += found[POSITION + i]
         solution.v_I[i] += found[VELOCITY + i]
@@ -145,3 +226,26 @@ def apply_correction(memory, solution):
         solution.slope[i] += found[SLOPE + i]
     for i in range(STATES):
         found[i] = 0.0
+
+
+@kernel
+def update_by_stars(params, onboard, sensed, motion, solution, memory):
+    """Update covariance and correction with a valid star fix."""
+    q, measured = attitude_at(solution, motion, sensed.t), sensed.stars.q_I2B
+    fix = take4(measured)
+    turn = rotation_vector(multiply(fix, conjugate(q)))
+    x, y, z = axes(q)
+    row, refused, noise = memory.row, 0, onboard.instruments.star_sigma**2
+    up = unit(take3(solution.r_I, 0))
+    for i in range(3):
+        clear_row(row)
+        row[ATTITUDE_ERROR + i] = 1.0
+        row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
+        _, taken = update_by_reading(params, noise, turn[i], up, True, row=row, memory=memory)
+        refused += not taken
+    memory.fixes_refused = refused_again(memory.fixes_refused, refused, 1)
+    if memory.fixes_refused >= params.patience:
+        for i in range(3):
+            memory.covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i] += dot(turn, turn)
+        memory.fixes_refused = 0
+    memory.stars_t = sensed.t

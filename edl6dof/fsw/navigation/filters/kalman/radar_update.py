@@ -20,10 +20,11 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import reopen_slope
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     clear_row,
     explained_by,
+    outlier,
     predicted_variance,
+    refused_again,
     update_by_reading,
 )
-from edl6dof.fsw.navigation.filters.kalman.outlier_test import outlier, refused_again
 from edl6dof.fsw.navigation.filters.kalman.states import (
     ATTITUDE_ERROR,
     POSITION,
@@ -75,11 +76,12 @@ def find_outlier(gate, n_beams, present, healthy, memory):
 
 @kernel
 def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
-    """Update with the readings that are trusted (``healthy``: flags) and agree.
+    """Update with the readings that are trusted (``healthy``: flags) and agree; writes the innovation of each
+    over its standard deviation into ``deviations``.
 
-    Writes the innovation of each over its standard deviation into ``deviations``.  Returns bits of the beams
-    that were used, and of those refused; how many trusted readings there were, how many of them were refused,
-    and the least square of their innovations.
+    Returns:
+        bits of the beams that were used, and of those refused; how many trusted readings there were, how many
+        of them were refused, and the least square of their innovations.
     """
     left_out = find_outlier(params.gate, n_beams, present, healthy, memory)
     used, refused, tried, against, least = 0, 0, 0, 0, 0.0
@@ -90,13 +92,7 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
         trusted, innovation, row = healthy[beam] != 0, memory.innovation[beam], memory.rows[beam]
         believed = trusted and beam != left_out
         deviation, agrees = update_by_reading(
-            params,
-            noise=memory.noise[beam],
-            innovation=innovation,
-            up=up,
-            trusted=believed,
-            row=row,
-            memory=memory,
+            params, memory.noise[beam], innovation, up, believed, row=row, memory=memory
         )
         agrees = agrees and beam != left_out
         if not agrees:
@@ -114,9 +110,7 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
 
 @kernel
 def speed_row(u, spin, velocity, speed, beam, row):
-    """Write the sensitivity of the speed of a ``beam`` along ``u`` to the errors; ``velocity`` is that of the
-    centre of mass relative to a planet that rotates at ``spin``.
-    """
+    """Write the sensitivity of the speed of a ``beam`` along ``u``; ``velocity``: planet-relative, m/s."""
     clear_row(row)
     put3(row, POSITION, (-spin * u[1], spin * u[0], 0.0))
     put3(row, VELOCITY, u)
@@ -125,9 +119,10 @@ def speed_row(u, spin, velocity, speed, beam, row):
 
 
 @kernel
-def expect_speeds(onboard, radar, q, velocity, swing, memory):
+def expect_speeds(onboard, radar, antenna, memory):
     """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory`` for every beam with an echo."""
     instruments, spin = onboard.instruments, onboard.planet.rotation_rate
+    q, _, velocity, swing, _, _ = antenna
     for beam in range(instruments.n_beams):
         if radar.locked[beam] != 0:
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
@@ -139,20 +134,13 @@ def expect_speeds(onboard, radar, q, velocity, swing, memory):
 
 
 @kernel
-def update_by_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
-    """Update with the speeds along the beams. Returns bits of the beams that were used, and of those that
-    were refused.
-    """
+def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
+    """Update with the speeds along the beams; returns bits of those used, and of those refused."""
     n_beams = onboard.instruments.n_beams
-    expect_speeds(onboard, radar, q, velocity, swing, memory=memory)
+    expect_speeds(onboard, radar, antenna, memory)
+    locked, up, deviations = locked_beams(radar, n_beams), antenna[4], solution.speed_innovation
     used, refused, tried, against, least = update_by_beams(
-        params,
-        n_beams,
-        present=locked_beams(radar, n_beams),
-        healthy=health.beam_speed,
-        up=up,
-        memory=memory,
-        deviations=solution.speed_innovation,
+        params, n_beams, locked, health.beam_speed, up, memory=memory, deviations=deviations
     )
     if tried > 1:  # a beam alone may be wrong itself
         memory.speeds_refused = refused_again(memory.speeds_refused, against, tried)
@@ -169,9 +157,7 @@ PLANE = 3
 
 @kernel
 def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
-    """Write the sensitivity of the range of a ``beam`` along ``u`` to the errors; ``reach`` is the expected
-    range.
-
+    """Write the sensitivity of the range of a ``beam`` along ``u`` to the errors; ``reach``: expected range.
     At a horizontal distance the vertical differs, too.
     """
     clear_row(row)
@@ -188,19 +174,18 @@ def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
 
 @kernel
 def range_noise(params, instruments, reach, steepness, off):
-    """Noise variance of a range: of the instrument, and of uneven ground between the vehicle and the spot
-    that the beam meets.
-    """
+    """Noise variance of a range: of the instrument, and of uneven ground from below to the spot."""
     own = instruments.range_sigma + instruments.range_sigma_relative * reach
     return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)
 
 
 @kernel
-def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
+def expect_ranges(params, onboard, radar, antenna, normal, memory):
     """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory``. Returns bits of the beams with an
     echo that are not too flat, and of those whose spot lies farther off the plane than uneven ground does.
-    ``height``: of the antenna, m.
     """
+    q, lever, _, _, up, height = antenna
+    height -= dot(lever, sub(up, normal))
     instruments, radius, present, off_ground = onboard.instruments, onboard.planet.equatorial_radius, 0, 0
     for beam in range(instruments.n_beams):
         u = from_frame(q, take3(instruments.beam_axis[beam], 0))
@@ -218,7 +203,7 @@ def expect_ranges(params, onboard, radar, q, lever, up, normal, height, memory):
 
 
 @kernel
-def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, height, solution, memory):
+def update_by_ranges(params, onboard, health, radar, speeds, antenna, solution, memory):
     """Update with the ranges of the beams whose speed was used (bits ``speeds``). Returns bits of the beams
     used, and of the one whose range no ground explains.
 
@@ -226,19 +211,11 @@ def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, heigh
     the variance of the slope is raised, and that of the height, too, unless three have agreed before and most
     do now.
     """
+    n_beams, up, deviations = onboard.instruments.n_beams, antenna[4], solution.range_innovation
     normal = ground_normal(up, solution.slope)
-    above = height - dot(lever, sub(up, normal))
-    present, off_ground = expect_ranges(
-        params, onboard, radar, q, lever, up=up, normal=normal, height=above, memory=memory
-    )
+    present, off_ground = expect_ranges(params, onboard, radar, antenna, normal, memory=memory)
     used, refused, tried, against, least = update_by_beams(
-        params,
-        onboard.instruments.n_beams,
-        present=present & speeds,
-        healthy=health.beam_range,
-        up=up,
-        memory=memory,
-        deviations=solution.range_innovation,
+        params, n_beams, present & speeds, health.beam_range, up, memory=memory, deviations=deviations
     )
     if tried >= PLANE and against == 0:
         memory.plane_seen = 1
@@ -255,32 +232,12 @@ def update_by_ranges(params, onboard, health, radar, speeds, q, lever, up, heigh
 @kernel
 def update_by_radar(params, onboard, health, sensed, motion, solution, memory):
     """Update covariance and correction with a new radar measurement."""
-    q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
-    radar = sensed.radar
+    antenna = place_antenna(onboard, motion, solution, sensed.t)
     speeds, off_speeds = update_by_speeds(
-        params,
-        onboard,
-        health,
-        radar,
-        q,
-        up=up,
-        velocity=velocity,
-        swing=swing,
-        solution=solution,
-        memory=memory,
+        params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory
     )
     ranges, off_ranges = update_by_ranges(
-        params,
-        onboard,
-        health,
-        radar,
-        speeds,
-        q=q,
-        lever=lever,
-        up=up,
-        height=height,
-        solution=solution,
-        memory=memory,
+        params, onboard, health, sensed.radar, speeds, antenna=antenna, solution=solution, memory=memory
     )
     solution.beams_used, solution.looked = ranges | speeds, 1
     solution.ranges_refused, solution.speeds_refused = off_ranges, off_speeds

@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.replay.history import thin
+from edl6dof.replay.pages import EYE, KEPT_DEG
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.replay.scene.craft_shapes import canopy as canopy_of
 from edl6dof.replay.scene.poses import Motion
-from edl6dof.replay.views.pages import EYE, KEPT_DEG
 from edl6dof.spatial import rotations as turns
 
 #: For how long (s) after a separation both parts stay in the frame; how long (s) a camera takes to change.
@@ -30,8 +30,6 @@ SEPARATION_S, CHANGE_S = 3.0, 2.5
 COLOUR, _ABOVE, _LONGEST, _STROKE = (225, 225, 225), 1.12, 0.7, 0.03
 #: Radius of the sphere around a vehicle in its diameters: room for flames and arrows.
 ROOM = 1.0
-
-
 #: How fast the director goes around during entry, deg/s, and from how far above the horizon it looks, deg.
 CIRCLING_DEG_S, ENTRY_DEG = 1.0, 14.0
 #: Azimuth from the direction of flight and elevation of the eye under the parachute and under engines, deg.
@@ -61,7 +59,9 @@ class Spheres(NamedTuple):
 
 
 class Cameras(Recorder):
-    """Writes ``near``, which moves with the centre of mass, ``camera`` and ``camera_away``."""
+    """Writes ``near``, which moves with the centre of mass, ``camera`` with its ``scale_bar``,
+    ``camera_away``, and the director's ``tour``.
+    """
 
     def statics(self) -> None:
         """Write the flight's name below it, if there are several."""
@@ -70,32 +70,22 @@ class Cameras(Recorder):
             self.static(f"{self.root}/camera/name", self.point(place, self.label, self.own, 2.0))
 
     def motions(self) -> None:
-        """Write the frames of the cameras."""
+        """Write the frames of the cameras, and the bar."""
         motion, turn = self.motion, facing(self.motion)
         self.poses(f"{self.root}/near", self.t, motion.centre)
-        for name, kept in (("camera", steady(motion, together(motion))), ("camera_away", away(motion))):
-            self.poses(f"{self.root}/{name}", self.t, kept.centre, turn, cubed(kept.radius))
+        kept = steady(motion, together(motion))
+        for name, seen in (("camera", kept), ("camera_away", away(motion))):
+            self.poses(f"{self.root}/{name}", self.t, seen.centre, turn, cubed(seen.radius))
+        self._scale_bar(kept.radius)
+        seen, eye = shots(motion, self.flight["truth.engine_thrust_n"])
+        ahead = seen.centre - eye
+        scale = cubed(np.linalg.norm(ahead, axis=-1) * np.sin(np.radians(KEPT_DEG)))
+        self.poses(f"{self.root}/tour", self.t, seen.centre, looking(motion, ahead), scale)
 
-
-class Director(Recorder):
-    """Writes ``tour``, the frame of the scripted camera."""
-
-    def motions(self) -> None:
-        """Write its place, direction and distance."""
-        kept, eye = shots(self.motion, self.flight["truth.engine_thrust_n"])
-        distance = np.linalg.norm(kept.centre - eye, axis=-1)
-        turn = looking(self.motion, kept.centre - eye)
-        scale = cubed(distance * np.sin(np.radians(KEPT_DEG)))
-        self.poses(f"{self.root}/tour", self.t, kept.centre, turn, scale)
-
-
-class ScaleBar(Recorder):
-    """Writes ``camera/scale_bar``: a bar of a round length, by which the eye measures what is seen."""
-
-    def motions(self) -> None:
-        """Write the bar again when the scale of the camera has changed."""
+    def _scale_bar(self, radius: np.ndarray) -> None:
+        """Write a bar of a round length, and again when the scale of the camera has changed."""
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
-        radius = steady(self.motion, together(self.motion)).radius[rows]
+        radius = radius[rows]
         anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
         rows, radius = rows[anew], radius[anew]
         length = round_down(_LONGEST * radius)
@@ -171,7 +161,7 @@ def steady(motion: Motion, kept: Spheres) -> Spheres:
 
 
 def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Smooth values, shape (rows,) or (rows, n), over the time of a change."""
+    """Return values, shape (rows,) or (rows, n), smoothed over the time of a change."""
     from scipy.ndimage import uniform_filter1d
 
     for _ in range(2):
@@ -202,18 +192,16 @@ def _held(places: np.ndarray) -> np.ndarray:
 
 
 def round_down(values: np.ndarray) -> np.ndarray:
-    """Return the largest of 1, 2 and 5 times powers of ten that is not above each value, all positive."""
+    """Return each value, positive, rounded down to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(values))
     return power * np.select([values >= 5.0 * power, values >= 2.0 * power], [5.0, 2.0], 1.0)
 
 
 def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
     """Return the spheres in the picture, and the eye's places (m in L), shape (rows, 3)."""
-    kept = steady(motion, _kept(motion))
+    kept, level, landing = steady(motion, _kept(motion)), facing(motion), _landing(motion)
     azimuth, elevation = _angles(motion, thrust_n > 0.0)
     distance = kept.radius / np.sin(np.radians(KEPT_DEG))
-    level = facing(motion)
-    landing = _landing(motion)
     if landing.any():
         offset = _stand(motion, level, distance[-1]) - kept.centre
         seen = turns.rotate(level * [1.0, -1.0, -1.0, -1.0], offset)
@@ -252,11 +240,8 @@ def _angles(motion: Motion, burning: np.ndarray) -> tuple[np.ndarray, np.ndarray
     elevation = np.full(len(motion.t), ENTRY_DEG)
     canopy, free = motion.released(motion.canopy), motion.released(motion.backshell)
     lit = np.flatnonzero(burning[free or 0 :])
-    for row, shot in (
-        (canopy, PARACHUTE_DEG),
-        (free, POWERED_DEG),
-        ((free or 0) + int(lit[0]) if len(lit) else None, POWERED_DEG),
-    ):
+    ignited = (free or 0) + int(lit[0]) if len(lit) else None
+    for row, shot in ((canopy, PARACHUTE_DEG), (free, POWERED_DEG), (ignited, POWERED_DEG)):
         if row is not None:
             after = np.arange(len(motion.t)) >= row
             azimuth = _nearest(azimuth, np.full(len(motion.t), shot[0]), after)
@@ -273,12 +258,11 @@ def _landing(motion: Motion) -> np.ndarray:
 
 
 def _stand(motion: Motion, level: np.ndarray, least_m: float) -> np.ndarray:
-    """A place on the ground beside the site, m in L."""
+    """A place on the ground next to the site, m in L."""
     azimuth = np.radians(POWERED_DEG[0])
     distance = max(LANDING_DISTANCE * motion.shape.size, least_m)
-    place = motion.last + turns.rotate(
-        level[-1], distance * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-    )
+    way = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    place = motion.last + turns.rotate(level[-1], distance * way)
     place[2] = float(motion.site.ground(place[0], place[1])[1]) + CLEAR_M
     return place
 

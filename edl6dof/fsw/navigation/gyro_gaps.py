@@ -1,7 +1,15 @@
-"""Smoothing of a gap of the gyros: error of the bridged rotation, from the gyros on both sides of the gap.
+"""Rotation of the body while too few gyros are within their range, and smoothing of such a gap afterwards.
 
-Half a second before the gap and a little after it the gyros show by how much the angular acceleration differs
-from that of the riser alone. For pitch and yaw each, the difference is fitted by
+Bridge: the accelerometers still measure, and their readings give the torque: under a parachute the riser
+pulls at a known point of a body of known mass, centre and inertia. The rate follows from Euler's equations
+with the pull m f at that point, and without torque where nothing pulls. The unit, l off the centre, reads f
+and w' x l + w x (w x l) together: one linear equation for w'. When the gyros are back in range they show the
+error of the rate. A torque in proportion to the force, as of a pull off the believed centre of mass, makes an
+angle error in proportion to that rate error; a rough correction is added at once. Left out: torque of air and
+thrusters, except for the part that grows in the same way.
+
+Smoothing: half a second before the gap and a little after it the gyros show by how much the angular
+acceleration differs from that of the riser alone. For pitch and yaw each, the difference is fitted by
 
     a f_x + b f_lateral + c + d s + e 6 s (1 - s),
 
@@ -9,22 +17,84 @@ with f the specific force and s the time over the gap: the pull off the believed
 inertia or arm, and the torque of the air, which goes from one side to the other and may bulge in between. The
 rate error at the end of the gap is one more equation, which mostly determines the bulge. The fit, integrated
 twice over the gap in the axes of the rotating body, is the missing angle; the correction that was added at
-the end of the gap is taken off.
+the end of the gap is taken off. Left out: roll, about which nothing pulls; the velocity error due to the
+wrong attitude, which the radar corrects.
 
-Left out: roll, about which nothing pulls; the velocity error due to the wrong attitude, which the radar
-corrects. Source: this project; least squares with prior: Gelb, Applied Optimal Estimation (1974), section 4.
+Source: this project; Euler's equations; a vector and one product: Sherman and Morrison 1950; least squares
+with prior: Gelb, Applied Optimal Estimation (1974), section 4.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from edl6dof.fsw.navigation.rate_bridging import acceleration_of
 from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG
+from edl6dof.records import COUNT, FLAG, record
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, cross, norm, scale, sub, take3
+from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, put4, scale, sub, take3, take4
+
+#: Force (m/s2) whose pull would give as much torque as air and thrusters do.
+_OTHER = 2.0
+
+RATE_BRIDGE = record(
+    ("push", "f8"),  # m/s: integral of the force over the gap; 0 while the rate is known
+    ("reach", "f8"),  # m: integral of that
+    ("added", "f8", (3,)),  # rad, B: correction of the angle after the last gap
+)
+
+
+@kernel
+def acceleration_of(body, lever, force, rate):
+    """Angular acceleration, rad/s2, B.
+
+    Args:
+        body: believed configuration: ``mass``, ``centre``, ``inertia`` (principal) and ``hung_at``.
+        lever: from the centre of mass to the accelerometers, m, B.
+        force, rate: reading of the accelerometers, m/s2, B; rad/s, B.
+    """
+    arm, m = sub(take3(body.hung_at, 0), take3(body.centre, 0)), body.mass
+    a, b, c = take3(body.inertia, 0)
+    felt = sub(force, cross(rate, cross(rate, lever)))
+    spin = (a * rate[0], b * rate[1], c * rate[2])
+    torque = sub(scale(m, cross(arm, felt)), cross(rate, spin))
+    more = m * dot(arm, lever)
+    a, b, c = a + more, b + more, c + more
+    x = (torque[0] / a, torque[1] / b, torque[2] / c)
+    z = (m * lever[0] / a, m * lever[1] / b, m * lever[2] / c)
+    return add(x, scale(dot(arm, x) / (1.0 - dot(arm, z)), z))
+
+
+@kernel
+def bridge_rate(body, lever, gain, most, dt, memory, motion):
+    """Fill angle and rate of ``motion`` (``MOTION``), which holds those of the cycle before, from the
+    velocity ``gain`` (m/s, B) that the accelerometers counted in this cycle.
+
+    Each component of the rate is limited to ``most`` (rad/s): the centripetal part of the reading grows with
+    its square, and a wrong rate would diverge.
+    """
+    force = scale(1.0 / dt, gain)
+    rate = take3(motion.rate, 0)
+    change = scale(dt, acceleration_of(body, lever, force, rate))
+    put3(motion.angle, 0, scale(dt, add(rate, scale(0.5, change))))
+    for i in range(3):
+        motion.rate[i] = clamp(rate[i] + change[i], -most, most)
+    memory.reach += dt * (memory.push + 0.5 * dt * (norm(force) + _OTHER))
+    memory.push += dt * (norm(force) + _OTHER)
+
+
+@kernel
+def end_bridge(body, lever, gain, most, dt, rate_before, memory, motion):
+    """Correct the angle of ``motion``, which the gyros read again, for the error of the bridged angle;
+    ``rate_before`` is the last bridged rate.
+    """
+    angle, rate = take3(motion.angle, 0), take3(motion.rate, 0)
+    put3(motion.rate, 0, rate_before)
+    bridge_rate(body, lever, gain, most, dt, memory=memory, motion=motion)
+    off = scale(1.0 / dt, sub(angle, take3(motion.angle, 0)))
+    put3(memory.added, 0, scale(memory.reach / memory.push, off))
+    put3(motion.angle, 0, add(angle, take3(memory.added, 0)))
+    put3(motion.rate, 0, rate)
+    memory.push = memory.reach = 0.0
+
 
 #: Cycles before and after the gap that are fitted, and all that are kept.
 BEFORE, AFTER, KEPT = 25, 15, 256
@@ -37,24 +107,21 @@ _SCATTER, _RATE = 0.087, 0.001
 #: Largest correction (rad): the method is made for degrees.
 _LARGEST = 1.0
 
-GAP_SMOOTHING = np.dtype(
-    [
-        ("kept", COUNT),  # cycles kept since the riser pulls
-        ("gap", COUNT),  # of them without gyros; 0: no gap to smooth
-        ("after", COUNT),  # from their return on
-        ("hung", FLAG),  # whether a riser pulls
-        ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
-        ("dt", "f8", (KEPT,)),  # s
-        ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
-        ("force", "f8", (KEPT, 3)),  # m/s2, B
-        ("unexplained", "f8", (KEPT, 3)),  # rad/s2, B: angular acceleration less that of the riser
-        ("off", "f8", (3,)),  # rad/s, B: error of the bridged rate
-        ("added", "f8", (3,)),  # rad, B: correction added at the end of the gap
-        ("q_I2B", "f8", (4,)),  # attitude at the end of the gap
-        ("equations", "f8", (UNKNOWNS, UNKNOWNS + 1)),
-        ("found", "f8", (3, UNKNOWNS)),  # a to e about each axis
-    ],
-    align=True,
+GAP_SMOOTHING = record(
+    ("kept", COUNT),  # cycles kept since the riser pulls
+    ("gap", COUNT),  # of them without gyros; 0: no gap to smooth
+    ("after", COUNT),  # from their return on
+    ("hung", FLAG),  # whether a riser pulls
+    ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
+    ("dt", "f8", (KEPT,)),  # s
+    ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
+    ("force", "f8", (KEPT, 3)),  # m/s2, B
+    ("unexplained", "f8", (KEPT, 3)),  # rad/s2, B: angular acceleration less that of the riser
+    ("off", "f8", (3,)),  # rad/s, B: error of the bridged rate
+    ("added", "f8", (3,)),  # rad, B: correction added at the end of the gap
+    ("q_I2B", "f8", (4,)),  # attitude at the end of the gap
+    ("equations", "f8", (UNKNOWNS, UNKNOWNS + 1)),
+    ("found", "f8", (3, UNKNOWNS)),  # a to e about each axis
 )
 
 
@@ -66,9 +133,8 @@ def smooth_gap(body, lever, inertial, motion, memory, solution):
         body: believed configuration of the vehicle.
         lever: from the centre of mass to the accelerometers, m, B.
         inertial: ``INERTIAL_MEMORY`` record: their reading, and the correction at the end of the bridge.
-        motion: ``MOTION`` record.
+        motion, solution: ``MOTION`` and ``SOLUTION`` records; the latter is updated.
         memory: ``GAP_SMOOTHING`` record, updated.
-        solution: ``SOLUTION`` record, updated.
     """
     hung = 1 if norm(sub(take3(body.hung_at, 0), take3(body.centre, 0))) > 0.0 else 0
     if hung != memory.hung:
@@ -108,8 +174,7 @@ def _follow_gap(body, lever, bridge, memory, solution):
         for i in range(3):
             memory.off[i] = memory.unexplained[last, i] * memory.dt[last]
             memory.added[i] = bridge.added[i]
-        for i in range(4):
-            memory.q_I2B[i] = solution.q_I2B[i]
+        put4(memory.q_I2B, solution.q_I2B)
     memory.after += 1
     if memory.after == AFTER:
         if memory.gap + BEFORE + AFTER < KEPT:
@@ -130,11 +195,10 @@ def _correct_attitude(body, lever, memory, solution):
     lacked = sub((x, y, z), take3(memory.added, 0))
     if not norm(lacked) < _LARGEST:  # nor a diverged fit, which is not a number
         return
-    q = (memory.q_I2B[0], memory.q_I2B[1], memory.q_I2B[2], memory.q_I2B[3])
-    now = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    q = take4(memory.q_I2B)
+    now = take4(solution.q_I2B)
     turned = turn_by(now, to_frame(now, from_frame(q, lacked)))
-    for i in range(4):
-        solution.q_I2B[i] = turned[i]
+    put4(solution.q_I2B, turned)
 
 
 @kernel
@@ -237,9 +301,7 @@ def _add_equation(terms, value, sigma, equations):
 
 @kernel
 def _solve(equations):
-    """Solve by elimination, without pivoting, as the matrix is positive definite; the solution is left in the
-    last column.
-    """
+    """Solve a positive definite system without pivoting; its last column holds the solution."""
     for k in range(UNKNOWNS):
         for j in range(k + 1, UNKNOWNS + 1):
             equations[k, j] /= equations[k, k]

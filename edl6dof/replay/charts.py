@@ -11,13 +11,14 @@ that a bank reversal and the last tenth of a degree fit into one picture.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
+from edl6dof.replay.pages import GROUPS, NAVIGATION, OF_JETS, PAGES
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
-from edl6dof.replay.views.pages import GROUPS, NAVIGATION, OF_JETS, PAGES
 from edl6dof.report.catalogue import Plot
 from edl6dof.report.flight.phase_planes import zones_of
 from edl6dof.report.palette import BLUE, GREEN, ORANGE, SERIES, VERMILION, rgb
@@ -27,15 +28,8 @@ if TYPE_CHECKING:
     import rerun as rr
 
 #: Telemetry columns that the plots show, of every flight and of one on instruments.
-COLUMNS = tuple(
-    dict.fromkeys(
-        name
-        for page, plots in PAGES.items()
-        if page != NAVIGATION
-        for plot in plots
-        for name in plot.channels
-    )
-)
+_PLOTS = [plot for page, plots in PAGES.items() if page != NAVIGATION for plot in plots]
+COLUMNS = tuple(dict.fromkeys(name for plot in _PLOTS for name in plot.channels))
 NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.channels)
 #: Rows of a plot about at most: more than a screen has columns of pixels.
 MOST = 6000
@@ -83,14 +77,10 @@ class Charts(Recorder):
         return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"
 
     def _groups(self) -> list[tuple[str, list[str]]]:
-        by_group = {
-            group: [jet.name for jet in self.vehicle.rcs.thrusters if jet.group == group] for group in GROUPS
-        }
-        return [
-            (group, names)
-            for group, names in by_group.items()
-            if names and set(names) <= set(self.flight.jets)
-        ]
+        jets = self.vehicle.rcs.thrusters
+        by_group = {group: [jet.name for jet in jets if jet.group == group] for group in GROUPS}
+        flown = set(self.flight.jets)
+        return [(group, names) for group, names in by_group.items() if names and set(names) <= flown]
 
     def _lines(self, lines: Sequence[tuple[str, str]]) -> rr.SeriesLines:
         """Lines of some names and colours; with several flights, their labels and shades of theirs."""
@@ -145,6 +135,21 @@ def axis_range(low: float, high: float) -> tuple[float, float]:
     return float(low - room), float(high + room)
 
 
+def ranges(
+    flights: Sequence[History], spans: dict[str, tuple[float, float]]
+) -> dict[tuple[str, str], tuple[float, float]]:
+    """Return the first and last value on the axis of each plot, by page and key, in the time of the page."""
+    found = {}
+    curves: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for flight in flights:
+        for plot in shown(flight):
+            curves.setdefault(plot.key, []).append(drawn(plot, flight))
+    for key, page in product(curves, spans):
+        if values := [value for one in curves[key] for value in ends(*one, spans[page])]:
+            found[page, key] = axis_range(min(values), max(values))
+    return found
+
+
 def _within(t: np.ndarray, first: float, last: float) -> slice:
     """Rows from one time (s) to another, inclusive."""
     return slice(int(np.searchsorted(t, first)), int(np.searchsorted(t, last, side="right")))
@@ -165,11 +170,11 @@ def on_picture(error_deg: np.ndarray, rate_deg_s: np.ndarray) -> np.ndarray:
 
 
 class PhasePlanes(Recorder):
-    """Writes ``/phase_plane``; of the first flight only."""
+    """Writes ``/phase_plane``."""
 
     def statics(self) -> None:
         """Write grid and scales."""
-        if self.number or not self.flight.jets:
+        if not self.flight.jets:
             return
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
         rates = [k for k in TICKS if abs(k) < REACH_DEG_S]
@@ -187,7 +192,7 @@ class PhasePlanes(Recorder):
 
     def motions(self) -> None:
         """Write zones by phase, the path of the last seconds, and the present state."""
-        if self.number or len(self.t) < 5 or not self.flight.jets:
+        if len(self.t) < 5 or not self.flight.jets:
             return
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
         error = vector(self.flight.columns, "control.error", "roll pitch yaw", "_deg")
@@ -195,13 +200,10 @@ class PhasePlanes(Recorder):
         for k, axis in enumerate(AXES):
             plane, place = f"phase_plane/{axis}", on_picture(error[rows, k], rate[rows, k])
             self._zones(k, f"{plane}/zones")
-            look, data = (
-                {"colors": rgb(BLUE), "radii": -1.2},
-                {"strips": np.stack([place[:-1], place[1:]], axis=1)},
-            )
-            self.series(f"{plane}/way", self.t[rows[1:]], rr.LineStrips2D, look, data)
-            look = {"colors": (255, 255, 255), "radii": -4.0}
-            self.series(f"{plane}/now", self.t[rows], rr.Points2D, look, {"positions": place})
+            line, way = {"colors": rgb(BLUE), "radii": -1.2}, np.stack([place[:-1], place[1:]], axis=1)
+            self.series(f"{plane}/way", self.t[rows[1:]], rr.LineStrips2D, line, {"strips": way})
+            point = {"colors": (255, 255, 255), "radii": -4.0}
+            self.series(f"{plane}/now", self.t[rows], rr.Points2D, point, {"positions": place})
 
     def _zones(self, axis: int, entity: str) -> None:
         """Write the lines of the controller of each phase."""

@@ -1,24 +1,32 @@
-"""Mission phases and their triggers: parameter models.
+"""The mission as a table of phases and triggers, and the sequencer that requests events and changes phase.
 
 A phase names its guidance, its attitude controller and the thruster groups it may fire; it carries events
-(deployments) and ends by a trigger.  Triggers look only at navigated quantities, and time windows bound them
-on both sides.
+(deployments) and ends by a trigger.  The sequencer looks only at navigated quantities, at what guidance
+expects and at what was commanded, and never sees the truth; time windows bound the triggers on both sides.
 """
 
 from __future__ import annotations
 
+from math import degrees
 from typing import Annotated, Any, Literal, get_args
 
-import numpy as np
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section, stated
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
-from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_TRANSITIONS
+from edl6dof.interface.capacities import (
+    MAX_CONDITIONS,
+    MAX_EVENTS,
+    MAX_PHASE_EVENTS,
+    MAX_PHASES,
+    MAX_TRANSITIONS,
+)
 from edl6dof.interface.effectors import THRUSTER_GROUPS, ThrusterGroup
 from edl6dof.interface.events import EVENT_TABLE, Action
 from edl6dof.interface.roles import NO_ROLE, Role
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG, TIME_IF_EVER, record, whole
 
 NEVER = 1e9
 
@@ -26,6 +34,7 @@ Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "d
 GUIDANCE: tuple[Guidance, ...] = get_args(Guidance)
 G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST = range(len(GUIDANCE))
 
+#: Quantities that a trigger can watch; :func:`watched` has their values.
 Quantity = Literal[
     "time_s",
     "phase_time_s",
@@ -47,28 +56,6 @@ Quantity = Literal[
     "held_thrust_n",  # of a throttle that is believed stuck; 0: it moves
     "stop_height_m",  # above ground: where that thrust brings the lander to rest, if it brakes from now on
 ]
-QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
-(
-    Q_TIME,
-    Q_PHASE_TIME,
-    Q_MACH,
-    Q_SPEED,
-    Q_HEIGHT,
-    Q_ALTITUDE,
-    Q_DRAG,
-    Q_DYNAMIC_PRESSURE,
-    Q_DESCENT_RATE,
-    Q_TIME_TO_GO,
-    Q_CONTACT,
-    Q_WING_OPEN,
-    Q_WING_TIME,
-    Q_TOTAL_ALPHA,
-    Q_FORCE_ANGLE,
-    Q_DOWNRANGE_TO_GO,
-    Q_SPOT_CHOSEN,
-    Q_HELD_THRUST,
-    Q_STOP_HEIGHT,
-) = range(len(QUANTITIES))
 
 
 class Condition(Params):
@@ -108,9 +95,7 @@ class Event(Params):
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
     action: Action = param(REQUIRED, "what is done", record=False)
     component: Key = param(
-        REQUIRED,
-        "name of what it is done to: a part, parachute, engine or surface of the vehicle, or landing_gear",
-        record=False,
+        REQUIRED, "object: a part, parachute, engine or surface of the vehicle, or landing_gear", record=False
     )
     delay_s: float = param(
         0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0
@@ -153,10 +138,7 @@ class Phase(Params):
         False, "whether bank_to_steer holds the angle of attack by thrusters, which trims itself otherwise"
     )
     bandwidth: float = param(
-        1.0,
-        "bandwidth of the attitude loop of thrust_vector in this phase over that of its gains",
-        gt=0.0,
-        le=3.0,
+        1.0, "bandwidth of the loop of thrust_vector in this phase over that of its gains", gt=0.0, le=3.0
     )
     events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
         None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS
@@ -221,12 +203,114 @@ class MissionParams(Params):
 
 
 _TABLE = dtype_of(MissionParams)
-MISSION = np.dtype(
-    [
-        *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
-        ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
-        ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # phase that each transition of each phase leads to
-        *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
-    ],
-    align=True,
+MISSION = record(
+    *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
+    ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
+    ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # phase that each transition of each phase leads to
+    *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
 )
+
+
+SEQUENCE = record(
+    ("phase", whole(0, MAX_PHASES - 1, of="phases")),
+    ("phase_start", "f8"),  # s, flight time
+    ("event_done", FLAG, (MAX_EVENTS,)),  # requested
+    ("entered", TIME_IF_EVER, (MAX_PHASES,)),  # s, flight time at which each phase began
+)
+
+#: Number of ``all`` among the ways to join conditions.
+JOIN_ALL = 0
+
+
+@kernel
+def watched(quantity, nav, vehicle, guide, elapsed):
+    """Present value of a trigger quantity, in the order of ``Quantity``."""
+    values = (
+        nav.t,
+        elapsed,
+        nav.mach,
+        nav.speed,
+        nav.height,
+        nav.altitude,
+        nav.drag,
+        nav.dynamic_pressure,
+        nav.v_N[2],
+        guide.time_to_go,
+        float(nav.footpad_contact),
+        float(nav.wing_open),
+        nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0,
+        degrees(nav.total_alpha),
+        degrees(vehicle.force_angle),
+        guide.downrange_to_go,
+        float(guide.spot_chosen),
+        vehicle.held_thrust,
+        guide.stop_height,
+    )
+    return values[quantity]
+
+
+@kernel
+def holds(condition, nav, vehicle, guide, elapsed):
+    """Return whether a condition holds."""
+    value = watched(condition.quantity, nav, vehicle, guide, elapsed)
+    if condition.crosses == 0:
+        return value < condition.value
+    return value > condition.value
+
+
+@kernel
+def fires(trigger, nav, vehicle, guide, elapsed):
+    """Return whether a trigger fires ``elapsed`` seconds into its phase."""
+    if elapsed < trigger.earliest - 1e-9:
+        return False
+    if elapsed >= trigger.latest:
+        return True
+    return holds(trigger, nav, vehicle, guide, elapsed)
+
+
+@kernel
+def is_open(way, nav, vehicle, guide, elapsed):
+    """Return whether a transition of a phase is taken ``elapsed`` seconds into it."""
+    if elapsed < way.earliest - 1e-9:
+        return False
+    if elapsed >= way.latest:
+        return True
+    count = 0
+    for i in range(way.n_when):
+        if holds(way.when[i], nav, vehicle, guide, elapsed):
+            count += 1
+    return count == way.n_when if way.join == JOIN_ALL else count > 0
+
+
+@kernel
+def enter(phase, t, memory):
+    """Begin a phase."""
+    memory.phase = phase
+    memory.phase_start = t
+    memory.entered[phase] = t
+
+
+@kernel
+def sequence(mission, nav, vehicle, guide, memory, request):
+    """Advance the phase table: request events whose triggers fire, and change phase.
+
+    Args:
+        mission: ``MISSION`` record.
+        nav: navigation record.
+        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust of a stuck throttle, force angle).
+        guide: guidance record (time and downrange to go, spot chosen, height of the stop).
+        memory: ``SEQUENCE`` record, updated.
+        request: written, one flag for each event of the mission.
+    """
+    if mission.n_phases == 0:
+        return
+    elapsed = nav.t - memory.phase_start
+    phase = mission.phases[memory.phase]
+    for i in range(phase.n_events):
+        number = mission.number[memory.phase, i]
+        if memory.event_done[number] == 0 and fires(phase.events[i].when, nav, vehicle, guide, elapsed):
+            memory.event_done[number] = request[number] = 1
+    for i in range(phase.n_transitions):
+        if is_open(phase.transitions[i], nav, vehicle, guide, elapsed):
+            enter(mission.follows[memory.phase, i], nav.t, memory)
+            return

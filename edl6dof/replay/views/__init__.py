@@ -1,1 +1,0 @@
-"""The arrangement of the replay: pages, plots, lanes, phase planes."""
