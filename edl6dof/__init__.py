@@ -18,6 +18,8 @@ _STARTED_HERE = sys.argv[:1] == ["-m"] and "edl6dof" in sys.orig_argv and not sy
 if _STARTED_HERE and __path__[0].removesuffix("edl6dof")[:-1] != sys.path[0]:
     del sys.path[0]  # the current folder, of ``python -m edl6dof``: it may hold a yaml.py of somebody else's
 
+from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from edl6dof.api.functions import (
@@ -33,7 +35,6 @@ from edl6dof.api.functions import (
     report,
     verify,
 )
-from edl6dof.api.packages import stay_callable
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult
@@ -69,8 +70,8 @@ __all__ = [
     "verify",
 ]
 
-#: Modules of what is loaded when it is asked for.
-_CLASSES = {
+#: Modules of the names that are loaded at their first use.
+_MODULES = {
     "CampaignResult": "edl6dof.api.campaign",
     "Case": "edl6dof.campaign.design.case",
     "ConfigError": "edl6dof.config.errors",
@@ -82,17 +83,15 @@ _CLASSES = {
     "fly_rows": "edl6dof.campaign.executor",
 }
 
-stay_callable(
-    sys.modules[__name__],
-    {"campaign": campaign, "replay": replay, "report": report, "verify": verify},
-)
+for _function in (campaign, replay, report, verify):  # packages, once imported, replace these functions
+    _package = import_module(f"edl6dof.{_function.__name__}")
+    _package.__class__ = type("Package", (ModuleType,), {"__call__": staticmethod(_function)})
+    vars(_package).update(__doc__=_function.__doc__, __wrapped__=_function)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _CLASSES:
-        from importlib import import_module
-
-        return getattr(import_module(_CLASSES[name]), name)
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module 'edl6dof' has no attribute {name!r}")
 
 

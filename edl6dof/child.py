@@ -1,7 +1,7 @@
-"""Python in a process of its own that finds the modules that this one finds, and no others.
+"""Python in another process that finds the same modules and no others.
 
-Started with ``-m`` or ``-c`` alone, Python looks for modules in the current folder first, where a received
-folder may hold a ``numba.py``.
+With ``-m`` or ``-c`` alone, Python looks for modules first in the current folder, which may be a received one
+with a ``numba.py``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Files that a kill or a power cut leaves whole: the old one or the new one, never something between.
+"""Files that are whole after a kill or a power cut: the old one or the new one.
 
-A file is written beside its place, forced to the disk, renamed, and the folder that now lists it is forced to
-the disk too: without the last step a power cut can undo the rename, and with it the order in which files
-appeared.
+A file is written next to its place, forced to the disk and renamed, and the folder is forced to the disk too:
+without that a power cut can undo the rename, and with it the order in which files appeared.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from pathlib import Path
 
 
 def write_atomic(path: Path, content: bytes | memoryview) -> None:
-    """Write a file; whatever ends the program meanwhile, ``path`` is as it was or holds all of ``content``.
+    """Write a file; if the program is ended meanwhile, ``path`` is as it was or has all of ``content``.
 
     Raises:
         OSError: it cannot be written; ``path`` is as it was.
@@ -26,9 +25,7 @@ def write_atomic(path: Path, content: bytes | memoryview) -> None:
 
 
 def put_in_place(partial: Path, target: Path) -> None:
-    """Give a finished file (or folder) of the same folder its name, durably, in place of what has that name
-    now.
-    """
+    """Rename a finished file or folder, durably, to ``target`` of the same folder, which is replaced."""
     if partial.is_file():
         sync(partial)
     os.replace(partial, target)
@@ -36,7 +33,7 @@ def put_in_place(partial: Path, target: Path) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and those above it that are missing, durably; one that is there stays as it is."""
+    """Make a folder and its missing parents, durably."""
     for folder in reversed([path, *path.parents]):
         if not folder.is_dir():
             folder.mkdir()

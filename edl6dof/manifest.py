@@ -1,12 +1,11 @@
-"""The manifest of a result folder: what kind of result it is, and the SHA-256 of every file that was written
-with it.
+"""The manifest of a result folder: the kind of result, and the SHA-256 of every file written with it.
 
-By the manifest a folder is known again as one of this program's, so that nothing else is ever replaced, and a
-file that has changed since it was written is noticed before anything is read out of it::
+It shows that a folder is a result of this program, which may be replaced, and that no file that is read has
+changed since it was written::
 
     {"written_by": "edl6dof 0.1.0", "kind": "flight", "files": {"summary.json": "5f1c"}, "sha256": "02ab"}
 
-The last key is the hash of all else in it, as in the JSON files of a campaign.
+The last key is the hash of the rest, as in the JSON files of a campaign.
 """
 
 from __future__ import annotations
@@ -29,13 +28,12 @@ from edl6dof.durable import sync, write_atomic
 
 MANIFEST = "manifest.json"
 
-#: What was made from the result later, and may be made again (:mod:`edl6dof.runs.files`).
+#: List of files that were made from the result later, and may be made again (:mod:`edl6dof.runs.files`).
 MADE = "made.json"
-
-#: What a folder may be the result of.
+#: Kind of result.
 Kind = Literal["flight", "study", "validation", "calibration"]
 
-#: Files that commands write later into the folder of a flight; a user's own files never look like these.
+#: Files that commands write later into the folder of a flight.
 _LATER = (
     *(MADE, "report.html", "report.pdf", "report/*.png"),
     *("plots/*.html", "plots/*.png", "plots/*.pdf", "plots/*.svg", "compared-with-*.html"),
@@ -50,13 +48,12 @@ class Sealed(BaseModel):
 
 
 Content = TypeVar("Content", bound=Sealed)
-
-#: Key under which a sealed file holds the hash of all else in it.
+#: Key of the hash of the rest of a sealed file.
 _SEAL = "sha256"
 
 
 def digest(data: Any) -> str:
-    """SHA-256 of plain data; the order of keys does not count."""
+    """SHA-256 of plain data in any order of keys."""
     return sha256(json.dumps(data, sort_keys=True).encode())
 
 
@@ -67,7 +64,7 @@ def write_sealed(path: Path, data: Sealed) -> None:
 
 
 def read_sealed(path: Path, kind: type[Content]) -> Content:
-    """Read what :func:`write_sealed` wrote.
+    """Read a file of :func:`write_sealed`.
 
     Raises:
         ConfigError: it cannot be read, or is not as it was written.
@@ -104,13 +101,7 @@ def seal(folder: Path, kind: Kind) -> None:
 
 @dataclass(frozen=True)
 class Manifest:
-    """Manifest of a folder.
-
-    Attributes:
-        folder: the folder.
-        kind: of result.
-        files: SHA-256 (hexadecimal) of each file by its name.
-    """
+    """Manifest of a folder: kind of result, and SHA-256 (hexadecimal) of each file by its name."""
 
     folder: Path
     kind: Kind
@@ -140,19 +131,12 @@ class Manifest:
             raise refusal(path, f"no such file, says {MANIFEST}")
         content = read_file(path)
         if sha256(content) != self.files[name]:
-            raise refusal(
-                path,
-                (
-                    f"has changed since it was written (its SHA-256 is not the one in {MANIFEST}); it is not "
-                    "used"
-                ),
-            )
+            words = f"has changed since it was written (its SHA-256 is not the one in {MANIFEST})"
+            raise refusal(path, f"{words}; it is not used")
         return content
 
     def stranger(self) -> str | None:
-        """A file in the folder that this program did not write, or that has changed since; ``None`` where
-        there is none.
-        """
+        """A file in the folder that this program did not write, or that has changed since; or ``None``."""
         for name in sorted(_names(self.folder)):
             path, later = self.folder / name, self.kind == "flight" and _is_later(name)
             if path.is_symlink() or not (later or name in (MANIFEST, *self.files)):
@@ -163,7 +147,7 @@ class Manifest:
 
 
 def listed(folder: Path) -> str:
-    """Names of the files in a folder as they are told to the user, who has no use for those about files."""
+    """Names of the files in a folder, for messages."""
     return ", ".join(sorted(path.name for path in folder.iterdir() if path.name not in (MANIFEST, MADE)))
 
 
@@ -190,11 +174,6 @@ def read_file(path: Path) -> bytes:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[BufferedReader]:
-    """A file to be read.
-
-    Raises:
-        ConfigError: it cannot be.
-    """
     if not path.is_file():
         raise refusal(path, "no such file" if not path.exists() else "is not a regular file")
     try:
@@ -210,7 +189,7 @@ def sha256(content: bytes | memoryview) -> str:
 
 
 def hash_of(path: Path) -> str:
-    """SHA-256 of a file, hexadecimal; a part of it at a time is held.
+    """SHA-256 of a file, hexadecimal, read in parts.
 
     Raises:
         ConfigError: it cannot be read.

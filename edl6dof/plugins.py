@@ -1,14 +1,14 @@
-"""A user's own members of a family: Python files named in the scenario, which join before the flight software
-is built.
+"""A user's own members of a family: Python files named in the scenario, which are added before the flight
+software is built.
 
-A plugin file is what a member's file in the package is, with one line more that says where it belongs:
+A plugin file has the form of a member's file in the package, with one more line, the name of its family:
 
     FAMILY = "entry_law"                         # or reversal, powered_law, controller, estimator, ...
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
 The families, their records and the compiled loop are made once in a process, so plugins are read first: the
-commands that fly and ``edl6dof.load`` do that for the scenario they are given; other programs call
-:func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
+commands that fly and ``edl6dof.load`` do that for their scenario; other programs call :func:`activate`, or
+name files in ``EDL6DOF_PLUGINS``.
 
 A plugin runs with all rights of the user.  So it runs only if the user has accepted its very content
 (``edl6dof trust``), or it was installed with the package; where the file lies, and what names it, does not
@@ -21,18 +21,23 @@ import ast
 import hashlib
 import inspect
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from edl6dof.config.accepted import is_accepted
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import shipped_folders, shown
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.plugin_scan import LARGEST, VARIABLE, files_from_environment, files_naming_plugins
+from edl6dof.config.plugin_files import (
+    LARGEST,
+    VARIABLE,
+    files_from_environment,
+    files_naming_plugins,
+    is_accepted,
+)
 from edl6dof.kernels.cache import receive
 from edl6dof.registry import Member, is_built, join
 
@@ -44,64 +49,45 @@ class Place(NamedTuple):
     roles: dict[str, tuple[str, ...]]
 
 
-#: What FAMILY may say.
+def _place(title: str, **roles: str) -> Place:
+    return Place(title, {role: tuple(arguments.split()) for role, arguments in roles.items()})
+
+
+#: Names that FAMILY may have.
 FAMILIES: dict[str, Place] = {
-    "entry_law": Place(
-        "entry guidance law", {"guide": ("params", "plan", "onboard", "nav", "memory", "out")}
-    ),
-    "reversal": Place(
-        "bank-reversal logic", {"side": ("params", "onboard", "nav", "memory", "out", "wanted", "sign")}
-    ),
-    "powered_law": Place(
-        "powered guidance law", {"guide": ("params", "vehicle", "state", "nav", "target", "memory", "out")}
-    ),
-    "controller": Place(
-        "attitude controller", {"control": ("params", "nav", "goal", "inputs", "dt", "memory")}
-    ),
-    "allocator": Place(
+    "entry_law": _place("entry guidance law", guide="params plan onboard nav memory out"),
+    "reversal": _place("bank-reversal logic", side="params onboard nav memory out wanted sign"),
+    "powered_law": _place("powered guidance law", guide="params vehicle state nav target memory out"),
+    "controller": _place("attitude controller", control="params nav goal inputs dt memory"),
+    "allocator": _place(
         "thruster allocation",
-        {
-            "share_out": (
-                *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty"),
-                "unallocated",
-            )
-        },
+        share_out="params shared vehicle healthy effectiveness demand memory duty unallocated",
     ),
-    "estimator": Place("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
-    "hazard_detector": Place(
-        "hazard detection",
-        {"classify": ("params", "elevation_map", "footprint", "radius", "deviation", "out")},
+    "estimator": _place("disturbance estimator", estimate="params measured dt memory out"),
+    "hazard_detector": _place(
+        "hazard detection", classify="params elevation_map footprint radius deviation out"
     ),
-    "navigation_filter": Place(
+    "navigation_filter": _place(
         "navigation filter",
-        {
-            "start": ("params", "onboard", "sensed", "solution", "memory"),
-            "correct": ("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
-        },
+        start="params onboard sensed solution memory",
+        correct="params onboard health sensed motion solution memory",
     ),
-    "sensor": Place(
-        "sensor",
-        {"measure": ("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")},
-    ),
-    "fault_kind": Place("fault kind", {"inflict": ("fault", "case", "since", "command", "plant")}),
-    "atmosphere": Place("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
-    "wind": Place("mean wind", {"mean": ("wind", "table", "alt")}),
-    "engine_model": Place(
+    "sensor": _place("sensor", measure="params unit case tables plant outputs memory sensed"),
+    "fault_kind": _place("fault kind", inflict="fault case since command plant"),
+    "atmosphere": _place("atmosphere", air="atm gas table alt"),
+    "wind": _place("mean wind", mean="wind table alt"),
+    "engine_model": _place(
         "engine model",
-        {
-            "goal": ("params", "engine", "t", "step", "command"),
-            "rate": ("params", "engine", "goal", "thrust", "starting"),
-            "specific_impulse": ("params", "engine", "thrust"),
-        },
+        goal="params engine t step command",
+        rate="params engine goal thrust starting",
+        specific_impulse="params engine thrust",
     ),
-    "parachute_model": Place(
+    "parachute_model": _place(
         "parachute model",
-        {
-            "inflation": ("params", "chute", "since_line_stretch"),
-            "efficiency": ("params", "chute", "mach"),
-        },
+        inflation="params chute since_line_stretch",
+        efficiency="params chute mach",
     ),
-    "distribution": Place("distribution", {}),
+    "distribution": _place("distribution"),
 }
 
 #: Families whose members are compiled with the loop.
@@ -112,7 +98,7 @@ ACTIVE: dict[Path, tuple[str, Member]] = {}
 
 
 class _Plugin(NamedTuple):
-    """A plugin file as it was read, once: what is checked is what runs."""
+    """Content of a plugin file, read once: the same bytes are checked and run."""
 
     path: Path
     content: bytes
@@ -158,28 +144,28 @@ def _read(path: Path, document: Document | None) -> _Plugin:
         raise _problem(path, document, "must be a Python file (.py)")
     real = path.resolve()
     installed = any(real.is_relative_to(folder.resolve()) for folder in shipped_folders("scenarios"))
-    try:
-        content = plugin_content(real)
-    except OSError as error:
-        raise _problem(path, document, f"cannot be read: {error.strerror or error}") from error
-    try:
-        source_text(content)
-    except UnicodeDecodeError as error:
-        raise _problem(path, document, "is not text in UTF-8") from error
+    content = plugin_content(real, lambda message: _problem(path, document, message))
     return _Plugin(path, content, document, installed)
 
 
-def plugin_content(path: Path) -> bytes:
-    """Content of a plugin file.
+def plugin_content(path: Path, error_of: Callable[[str], ConfigError]) -> bytes:
+    """Content of a plugin file; ``error_of`` makes the error of a message.
 
     Raises:
-        OSError: it cannot be read, is no regular file, or is too large for a source.
+        ConfigError: the file cannot be read, is no regular file, is too large for a source, or is not UTF-8.
     """
-    return read_regular(path, LARGEST)
+    try:
+        content = read_regular(path, LARGEST)
+        source_text(content)
+    except UnicodeDecodeError as error:
+        raise error_of("is not text in UTF-8") from error
+    except OSError as error:
+        raise error_of(f"cannot be read: {error.strerror or error}") from error
+    return content
 
 
 def source_text(content: bytes) -> str:
-    """Source of a plugin as it is shown and as it runs: UTF-8, whatever coding it declares.  In another one,
+    """Source of a plugin as it is shown and as it runs: always UTF-8.  In a coding that the file declares,
     such as UTF-7, comments that the user reads could be code.
 
     Raises:
@@ -212,8 +198,8 @@ def require(document: Document) -> None:
 
 
 def named_plugins(document: Document) -> list[Path]:
-    """Absolute paths of the plugins that a document names, found beside the file or one it extends; wrong
-    types go to validation.
+    """Absolute paths of the plugins that a document names, in the folder of the file or of one it extends;
+    validation reports wrong types.
     """
     names = document.data.get("plugins") or []
     folders = [file.resolve().parent for file in document.files] or [Path.cwd()]
@@ -245,14 +231,8 @@ def _load(plugin: _Plugin) -> None:
     if complaint := _complaint(member, roles):
         raise _problem(path, document, complaint)
     if is_built(title):
-        raise _problem(
-            path,
-            document,
-            (
-                f"comes too late: the family of {title}s was built before "
-                "it, perhaps by what it imports itself"
-            ),
-        )
+        words = f"the family of {title}s was built before it, perhaps by what it imports itself"
+        raise _problem(path, document, f"comes too late: {words}")
     if any(title == FAMILIES[other].title and member.name == one.name for other, one in ACTIVE.values()):
         raise _problem(path, document, f"brings a second {title} called {member.name!r}")
     join(title, member)
@@ -260,7 +240,7 @@ def _load(plugin: _Plugin) -> None:
 
 
 def said_family(content: bytes) -> str:
-    """The FAMILY of a plugin as its source says, read before anything of it runs; empty for none."""
+    """FAMILY of a plugin, read from its source before any of it runs; empty for none."""
     try:
         statements = ast.parse(source_text(content)).body
     except (SyntaxError, ValueError):
@@ -273,7 +253,7 @@ def said_family(content: bytes) -> str:
 
 
 def _run(plugin: _Plugin) -> dict[str, Any]:
-    """Run the bytes that were checked as a module: no file beside them, such as a ``.pyc``, takes part."""
+    """Run the checked bytes as a module, without any other file such as a ``.pyc``."""
     path = plugin.path
     # machine code names the module: that of a plugin which has moved, or a copy of it, is the same
     name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(plugin.content).hexdigest()[:8]}"
@@ -290,7 +270,7 @@ def _run(plugin: _Plugin) -> dict[str, Any]:
 
 
 def _line(error: BaseException, path: Path) -> str:
-    """Where in the plugin an exception came from."""
+    """Line of the plugin that raised an exception, in words."""
     if isinstance(error, SyntaxError):
         return ""
     lines, trace = [], error.__traceback__

@@ -1,8 +1,8 @@
-"""Numbers of a record that say what they may hold, and the walk over all numbers of a record.
+"""Declared ranges of the numbers of a record, and the walk over all its numbers.
 
-Compiled code trusts what it finds in a record: an index out of range would reach beyond its array.  So every
-whole number of a record that a file can bring back declares its range where the record is declared, as
-metadata of its dtype; so does a float that need not be finite.
+Compiled code trusts a record: an index out of range would reach beyond its array.  Therefore every whole
+number of a record that a file can bring back declares its range as metadata of its dtype, and so does a float
+that need not be finite.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 def whole(low: int, high: int, of: str = "", kind: str = "i8") -> np.dtype:
     """Type of a whole number from ``low`` to ``high``, of eight bytes unless ``kind`` is given.
 
-    ``of`` names what the number is an index of; a flight may have fewer of these than ``high`` allows.
+    ``of`` names the things that the number is an index of; a flight may have fewer than ``high`` allows.
     """
     return np.dtype(kind, metadata={"low": low, "high": high, "of": of})
 
@@ -31,13 +31,12 @@ def record(*fields: tuple[Any, ...]) -> np.dtype:
     return np.dtype(list(fields), align=True)
 
 
-#: Yes or no; how many of something that goes on all through a flight; the time of something that need not
-#: have happened: NaN until then.
+#: Yes or no; number of something that may happen all through a flight; time of an event, NaN until then.
 FLAG, COUNT, TIME_IF_EVER = whole(0, 1), whole(0, 2**31), np.dtype("f8", metadata={"if_ever": True})
 
 
 class Numbers(NamedTuple):
-    """One field of plain numbers of a record: its dotted path, its values, and what is declared of them."""
+    """One field of plain numbers of a record: dotted path, values, and declared ranges."""
 
     path: str
     values: np.ndarray
@@ -45,21 +44,17 @@ class Numbers(NamedTuple):
 
     @property
     def is_whole(self) -> bool:
-        """True if they are whole numbers."""
+        """True for whole numbers."""
         return self.values.dtype.kind in "iu"
 
     def place(self, wrong: np.ndarray) -> str:
-        """Path of the first value that is ``wrong`` (a mask), with its index where the field holds several:
-        ``debris.r_I[1, 2]``.
-        """
+        """Path of the first ``wrong`` value (a mask), with its index in an array: ``debris.r_I[1, 2]``."""
         index = np.argwhere(wrong)[0].tolist()
         return f"{self.path}{index}" if index else self.path
 
 
 def numbers(record: np.ndarray, path: str = "") -> Iterator[Numbers]:
-    """All fields of plain numbers of a record (a structured array of length one), as views, in the order of
-    declaration.
-    """
+    """Fields of plain numbers of a record (a structured array of length one), as views, in their order."""
     if record.dtype.names is None:
         yield Numbers(path, record[0, ...], dict(record.dtype.metadata or {}))
         return
@@ -79,11 +74,10 @@ def offset(layout: np.dtype, field: str) -> int:
 
 
 def finite_words(layout: np.dtype, start: int = 0) -> list[tuple[int, int]]:
-    """Eight-byte words of a record that hold floats which should be finite: first word and end of each run of
-    them, in the order of declaration.  Floats of four bytes, which images are made of, are left out.
+    """First word and end of each run of eight-byte words of a record that hold floats which should be finite.
 
     Args:
-        layout: of the record, every float of eight bytes in a word of its own.
+        layout: of the record, every float of eight bytes in a word of its own; shorter ones are left out.
         start: bytes before the record.
     """
     runs: list[tuple[int, int]] = []
@@ -105,34 +99,26 @@ def _doubles(layout: np.dtype, start: int) -> Iterator[tuple[int, int]]:
 
 
 def first_not_finite(record: np.ndarray) -> str | None:
-    """Path of the first float of a record (length one) that should be finite and is not; ``None`` when there
-    is none.
-    """
+    """Path of the first float of a record (length one) that is not finite and should be, or ``None``."""
     for field in numbers(record):
-        if (
-            not field.is_whole
-            and "if_ever" not in field.declared
-            and not np.all(finite := np.isfinite(field.values))
-        ):
-            return field.place(~finite)
+        if field.is_whole or "if_ever" in field.declared:
+            continue
+        if np.any(wrong := ~np.isfinite(field.values)):
+            return field.place(wrong)
     return None
 
 
 def require_finite(table: np.ndarray) -> None:
-    """Refuse a table (a structured array of length one) with a float that is not finite.
-
-    Raises:
-        ValueError: there is one.
-    """
+    """Raise ValueError for a table (a structured array of length one) with a float that is not finite."""
     if first_not_finite(table) is not None:
         raise ValueError("holds a number that is not finite, or one for which no table can be built")
 
 
 def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:
-    """Path and complaint of each whole number of a record (length one) that is not in its declared range.
+    """Path and message of each whole number of a record (length one) that is outside its declared range.
 
-    ``sizes`` says how many there are of the things that some of them number, where that is known.  What
-    declares nothing may hold anything: that is the memory of a plugin.
+    ``sizes``: number of the things of which some are indices, as far as it is known.  A number without a
+    declaration, as in the memory of a plugin, may have any value.
     """
     for field in numbers(record):
         if not field.is_whole or "low" not in field.declared:

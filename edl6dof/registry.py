@@ -1,9 +1,8 @@
-"""Families of interchangeable models: guidance laws, attitude controllers.
+"""Families of interchangeable models, such as guidance laws.
 
-A member is one file with its parameter model, its memory layout and its kernels.  It joins a family by one
-line in the family's tuple.  YAML chooses it by name; the name becomes an integer in the records.  Compiled
-code calls the member of that integer through :meth:`Family.switch`, or a flight passes it as a function
-(:meth:`Family.role`).
+A member is one file with its parameter model, its memory layout and its kernels; one line in the family's
+tuple adds it.  YAML chooses it by name, which becomes an integer in the records.  Compiled code calls the
+member of that integer (:meth:`Family.switch`), or a flight passes it as a function (:meth:`Family.role`).
 """
 
 from __future__ import annotations
@@ -24,14 +23,13 @@ from edl6dof.kernels.functions import Given, Passed, choice, function_type
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
 
-#: Members from outside the package by title of their family, and the titles of the families that exist
-#: already.
+#: Members from outside the package by title of their family, and titles of the families that exist.
 _joined: dict[str, list[Member]] = {}
 _built: set[str] = set()
 
 
 def join(title: str, member: Member) -> None:
-    """Let a member from outside the package stand in a family that is still to be built."""
+    """Add a member from outside the package to a family that is not built yet."""
     _joined.setdefault(title, []).append(member)
 
 
@@ -49,12 +47,11 @@ class Member:
         params: its parameter model; the YAML section has the same name.
         kernels: compiled functions by role; the family decides the roles and signatures.
         source: paper or report it implements.
-        memory: record layout of what it remembers between calls.
-        tables: record layout of what is planned for it on the ground.
-        plan: fills those tables, before a flight in which the member is chosen; the family decides the
-            arguments.
-        writes: fields it fills, where the members of a family fill one record together.
-        reads: fields it needs of a record that others fill.
+        memory: record layout of its memory between calls.
+        tables: record layout of the tables that are computed for it on the ground.
+        plan: fills the tables before a flight of the member; the family decides the arguments.
+        writes: fields that it fills of a record that the members of a family fill together.
+        reads: fields that it needs of a record that others fill.
     """
 
     name: str
@@ -70,13 +67,13 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """All members that can stand in one place."""
+    """All interchangeable models of one kind."""
 
     title: str
     members: tuple[Member, ...]
 
     def __post_init__(self) -> None:
-        """Take in the members from outside the package."""
+        """Add the members from outside the package."""
         outside = [member for member in _joined.get(self.title, []) if member not in self.members]
         if taken := {member.name for member in outside} & {member.name for member in self.members}:
             message = (
@@ -99,12 +96,11 @@ class Family:
     def params_model(
         self, class_name: str, choice: str | None, default: str, doc: str, *, bare: bool = False
     ) -> Any:
-        """Parameter model with one section for each member, and the choice of one unless it is made elsewhere
-        (``choice`` None).
+        """Parameter model with a section for each member of this process, and the choice of one unless
+        ``choice`` is ``None``.
 
-        It is made for the members of this process, plugins included, so that its type is not known before.
         A section may be left out; one that must hold something is then ``None``.  With ``bare`` a member
-        without parameters has none.
+        without parameters has no section.
         """
         fields: dict[str, Any] = {}
         if choice is not None:
@@ -129,11 +125,9 @@ class Family:
 
     def switch(self, role: str, *arguments: str, own: Collection[str] = ()) -> Callable[..., Any]:
         """Function ``f(index, *arguments)`` that calls the ``role`` kernel of member ``index``, from Python
-        and from kernels: every member is compiled with the caller.
-
-        ``own``: those of the arguments that hold a section for each member; a member is passed its section.
+        and from kernels: every member is compiled with the caller.  ``own`` as for :meth:`role`.
         """
-        return self._choice(Role(self, role, arguments, own), range(len(self.members)))
+        return self.role(role, *arguments, own=own).of(frozenset(range(len(self.members))))
 
     def role(self, role: str, *arguments: str, own: Collection[str] = ()) -> Role:
         """The ``role`` kernels of the members that a flight carries, as one function of an index and
@@ -143,25 +137,9 @@ class Family:
         """
         return Role(self, role, arguments, own)
 
-    def _choice(self, role: Role, indices: Collection[int]) -> Any:
-        """Kernel that calls one of these members."""
-        names = {index: self.members[index].name for index in sorted(indices)}
-        label = f"{role.role}_of_{sha256(repr((self.title, names)).encode()).hexdigest()[:12]}"
-        kernels = {index: self.members[index].kernels[role.role] for index in names}
-        return choice(
-            label, kernels, role.arguments, {index: role.passed(name) for index, name in names.items()}
-        )
-
 
 class Role(NamedTuple):
-    """Kernels of one role of a family's members.
-
-    Attributes:
-        family: it.
-        role: key of the kernels in each member.
-        arguments: of the kernels.
-        own: those of the arguments that hold a section for each member.
-    """
+    """Kernels of one role of a family's members; the attributes are those of :meth:`Family.role`."""
 
     family: Family
     role: str
@@ -183,16 +161,21 @@ class Role(NamedTuple):
 
 @cache
 def _choice_of(role: Role, indices: frozenset[int]) -> Any:
-    return role.family._choice(role, indices)
+    """Kernel that calls one of these members."""
+    family = role.family
+    names = {index: family.members[index].name for index in sorted(indices)}
+    label = f"{role.role}_of_{sha256(repr((family.title, names)).encode()).hexdigest()[:12]}"
+    kernels = {index: family.members[index].kernels[role.role] for index in names}
+    return choice(label, kernels, role.arguments, {index: role.passed(name) for index, name in names.items()})
 
 
 class Place(NamedTuple):
-    """Where the loop is given members of a family.
+    """Place in the loop that receives members of a family as a function.
 
     Attributes:
-        role: which kernel of them.
-        type: of the function.
-        path: in a record, to the index of the member, where a flight has one.
+        role: role of the kernels.
+        type: type of the function.
+        path: path in a record to the index of the member, if a flight has one.
     """
 
     role: Role
@@ -204,7 +187,7 @@ class Place(NamedTuple):
         return Given(self.role.of(frozenset(carried)), self.type)
 
     def compile(self, names: Collection[str]) -> None:
-        """Compile the members of these names."""
+        """Compile the members with these names."""
         known = self.role.family.names
         found = frozenset(index for index, name in enumerate(known) if name in names)
         for indices in map(frozenset, [[one] for one in found]) if self.path else [found]:
@@ -214,6 +197,6 @@ class Place(NamedTuple):
 def place(
     title: str, role: Role, path: tuple[str, ...], returns: types.Type, *arguments: types.Type
 ) -> Place:
-    """Place whose function takes the index of a member and these arguments, which the role names."""
+    """Return the place of a function of the index of a member and of the arguments of the role."""
     names = "index", *role.arguments
     return Place(role, function_type(title, names, returns, types.int64, *arguments), path)

@@ -17,7 +17,7 @@ from scipy import integrate, stats
 
 import edl6dof
 from edl6dof.environment.landing_area.population import within
-from edl6dof.metrics.touchdown import COUNTED, FOOTPRINT
+from edl6dof.metrics.record_figures import COUNTED, FOOTPRINT
 from edl6dof.scenario.records import build_records
 
 SCENARIO = "tianwen1_hazards"

@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from dataclasses import replace
 from importlib import import_module
 from os import PathLike, fspath
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 from edl6dof.config.errors import ConfigError, Problem
@@ -27,18 +27,18 @@ def library(name: str, caller: str, extra: str = "") -> Any:
         raise ImportError(f"{caller} needs {name}: pip install 'edl6dof[{extra or name}]'") from None
 
 
-#: Whether a command line asks, whose user has typed options.
+#: True if the caller is the command line, whose user has typed options.
 _OPTIONS = ContextVar("options", default=False)
 
 
 @contextmanager
 def naming_options() -> Iterator[None]:
     """Let errors inside the block name options, because the caller is the command line."""
-    before = _OPTIONS.set(True)
+    token = _OPTIONS.set(True)
     try:
         yield
     finally:
-        _OPTIONS.reset(before)
+        _OPTIONS.reset(token)
 
 
 @contextmanager
@@ -82,6 +82,12 @@ def scenario_name(given: Any) -> str:
     if isinstance(given, str | PathLike):
         return str(fspath(given))
     raise TypeError(f"a scenario is a file or a name, such as 'tianwen1' (got {given!r})")
+
+
+def extends_name(scenario: str) -> str:
+    """Value of ``extends`` for a scenario: the whole path of a file, or the name of a shipped one."""
+    file = Path(scenario)
+    return str(file.resolve()) if file.is_file() else scenario
 
 
 #: Texts ``"dotted.path=value"``; or data by dotted path, or nested as in a scenario file.

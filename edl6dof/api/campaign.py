@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from os.path import lexists
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +15,9 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.api.arguments import library
-from edl6dof.api.flight import Flight
-from edl6dof.api.flight_results import html_table
+from edl6dof.api.flight import Flight, html_table
 from edl6dof.campaign import run
-from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.run import case_scenario, differences
@@ -37,9 +37,6 @@ ENGINES, MOST_WORKERS = ("threads", "dask"), 1024
 
 #: Called with how many flights have flown, and of how many.
 Progress = Callable[[int, int], None]
-
-#: Makes what is called with the standing of a campaign of so many cases.
-Watch = Callable[[int], AbstractContextManager[run.Report]]
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,8 +86,7 @@ class CampaignResult:
     @property
     def p_success_95(self) -> tuple[float, float]:
         """Confidence interval of the share of successes at 95 %."""
-        low, high = self.summary.p_success_95
-        return low, high
+        return self.summary.p_success_95[0], self.summary.p_success_95[1]
 
     @cached_property
     def causes(self) -> dict[str, int]:
@@ -162,9 +158,7 @@ class CampaignResult:
 def _array(column: Any) -> np.ndarray:
     """Return a column as an array, without the conversion of arrow, which loads pandas."""
     values = column.to_pylist()
-    if pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
-        if None not in values:
-            return np.array(values)
+    if None in values and (pa.types.is_floating(column.type) or pa.types.is_integer(column.type)):
         return np.array([np.nan if value is None else value for value in values], dtype=float)
     return np.array(values)
 
@@ -182,11 +176,7 @@ def worst_case(table: pa.Table, figure: str) -> int:
 
 
 def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Flight:
-    """Fly a case again with its telemetry, and compare it with its row; ``place`` names the table in errors.
-
-    Raises:
-        ConfigError: there is no such case, or it has no row yet.
-    """
+    """Fly a case again and compare it with its row; ``place`` names the table in errors."""
     flight = Flight.of(fly(case_scenario(plan, number)))
     flight.differences = tuple(differences(table, place, plan, number, flight))
     return flight
@@ -194,11 +184,7 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
 
 @dataclass(frozen=True)
 class EngineChoice:
-    """Choice of an engine: one of :data:`ENGINES`, number of workers, and address of a Dask scheduler.
-
-    Raises:
-        ConfigError: there is no such engine, or it cannot have this number of workers.
-    """
+    """Choice of an engine: one of :data:`ENGINES`, number of workers, and address of a Dask scheduler."""
 
     name: str = "threads"
     workers: int | None = None
@@ -226,11 +212,7 @@ class EngineChoice:
 
 
 def check_until(until: str | None, plan: Plan | None = None) -> None:
-    """Check the condition for an early stop of a campaign.
-
-    Raises:
-        ConfigError: the condition is not possible.
-    """
+    """Refuse a condition for an early stop that is not possible."""
     if until is None:
         return
     try:
@@ -241,48 +223,99 @@ def check_until(until: str | None, plan: Plan | None = None) -> None:
         raise refusal("--until", "sobol_indices flies its whole design: its flights are not independent")
 
 
-def fly_new(
-    plan: Plan,
-    store: Store,
-    engine: EngineChoice,
-    until: str | None = None,
-    force: bool = False,
-    watch: Watch | None = None,
-) -> None:
-    """Fly a plan from its first case.
+@dataclass(frozen=True)
+class Job:
+    """A campaign that is to be flown into a folder: every case of a plan, or the missing cases of a folder.
 
-    Raises:
-        ConfigError: the folder has content that the plan must not replace.
-        OSError: a file cannot be written, or the engine has failed.
+    Attributes:
+        store: the folder.
+        engine: engine that flies it.
+        plan: plan of a new campaign, which may stop early with ``until`` and replace another with ``force``;
+            ``None`` for the plan that the folder has.
     """
-    with store.lock(make=True):
-        store.check_new(force)
-        with engine.start() as started:  # before anything is replaced: it may not be there
-            run.begin(plan, store, until, force)
-            _fly(plan, store, started, watch)
 
+    store: Store
+    engine: EngineChoice
+    plan: Plan | None = None
+    until: str | None = None
+    force: bool = False
 
-def go_on(store: Store, engine: EngineChoice, watch: Watch | None = None) -> Plan:
-    """Fly the missing cases of the plan in a folder; return the plan.
+    def fly(self, report: run.Report | None = None) -> Plan:
+        """Fly the cases; return the plan.
 
-    Raises:
-        ConfigError: the folder has no plan, or one of another program, or is damaged.
-        OSError: a file cannot be written, or the engine has failed.
-    """
-    with store.lock():
-        plan = run.resumed_plan(store)
-        store.tidy()
-        if not store.complete:
-            with engine.start() as started:
-                _fly(plan, store, started, watch)
+        Raises:
+            ConfigError: the folder has content that the plan must not replace; or it has no plan, or one of
+                another program, or is damaged.
+            OSError: a file cannot be written, or the engine has failed.
+        """
+        plan, store = self.plan, self.store
+        with store.lock(make=plan is not None):
+            if plan is None:
+                plan = run.resumed_plan(store)
+                store.tidy()
+                if store.complete:
+                    return plan
+            else:
+                store.check_new(self.force)
+            with self.engine.start() as engine:  # before anything is replaced: it may not be there
+                if self.plan is not None:
+                    run.begin(plan, store, self.until, self.force)
+                if not is_compiled():  # before anything flies in parallel: two processes would do it twice
+                    CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
+                run.fly(plan, store, engine, report)
         return plan
 
+    def result(self, progress: Progress | None = None, in_memory: bool = False) -> CampaignResult:
+        """Fly the cases and return the result; ``in_memory``: no folder of a plan is to stay."""
+        report = None if progress is None else lambda tally: progress(tally.flown, tally.total)
+        if not in_memory:
+            self.fly(report)
+            return replace(open_campaign(self.store.folder), _plan=self.plan)
+        with tempfile.TemporaryDirectory(prefix="edl6dof-") as folder:
+            job = replace(self, store=Store(Path(folder) / "campaign"))
+            plan = job.fly(report)
+            return CampaignResult(job.store.summary, job.store.table(), None, plan)
 
-def _fly(plan: Plan, store: Store, engine: Engine, watch: Watch | None) -> None:
-    with nullcontext() if watch is None else watch(plan.count) as report:
-        if not is_compiled():  # before anything flies in parallel: two processes would do the work twice
-            CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
-        run.fly(plan, store, engine, report)
+
+def campaign_job(
+    scenario: str,
+    sets: Sequence[str],
+    drawn: tuple[int | None, int | None, str | None],
+    engine: EngineChoice,
+    until: str | None,
+    *,
+    out: str | Path | None,
+    force: bool,
+    resume: bool,
+) -> Job:
+    """Prepare a campaign; ``drawn``: cases, seed and sampling, see :func:`edl6dof.campaign`."""
+    check_until(until)
+    if resume and (is_campaign(scenario) or Path(scenario).is_dir()):
+        require_no_values(scenario, sets, *drawn)
+        return Job(Store(Path(scenario)), engine)
+    plan = load_plan(scenario, tuple(sets), *drawn)
+    check_until(until, plan)
+    store = Store(Path(out or Path("runs") / plan.name))
+    return resumed_job(store, engine, plan) if resume else Job(store, engine, plan, until, force)
+
+
+def resumed_job(store: Store, engine: EngineChoice, plan: Plan, command: str = "campaign") -> Job:
+    """Prepare the missing cases of a folder; refuse one that was begun with another plan."""
+    if plan.text != store.plan_text:
+        how = f"go on with it by: edl6dof {command} {store.folder} --resume"
+        raise refusal(store.folder, f"was begun with another plan; {how}")
+    return Job(store, engine)
+
+
+def is_campaign(operand: str) -> bool:
+    """Return True if an operand is the folder of a campaign."""
+    return lexists(Path(operand) / "campaign.json")
+
+
+def require_no_values(folder: str, *values: object) -> None:
+    """Refuse values that would change the campaign of a folder that is resumed."""
+    if any(not (value is None or value is False or value in ("", ())) for value in values):
+        raise refusal(folder, "has its plan; it accepts no other values when it is resumed")
 
 
 def open_campaign(folder: Path) -> CampaignResult:
@@ -295,30 +328,3 @@ def open_campaign(folder: Path) -> CampaignResult:
     if store.info and not store.complete:  # reading it says whether there is a campaign
         raise refusal(folder, "is not complete; go on with edl6dof campaign FOLDER --resume")
     return CampaignResult(store.summary, store.table(), store.folder)
-
-
-def resumed(folder: Path, engine: EngineChoice, progress: Progress | None) -> CampaignResult:
-    """Resume the campaign of a folder."""
-    go_on(Store(folder), engine, _watch(progress))
-    return open_campaign(folder)
-
-
-def flown(
-    plan: Plan,
-    engine: EngineChoice,
-    until: str | None,
-    out: str | Path | None,
-    force: bool,
-    progress: Progress | None,
-) -> CampaignResult:
-    """Fly a plan into its folder, or without a folder into memory."""
-    with nullcontext() if out is not None else tempfile.TemporaryDirectory(prefix="edl6dof-") as place:
-        store = Store(Path(out) if out is not None else Path(place or "") / plan.name)
-        fly_new(plan, store, engine, until, force, _watch(progress))
-        return CampaignResult(store.summary, store.table(), store.folder if out is not None else None, plan)
-
-
-def _watch(progress: Progress | None) -> Watch | None:
-    if progress is None:
-        return None
-    return lambda total: nullcontext(lambda tally: progress(tally.flown, total))

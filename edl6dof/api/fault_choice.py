@@ -4,37 +4,34 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
 from edl6dof.campaign.faults import (
     KINDS,
     OF_INSTRUMENTS,
     OF_THRUSTERS,
+    matrix_plan,
     may_fail,
     phases_of,
     usual_phases_of,
 )
-from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.wording import did_you_mean
+from edl6dof.config.errors import ConfigError, Problem, did_you_mean
 from edl6dof.scenario.loaded import LoadedScenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
 from edl6dof.telemetry.timeline import NO_MILESTONE, milestone
 from edl6dof.vehicle.faults.component import Component
 
-#: Time from the start of a phase to the fault where none is given, s.
-AFTER_S = 1.0
+#: Time from the start of a phase to the fault by default, s; most moments of a matrix.
+AFTER_S, _MOST = 1.0, 2000
 _NUMBER = r"(\d+\.?\d*|\.\d+)(?: *s)?"
 _TIME, _EVERY = re.compile(_NUMBER), re.compile(rf"every +{_NUMBER}")
-#: More moments in one matrix are a slip of the pen.
-_MOST = 2000
 #: Events that no mission names.
 _ALWAYS = ("bank_reversal", "trim_wing_open", "line_stretch", "touchdown")
-
-#: A part of ``at``: a time, an interval, or the name of an event.
-_Wanted = float | tuple[float] | str
 
 
 def listed(names: str | float | Iterable[str | float]) -> str:
@@ -51,9 +48,15 @@ class FaultRequest(NamedTuple):
     pairs: bool = False  # fail every two of them together
     phases: str = ""  # phases in which they fail
     after_s: float | None = None  # time from the start of the phase to the fault, s
-    at: str | None = (
-        None  # moments instead: 60,129.5 or every 10 s or bank_reversal,mortar, or several of these
-    )
+    at: str | None = None  # moments instead: 60,129.5 or every 10 s or bank_reversal, or several of these
+
+
+def faults_plan(
+    scenario: str, sets: Sequence[str], request: FaultRequest, vehicles: int | None, seed: int | None
+) -> Plan:
+    """Return the plan of requested faults; see :func:`edl6dof.campaign.faults.matrix_plan`."""
+    matrix = matrix_of(load_scenario(scenario, sets), request)
+    return matrix_plan(scenario, matrix, sets, vehicles, seed)
 
 
 def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParams:
@@ -86,10 +89,9 @@ class _Choice:
         """Return the kinds of fault, each with a kind of component and the names of the failing ones."""
         sensors, kinds = self.request.sensors, self.request.kinds
         possible = {kind: may_fail(self.scenario, kind) for kind in self._kinds()}
-        every = dict.fromkeys(
-            name for of_kind in possible.values() for names in of_kind.values() for name in names
-        )
-        only = self._listed("--components", self.request.components, list(every)) or list(every)
+        every = [name for of_kind in possible.values() for names in of_kind.values() for name in names]
+        every = list(dict.fromkeys(every))
+        only = self._listed("--components", self.request.components, every) or every
         found = []
         for kind, of_kind in possible.items():
             chosen = {what: [one for one in names if one in only] for what, names in of_kind.items()}
@@ -113,12 +115,9 @@ class _Choice:
             asked = ",".join(OF_THRUSTERS) if kinds == "all" else kinds
             return self._listed("--kinds", asked or OF_THRUSTERS[0], KINDS)
         if self.scenario.navigation_filter == "given":
-            self._refuse(
-                "--sensors",
-                "navigation takes the word of ideal instruments: carry real ones (--set "
-                "sensors.carried=[...]) and choose a filter (--set "
-                "flight_software.navigation.filter=error_state)",
-            )
+            words = "navigation takes the word of ideal instruments: carry real ones (--set sensors.carried"
+            choose = "choose a filter (--set flight_software.navigation.filter=error_state)"
+            self._refuse("--sensors", f"{words}=[...]) and {choose}")
         asked = "" if kinds == "all" else kinds
         return self._listed("--kinds", asked or ",".join(OF_INSTRUMENTS), OF_INSTRUMENTS)
 
@@ -152,7 +151,7 @@ class _Choice:
 
     def _listed(self, option: str, text: str, allowed: Sequence[str]) -> list[str]:
         """Return the names in a text with commas, in the order of ``allowed``."""
-        names = [name.strip() for name in text.split(",") if name.strip()]
+        names = _parts(text)
         for name in names:
             if name not in allowed:
                 hint = did_you_mean(name, allowed)
@@ -161,6 +160,10 @@ class _Choice:
 
     def _refuse(self, option: str, words: str) -> None:
         self.problems.append(Problem(option, 0, 0, "", words))
+
+
+def _parts(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",") if part.strip()]
 
 
 def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
@@ -172,24 +175,27 @@ def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
     Raises:
         ConfigError: lists every part of the text that is not a moment.
     """
-    wanted = _parsed(text, loaded.scenario)
-    events = [] if all(isinstance(one, float) for one in wanted) else fly(loaded).events
+    parts = _parts(text)
+    if mistakes := list(_mistakes(parts, loaded.scenario)):
+        raise ConfigError(Problem("--at", 0, 0, "", words) for words in mistakes)
+    events = [] if all(map(_TIME.fullmatch, parts)) else fly(loaded).events
     found: dict[str, float] = {}
     missing = []
-    for one in wanted:
-        if isinstance(one, float):
-            found[f"{one:g} s"] = one
-        elif isinstance(one, tuple):
+    for part in parts:
+        if match := _TIME.fullmatch(part):
+            found[f"{float(match[1]):g} s"] = float(match[1])
+        elif match := _EVERY.fullmatch(part):
+            step = float(match[1])
             end = next((event["t_s"] for event in events if event["key"] == "touchdown"), events[-1]["t_s"])
-            times = [round(k * one[0], 9) for k in range(math.ceil(end / one[0]))]  # no rounding of a sum
+            times = [round(k * step, 9) for k in range(math.ceil(end / step))]  # no rounding of a sum
             found |= {f"{t:g} s": t for t in times}
         else:
-            here = [event for event in events if event["key"] == one or event.get("milestone") == one]
+            here = [event for event in events if event["key"] == part or event.get("milestone") == part]
             times = [event["t_s"] for event in here]
             numbers = [""] if len(times) == 1 else [f" {k}" for k in range(1, len(times) + 1)]
-            found |= {one + number: t for number, t in zip(numbers, times, strict=False)}
+            found |= {part + number: t for number, t in zip(numbers, times, strict=True)}
             if not times:
-                missing.append(Problem("--at", 0, 0, "", f"there is no {one} in the nominal flight"))
+                missing.append(Problem("--at", 0, 0, "", f"there is no {part} in the nominal flight"))
     if missing:
         raise ConfigError(missing)
     return [
@@ -198,27 +204,18 @@ def moments_at(text: str, loaded: LoadedScenario) -> list[FaultMoment]:
     ]
 
 
-def _parsed(text: str, scenario: Scenario) -> list[_Wanted]:
+def _mistakes(parts: Sequence[str], scenario: Scenario) -> Iterator[str]:
+    """Yield a message for every part that cannot be a moment, or one if there are no parts."""
     allowed, shortest = event_names(scenario), scenario.simulation.time_limit_s / _MOST
-    wanted: list[_Wanted] = []
-    refused = []
-    for part in filter(None, (part.strip() for part in text.split(","))):
-        if match := _TIME.fullmatch(part):
-            wanted.append(float(match[1]))
-        elif match := _EVERY.fullmatch(part):
-            wanted.append((float(match[1]),))
+    if not parts:
+        yield f"names no moment; such as 60,129.5 or 'every 10 s' or {', '.join(allowed)}"
+    for part in parts:
+        if match := _EVERY.fullmatch(part):
             if float(match[1]) < shortest:
-                refused.append(f"{part!r}: the interval must be at least {shortest:g} s")
-        elif part in allowed:
-            wanted.append(part)
-        else:
+                yield f"{part!r}: the interval must be at least {shortest:g} s"
+        elif not _TIME.fullmatch(part) and part not in allowed:
             events = f"(a time in s, 'every 10 s', or an event: {', '.join(allowed)})"
-            refused.append(f"no {part!r}{did_you_mean(part, allowed)} {events}")
-    if not wanted and not refused:
-        refused.append(f"names no moment; such as 60,129.5 or 'every 10 s' or {', '.join(allowed)}")
-    if refused:
-        raise ConfigError(Problem("--at", 0, 0, "", words) for words in refused)
-    return wanted
+            yield f"no {part!r}{did_you_mean(part, allowed)} {events}"
 
 
 def event_names(scenario: Scenario) -> list[str]:

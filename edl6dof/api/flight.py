@@ -1,36 +1,133 @@
-"""Flights as objects of the API: flown, or read from the folder of a run."""
+"""Flights as objects of the API, flown or read from the folder of a run: columns, tables and plots."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import fields
+import base64
+import io
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
+from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from edl6dof.api.flight_results import FlightResults
-from edl6dof.config.errors import Named
+from edl6dof.api.arguments import library
+from edl6dof.config.errors import Named, refusal
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import LIMITS
+from edl6dof.report.catalogue import Columns, channel_plot, chosen
+from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair
 from edl6dof.runs.files import atomic_folder
 from edl6dof.runs.run import Run, write_run
 from edl6dof.scenario.loading import viewed_scenario
 from edl6dof.sim import flight as sim
 from edl6dof.sim.flight import attitude_at
-from edl6dof.telemetry.columns import describe
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
+    import pandas
+    import xarray
     from pyquaternion import Quaternion
 
+    from edl6dof.replay.history import Flown
+    from edl6dof.report.figure import Figure
+    from edl6dof.report.matplotlib_figure import Canvas
     from edl6dof.scenario.schema import Scenario
+    from edl6dof.telemetry.columns import Telemetry
     from edl6dof.telemetry.landing_map import LandingMap
+
+    class _Flight(Flown, Protocol):
+        """A flight, flown or recorded, as :class:`FlightResults` needs it."""
+
+        @property
+        def time_s(self) -> float: ...
+        @property
+        def checks(self) -> Sequence[Check]: ...
+        @property
+        def telemetry(self) -> Telemetry | Run: ...
+
 
 #: Name of the 3D replay in the folder of a run.
 REPLAY = "replay.rrd"
+#: Channels of the small figure in a notebook.
+SHOWN = ("truth.height_m", "truth.mach")
+_GOOD, _BAD = "#1a7f37", "#b42318"
+
+
+class FlightResults:
+    """A flight as columns, tables and plots."""
+
+    def __repr__(self: _Flight) -> str:
+        rows = len(self.telemetry["t_s"])
+        return f"<Flight {self.name}: {self.outcome} at t = {self.time_s:.1f} s, {rows} rows of telemetry>"
+
+    def _repr_html_(self: _Flight) -> str:
+        """Outcome, timeline, limits and a small figure, for notebooks."""
+        return _html(self)
+
+    def __getitem__(self: _Flight, channel: str) -> np.ndarray:
+        return self.telemetry[channel]
+
+    def __iter__(self: _Flight) -> Iterator[str]:
+        return iter(self.telemetry)
+
+    def unit(self: _Flight, name: str) -> str:
+        """Return the printed unit of a channel."""
+        return self.telemetry.unit(name)
+
+    def meaning(self: _Flight, name: str) -> str:
+        """Return the meaning of a channel."""
+        return self.telemetry.meaning(name)
+
+    def plot(
+        self: _Flight,
+        *channels: str,
+        against: str = "t_s",
+        since_s: float | None = None,
+        until_s: float | None = None,
+    ) -> Plot:
+        """Plot channels; channels with the same unit share a panel.
+
+        Args:
+            channels: names, or patterns such as ``"truth.rate_*"``.
+            against: channel of the x axis.
+            since_s: first time, s.
+            until_s: last time, s.
+
+        Raises:
+            ConfigError: there is no such channel, or no data between these times.
+            TypeError: a channel is not a name.
+        """
+        if wrong := [one for one in channels if not isinstance(one, str)]:
+            raise TypeError(f"channels are names, one after the other: plot('truth.mach') (got {wrong[0]!r})")
+        if not channels:
+            raise refusal("plot", "name a channel, such as truth.mach; flight.telemetry has them all")
+        return _plot(channels_figure(self.telemetry, self.name, channels, against, since_s, until_s))
+
+    def to_pandas(self: _Flight) -> pandas.DataFrame:
+        """Return the telemetry as a data frame indexed by time.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        return library("pandas", "to_pandas").DataFrame(dict(self.telemetry)).set_index("t_s")
+
+    def to_xarray(self: _Flight) -> xarray.Dataset:
+        """Return the telemetry as a data set along time, with unit and meaning of each variable.
+
+        Raises:
+            ImportError: xarray is not installed.
+        """
+        table = self.telemetry
+        columns = {
+            name: ("t_s", np.asarray(values), {"units": table.unit(name), "long_name": table.meaning(name)})
+            for name, values in table.items()
+        }
+        time = {"t_s": columns.pop("t_s")}
+        about = {"name": self.name, "outcome": self.outcome}
+        return library("xarray", "to_xarray").Dataset(columns, time, about)
 
 
 class Flight(sim.Flight, FlightResults):
@@ -49,24 +146,14 @@ class Flight(sim.Flight, FlightResults):
         """Make an object of the API from a flight."""
         return cls(**{field.name: getattr(flight, field.name) for field in fields(flight)})
 
-    def unit(self, name: str) -> str:
-        """Return the printed unit of a channel."""
-        return describe(name)[0]
-
-    def meaning(self, name: str) -> str:
-        """Return the meaning of a channel."""
-        return describe(name)[1]
-
     def save(self, folder: str | Path, *, replay: bool = True, force: bool = False) -> Path:
         """Write the folder of a run, as ``edl6dof fly`` does.
 
         Raises:
             ConfigError: the folder exists and must not be replaced, or cannot be written.
         """
-        with atomic_folder(Path(folder), "flight", force) as partial:
-            self.write(partial, replay)
-        self.folder = Path(folder)
-        return self.folder
+        flown_into(Path(folder), lambda: self, replay=replay, force=force)
+        return Path(folder)
 
     def write(self, folder: Path, replay: bool = True, release: bool = False) -> None:
         """Write all files of a run into a folder that exists.
@@ -94,80 +181,46 @@ class RecordedFlight(FlightResults):
 
     Attributes:
         folder: folder of the run.
-        telemetry: columns by name, each read at its first use.
+        name: name of the scenario.
+        outcome: outcome of the flight in words.
+        success: True if the flight reached the goal of the mission within all limits.
+        time_s: time at the end of the flight, s.
+        phase: name of the last phase.
+        events: events in the order of time: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the
+            state.
+        metrics: figures by name with unit suffix; ``None`` for a figure that could not be computed.
+        checks: every limit with the value of this flight.
+        telemetry: columns by name, each shape (rows,), in the unit of the name's suffix, read at first use.
     """
 
     def __init__(self, folder: Path):
-        self.folder, self._run = folder, Run(folder)
-
-    @property
-    def name(self) -> str:
-        """Name of the scenario."""
-        return self._run.name
-
-    @property
-    def outcome(self) -> str:
-        """Outcome of the flight in words."""
-        return self._run.summary["outcome"]
-
-    @property
-    def success(self) -> bool:
-        """True if the flight reached the goal of the mission within all limits."""
-        return self._run.summary["success"]
-
-    @property
-    def time_s(self) -> float:
-        """Time at the end of the flight, s."""
-        return self._run.summary["time_s"]
-
-    @property
-    def phase(self) -> str:
-        """Name of the last phase."""
-        return self._run.summary["phase"]
+        self.folder, self.telemetry = folder, Run(folder)
+        summary = self.telemetry.summary
+        self.name, self.outcome, self.success = summary["name"], summary["outcome"], summary["success"]
+        self.time_s, self.phase = summary["time_s"], summary["phase"]
+        self.events: Sequence[Mapping] = self.telemetry.events
+        self.metrics: Mapping[str, float | None] = Named("figure", summary["figures"])
+        names = {figure.meaning: figure.name for figure in LIMITS}
+        self.checks = [
+            Check(
+                names.get(limit["name"], ""),
+                limit["name"],
+                math.nan if limit["value"] is None else limit["value"],
+                limit["limit"],
+                limit["unit"],
+            )
+            for limit in summary["limits"]
+        ]
 
     @property
     def phase_names(self) -> list[str]:
         """Names of the mission phases; ``guide.phase`` is the index."""
-        return self._run.phase_names
-
-    @property
-    def telemetry(self) -> Mapping[str, np.ndarray]:
-        """Columns by name, each shape (rows,), in the unit of the name's suffix."""
-        return self._run
-
-    @property
-    def events(self) -> Sequence[Mapping[str, Any]]:
-        """Events in the order of time: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the state."""
-        return self._run.events
-
-    @cached_property
-    def metrics(self) -> Mapping[str, float | None]:
-        """Figures by name with unit suffix; ``None`` for a figure that could not be computed."""
-        return Named("figure", self._run.summary["figures"])
-
-    @cached_property
-    def checks(self) -> list[Check]:
-        """Every limit with the value of this flight."""
-        names = {figure.meaning: figure.name for figure in LIMITS}
-        return [
-            Check(
-                names.get(limit["name"], ""),
-                limit["name"],
-                float("nan") if limit["value"] is None else limit["value"],
-                limit["limit"],
-                limit["unit"],
-            )
-            for limit in self._run.summary["limits"]
-        ]
-
-    def attitude(self, t: float) -> Quaternion:
-        """Return the attitude at time ``t`` (s); see :meth:`edl6dof.sim.flight.Flight.attitude`."""
-        return attitude_at(t, self["t_s"], [self[f"truth.q_I2B_{c}"] for c in "wxyz"])
+        return self.telemetry.phase_names
 
     @property
     def landing_map(self) -> LandingMap | None:
         """Map of the ground from the scan of the lander, and the chosen spot; ``None`` without a scan."""
-        return self._run.landing_map
+        return self.telemetry.landing_map
 
     @cached_property
     def scenario(self) -> Scenario:
@@ -177,15 +230,11 @@ class RecordedFlight(FlightResults):
     @property
     def scenario_text(self) -> str:
         """The resolved scenario as YAML."""
-        return self._run.scenario_text
+        return self.telemetry.scenario_text
 
-    def unit(self, name: str) -> str:
-        """Return the printed unit of a channel."""
-        return self._run.unit(name)
-
-    def meaning(self, name: str) -> str:
-        """Return the meaning of a channel."""
-        return self._run.meaning(name)
+    def attitude(self, t: float) -> Quaternion:
+        """Return the attitude at time ``t`` (s); see :meth:`edl6dof.sim.flight.Flight.attitude`."""
+        return attitude_at(t, self["t_s"], [self[f"truth.q_I2B_{c}"] for c in "wxyz"])
 
 
 def flown_into(
@@ -201,3 +250,93 @@ def flown_into(
         flight.write(partial, replay, release)
     flight.folder = folder
     return flight
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot that a notebook can show.
+
+    Attributes:
+        figure: figure of matplotlib.
+    """
+
+    figure: Canvas
+
+    def save(self, path: str | Path, dpi: int = 200) -> None:
+        """Write the plot in the format of the suffix: ``.png``, ``.pdf`` or ``.svg``."""
+        self.figure.savefig(path, dpi=dpi)
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.figure.savefig(buffer, format="png", dpi=110)
+        return buffer.getvalue()
+
+
+def _plot(figure: Figure) -> Plot:
+    from edl6dof.report.matplotlib_figure import matplotlib_figure
+
+    return Plot(matplotlib_figure(figure))
+
+
+def channels_figure(
+    columns: Columns,
+    place: object,
+    patterns: Sequence[str],
+    against: str = "t_s",
+    since_s: float | None = None,
+    until_s: float | None = None,
+) -> Figure:
+    """Plot the channels that match, as :meth:`FlightResults.plot`; ``place`` names the flight in messages.
+
+    Raises:
+        ConfigError: there is no such channel, or no data between these times.
+    """
+    names, (x,) = chosen(columns, patterns, place), chosen(columns, [against], place)
+    t = columns["t_s"]
+    rows = (t >= (-np.inf if since_s is None else since_s)) & (t <= (np.inf if until_s is None else until_s))
+    if not rows.any():
+        words = f"has no telemetry between the given times (it runs from {t[0]:g} to {t[-1]:g} s)"
+        raise refusal(place, words)
+    return channel_plot(columns, names, x, rows)
+
+
+def _html(flight: _Flight) -> str:
+    """Return a flight as self-contained HTML."""
+    colour = _GOOD if flight.success else _BAD
+    head = (
+        f'<p><b>{escape(flight.name)}</b>: <span style="color:{colour}">{escape(flight.outcome)}</span> '
+        f"at t = {flight.time_s:.1f} s</p>"
+    )
+    formats = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
+    events = [
+        (f"{event['t_s']:.2f}", str(event["name"]), *(_number(event[key], formats[key]) for key in formats))
+        for event in flight.events
+    ]
+    checks = [
+        (one.label, one.unit, *aligned_pair(one.value, one.limit, one.ok), LIMIT_STATUS[one.ok])
+        for one in flight.checks
+    ]
+    timeline = html_table(("t (s)", "event", "height (m)", "speed (m/s)", "Mach"), events)
+    limits = html_table(("limit", "unit", "this flight", "allowed", ""), checks)
+    return f"<div>{head}{_picture(flight)}<div>{timeline}</div><div>{limits}</div></div>"
+
+
+def _picture(flight: _Flight) -> str:
+    """Return a plot of height and Mach number as HTML; empty if the telemetry is brief or freed."""
+    columns = flight.telemetry
+    if not set(SHOWN) <= set(columns) or len(columns["t_s"]) < 2:
+        return ""
+    picture = _plot(channels_figure(columns, flight.name, SHOWN))._repr_png_()
+    coded = base64.b64encode(picture).decode("ascii")
+    return f'<img width="480" alt="height and Mach number" src="data:image/png;base64,{coded}">'
+
+
+def _number(value: float | None, form: str) -> str:
+    return f"{value:{form}}" if value is not None and math.isfinite(value) else ""
+
+
+def html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table of texts as HTML."""
+    cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>"

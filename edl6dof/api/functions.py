@@ -6,11 +6,13 @@ software needs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from contextlib import nullcontext
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edl6dof.api.arguments import Overrides, naming_arguments, scenario_name, texts
+from edl6dof.api.arguments import Overrides, extends_name, naming_arguments, scenario_name, texts
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
@@ -192,7 +194,7 @@ def report(
 
     folder = _folder_of(run)
     with needing_channels(folder):
-        return list(write_report(folder, None if out is None else Path(out), pdf, png, force))
+        return write_report(folder, None if out is None else Path(out), pdf, png, force)
 
 
 @naming_arguments(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})
@@ -306,17 +308,11 @@ def campaign(
     """
     name = scenario_name(scenario)
     activate(name)
-    from edl6dof.api.campaign import EngineChoice, check_until, flown, resumed
-    from edl6dof.campaign.design.plan import load_plan
+    from edl6dof.api.campaign import EngineChoice, campaign_job
 
-    flying = EngineChoice(engine, workers, cluster)
-    if resume and (Path(name) / "campaign.json").is_file():
-        return resumed(Path(name), flying, progress)
-    plan = load_plan(name, texts(overrides), cases, seed, sampling)
-    check_until(until, plan)
-    if resume:
-        return resumed(Path(out or Path("runs") / plan.name), flying, progress)
-    return flown(plan, flying, until, out, force, progress)
+    sets, drawn, flying = texts(overrides), (cases, seed, sampling), EngineChoice(engine, workers, cluster)
+    job = campaign_job(name, sets, drawn, flying, until, out=out, force=force, resume=resume)
+    return job.result(progress, in_memory=out is None and not resume)
 
 
 @naming_arguments(after="after_s")
@@ -362,17 +358,16 @@ def faults(
     """
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
-    from edl6dof.api.campaign import EngineChoice, flown
-    from edl6dof.api.fault_choice import FaultRequest, listed, matrix_of
-    from edl6dof.campaign.faults import matrix_plan
-    from edl6dof.scenario.loading import load_scenario
+    from edl6dof.api.campaign import EngineChoice, Job
+    from edl6dof.api.fault_choice import FaultRequest, faults_plan, listed
+    from edl6dof.campaign.store import Store
 
     what, where, when = listed(kinds), listed(components), listed(phases)
     moments = None if at is None else listed(at)
     request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
-    matrix = matrix_of(load_scenario(name, sets), request)
-    plan = matrix_plan(name, matrix, sets, vehicles, seed)
-    return flown(plan, EngineChoice(workers=workers), None, out, force, progress)
+    plan = faults_plan(name, sets, request, vehicles, seed)
+    job = Job(Store(Path(out or "")), EngineChoice(workers=workers), plan, force=force)
+    return job.result(progress, in_memory=out is None)
 
 
 @naming_arguments()
@@ -435,17 +430,43 @@ def calibrate(
     """
     name, sets = scenario_name(scenario), texts(overrides)
     activate(name)
-    from edl6dof.api.calibration import found_by, write_findings
+    from edl6dof.calibration.findings import find
+    from edl6dof.calibration.fit import DESIGNS, TooFew
     from edl6dof.calibration.problem import load_calibration
+    from edl6dof.campaign.ensemble import FLIGHTS
+    from edl6dof.config.errors import refusal
     from edl6dof.runs.files import atomic_folder
 
     calibration = load_calibration(name, sets, flights)
-    if out is None:
-        return found_by(calibration, name, progress)
-    with atomic_folder(Path(out), "calibration", force) as folder:
-        found = found_by(calibration, name, progress)
-        write_findings(found, folder, name, sets, flights)
+    flown, total = count(1), DESIGNS * calibration.params.flights + 2 * FLIGHTS
+    with nullcontext() if out is None else atomic_folder(Path(out), "calibration", force) as folder:
+        try:
+            found = find(calibration, lambda _, row: progress(next(flown), total) if progress else None)
+        except TooFew as error:
+            raise refusal(name, str(error)) from error
+        if folder is not None:
+            _write_findings(found, folder, name, sets, flights)
     return found
+
+
+def _write_findings(
+    found: Findings, folder: Path, scenario: str, sets: Sequence[str], flights: int | None
+) -> None:
+    """Write ``summary.json`` and the scenario with the values found, each marked by the command."""
+    from edl6dof.calibration.findings import overlay_text, plain, rounded
+    from edl6dof.config.dump import json_text
+    from edl6dof.report.document import significant
+
+    (folder / "summary.json").write_text(json_text(plain(found)), encoding="utf-8")
+    options = [*(f"--set {text}" for text in sets), *([] if flights is None else [f"-n {flights}"])]
+    command = " ".join(["edl6dof calibrate", scenario, *options])
+    sources = {
+        path: f"{command}: +- {significant(found.sigmas[path], 2)}; prior {prior.mean:g} +- {prior.sigma:g}"
+        for path, prior in found.calibration.params.parameters.items()
+    }
+    name = f"{found.calibration.loaded.scenario.name}_calibrated"
+    text = overlay_text(name, extends_name(scenario), rounded(found), sources)
+    (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
 
 
 def verify(*cases: str) -> list[Report]:
@@ -454,7 +475,7 @@ def verify(*cases: str) -> list[Report]:
     Raises:
         ValueError: there is no such case.
     """
-    from edl6dof.config.wording import did_you_mean
+    from edl6dof.config.errors import did_you_mean
     from edl6dof.verify.check import CASES, run_case
 
     for name in cases:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import signal
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os.path import lexists
 from pathlib import Path
@@ -12,16 +11,15 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from edl6dof.api.flight import REPLAY, RecordedFlight
+from edl6dof.api.progress import count_runs
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.run import resumed_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
-from edl6dof.config.wording import did_you_mean
+from edl6dof.config.wording import unknown
 from edl6dof.replay import browser, viewer
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.pages import TITLES
@@ -31,16 +29,14 @@ from edl6dof.runs.files import atomic_file, distinct_names, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
 
-#: Which flight of a campaign is followed where none is named, and why.
+#: Flight of a campaign that is followed if none is named.
 NOMINAL = (
     "the nominal flight, in which nothing is dispersed and nothing fails: the cases are spread about it. It "
     "is none of them; to follow another flight, name its run folder after the campaign's."
 )
-
-
 #: Cases of a campaign that are drawn, for more would hide each other, and the rows of each, Hz.
 MOST_CASES, RATE_HZ = 2000, 0.5
-#: Frames of a film per second where nothing else is asked for.
+#: Frames of a film per second by default.
 FPS = 24.0
 
 
@@ -52,21 +48,6 @@ class Film(NamedTuple):
     end_s: float | None
     length_s: float | None
     fps: float
-
-    def check(self) -> None:
-        """Check the name of the film; without a film, check that no option of a film is given.
-
-        Raises:
-            ConfigError: the name or an option is wrong.
-        """
-        if self.file is None:
-            if self[1:] != (None, None, None, FPS):
-                raise refusal(
-                    "--from, --to, --length, --fps", "are of a film; name its file with --video FILE"
-                )
-            return
-        if self.file.suffix.lower() != ".mp4":
-            raise refusal(self.file, "is no name of a film; films are written as .mp4")
 
     def cut(self, recording: Path) -> viewer.Cut:
         """Return the part of the flight to film: by default the whole flight, in at most a minute."""
@@ -99,12 +80,14 @@ def show_replay(
         refuse_existing_file(path, force, runs[0])
     if at_s is not None and screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
-    video.check()
+    if video.file is None and video[1:] != (None, None, None, FPS):
+        raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
+    if video.file is not None and video.file.suffix.lower() != ".mp4":
+        raise refusal(video.file, "is no name of a film; films are written as .mp4")
     if page and runs[0].is_file():
         raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
     if page not in ("", *TITLES):
-        hint = did_you_mean(page, TITLES)
-        raise refusal("--page", f"no page {page!r}{hint} (there are: {', '.join(TITLES)})")
+        raise refusal("--page", unknown("page", page, TITLES))
     for run in runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
@@ -117,7 +100,7 @@ def show_replay(
                 viewer.screenshot(recording, partial, _time(recording, "--at", at_s))
         if video.file is not None:
             cut = video.cut(recording)
-            with atomic_file(video.file, force, runs[0]) as partial, _frames() as progress:
+            with atomic_file(video.file, force, runs[0]) as partial, count_runs("frames") as progress:
                 viewer.film(recording, partial, cut, progress)
         if html is not None:
             with atomic_file(html, force, runs[0]) as partial:
@@ -131,7 +114,7 @@ def show_replay(
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, leaving no viewer and no temporary file."""
+    """Let SIGTERM and SIGHUP end the work like Ctrl-C, without a viewer or a temporary file left over."""
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
@@ -180,11 +163,7 @@ def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
 
 
 def _time(recording: Path, option: str, asked_s: float | None) -> float:
-    """Return the requested time of the recording, s, or by default its end.
-
-    Raises:
-        ConfigError: the time is outside the recording.
-    """
+    """Return the requested time of the recording, s, or by default its end; refuse one outside it."""
     first, last = recorded_span(recording)
     if asked_s is None:
         return last
@@ -194,16 +173,6 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
     return asked_s
 
 
-@contextmanager
-def _frames() -> Iterator[Callable[[int, int], None]]:
-    """Show the number of frames drawn on a terminal."""
-    console = Console(stderr=True)
-    columns = (TextColumn("frames"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("frames", total=None)
-        yield lambda done, of: progress.update(task, completed=done, total=of)
-
-
 def trajectories(plan: Plan) -> list[Trajectory]:
     """Fly the cases of a campaign again for their trajectories, in order; a case that could not fly has none.
 
@@ -211,12 +180,11 @@ def trajectories(plan: Plan) -> list[Trajectory]:
     """
     count = min(plan.count, MOST_CASES)
     found = []
-    for done, row in enumerate(fly_rows(plan.loaded, plan.cases(0, count), collect=_places), start=1):
-        if "places" in row:
-            found.append(Trajectory(row["places"], "" if row["success"] else str(row["cause"])))
-        if sys.stderr.isatty():
-            end = "" if done < count else "\n"
-            print(f"\r{done} of {count} cases flown again", end=end, file=sys.stderr, flush=True)
+    with count_runs("cases flown again") as progress:
+        for done, row in enumerate(fly_rows(plan.loaded, plan.cases(0, count), collect=_places), start=1):
+            progress(done, count)
+            if "places" in row:
+                found.append(Trajectory(row["places"], "" if row["success"] else str(row["cause"])))
     return found
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from edl6dof.config.errors import refusal
@@ -10,29 +11,33 @@ from edl6dof.report.document import Report
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 
 
-def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> Iterator[Path]:
+def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> list[Path]:
     """Write ``report.html`` into the folder or to ``out``, or with ``pdf`` and ``png`` the forms for papers
-    instead; yield the paths written.
+    instead; return the paths written.
 
     Raises:
         ConfigError: the folder contains no results to report, or a file must not be replaced.
     """
     target = out or folder / "report.html"
-    print_out = target.with_suffix(".pdf")
-    for path in [print_out] * pdf or [target] * (not png):
+    for path in [target.with_suffix(".pdf")] * pdf or [target] * (not png):
         refuse_existing_file(path, force, folder)
     report = report_of(folder)
+    writers: dict[Path, Callable[[Path], object]] = {}
     if png:
-        yield from _write_figures(report, target.with_suffix(""), force, folder)
+        from edl6dof.report.matplotlib_figure import write_figure
+
+        pictures = target.with_suffix("")
+        writers |= {pictures / f"{one.key}.png": partial(write_figure, one) for one in report.figures()}
     if pdf:
         from edl6dof.report.pdf import write_pdf
 
-        with atomic_file(print_out, force, folder) as partial:
-            write_pdf(report, partial)
-        yield print_out
+        writers[target.with_suffix(".pdf")] = partial(write_pdf, report)
+    for path, write in writers.items():
+        with atomic_file(path, force, folder) as unfinished:
+            write(unfinished)
     if not (pdf or png):
         write_page(report, target, force, folder)
-        yield target
+    return list(writers) or [target]
 
 
 def report_of(folder: Path) -> Report:
@@ -59,15 +64,5 @@ def write_page(report: Report, path: Path, force: bool, made_from: Path) -> None
     """Write a report as one HTML file, made from the result in a folder."""
     from edl6dof.report.page import page
 
-    with atomic_file(path, force, made_from) as partial:
-        partial.write_text(page(report), encoding="utf-8")
-
-
-def _write_figures(report: Report, folder: Path, force: bool, made_from: Path) -> Iterator[Path]:
-    from edl6dof.report.matplotlib_figure import write_figure
-
-    for figure in report.figures():
-        path = folder / f"{figure.key}.png"
-        with atomic_file(path, force, made_from) as partial:
-            write_figure(figure, partial)
-        yield path
+    with atomic_file(path, force, made_from) as unfinished:
+        unfinished.write_text(page(report), encoding="utf-8")

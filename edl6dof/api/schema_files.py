@@ -10,8 +10,8 @@ from pydantic import BaseModel
 from edl6dof.calibration.problem import CalibrationFile
 from edl6dof.campaign.design.sections import CampaignFile
 from edl6dof.config.document.document import EXTENDS
-from edl6dof.config.document.scalars import BOOLEAN_WORDS
 from edl6dof.config.document.source import INCLUDES
+from edl6dof.config.document.yamltree import BOOLEAN_WORDS
 from edl6dof.config.units import split_unit
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.scenario.schema import Scenario
@@ -39,8 +39,8 @@ def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) 
     return {"$schema": DRAFT, "title": schema.pop("title", model.__name__), **schema}
 
 
-#: A file that extends another may change the items of a list by their names, and say no more of one than what
-#: changes; what a whole item lacks is told by ``edl6dof check``.
+#: A file that extends another may change the items of a list by their names and give only the changes;
+#: ``edl6dof check`` reports what a whole item lacks.
 _BY_NAME = {"type": "object", "description": "changes to items of what this file extends, by their names"}
 
 
@@ -71,7 +71,7 @@ def _draft7(node: Any) -> Any:
     return changed
 
 
-#: Keywords of a declaration that no schema knows.
+#: Keywords of a declaration that are no keywords of a schema.
 _OWN_WORDS = ("record", "status", "source", "printed")
 
 

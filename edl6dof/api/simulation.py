@@ -1,4 +1,4 @@
-"""A flight step by step, of any scenario, with seeds."""
+"""Flights step by step, with seeds: one of any scenario, or many dispersed ones in parallel."""
 
 from __future__ import annotations
 
@@ -16,22 +16,30 @@ from edl6dof.api.functions import activate
 from edl6dof.campaign.design.case import Case, Variant, Variants
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.config.errors import refusal
 from edl6dof.config.units import split_unit
+from edl6dof.metrics.evaluation import checks
+from edl6dof.metrics.record_figures import touchdown_state, touchdown_terrain_figures
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, load_scenario
+from edl6dof.scenario.schema import LimitParams
+from edl6dof.sim import fleet as sim
 from edl6dof.sim.commands import ESTIMATE
+from edl6dof.sim.fleet import Start
+from edl6dof.sim.outcome import FLYING, LANDED
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.
 _ENDLESS = 2**31
+#: Base cycles between two checks of the phase.
+_LOOK = 5
 
 
 class Starts:
     """Initial conditions of flights by seed.
 
-    For a scenario, the seed selects the random profiles.  For a campaign, it selects dispersed values as
-    well: the seed is the number of a case of a campaign that samples at random (``monte_carlo``), so that
-    row N of ``edl6dof campaign NAME --sampling monte_carlo`` is the flight with seed N.
+    For a scenario, the seed selects the random profiles.  For a campaign, it is the number of a case of a
+    campaign that samples at random: the flight with seed N is row N of ``--sampling monte_carlo``.
 
     Args:
         scenario: file, name, or a loaded scenario.
@@ -139,6 +147,52 @@ class Simulation(SteppedFlight):
         return Flight.of(super().flight())
 
 
+class Fleet(sim.Fleet):
+    """Flights of one scenario; see :class:`edl6dof.sim.fleet.Fleet` for the records of each."""
+
+    @property
+    def flying(self) -> np.ndarray:
+        """True for each flight that has not ended, shape (flights,)."""
+        return self.outcomes == FLYING
+
+    def landed_well(self, limits: LimitParams) -> np.ndarray:
+        """True for each flight at rest within the limits of touchdown and of the ground, shape (flights,)."""
+        landed = self.outcomes == LANDED
+        for index in np.flatnonzero(landed):
+            one = slice(index, index + 1)
+            case, plant, outputs = self.cases[one], self.plants[one], self.outputs[one]
+            figures = touchdown_state(case, plant)
+            figures |= touchdown_terrain_figures(case, self.tables, plant, outputs)
+            landed[index] = all(check.ok for check in checks(limits, figures))
+        return landed
+
+
+class DispersedFlights(Starts):
+    """Flights of a campaign by their seeds, flown by the flight software up to a phase."""
+
+    def fleet(self, count: int, workers: int = 1) -> Fleet:
+        """Make a fleet with places for a number of flights, which :meth:`Fleet.put` starts."""
+        return Fleet(count, self.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
+
+    def at_phase(self, seed: int, role: str, later_s: float = 0.0) -> Start | None:
+        """Return the flight of a seed at the start of its phase with a role, or ``later_s`` (s) after it;
+        ``None`` if it ends before.
+
+        Raises:
+            ConfigError: the campaign disperses tables of air or ground, which the flights of a fleet share.
+        """
+        variant = self.of(seed)
+        if variant.parts.tables is not self.base.parts.tables:
+            raise refusal(self.loaded.scenario.name, "disperses tables of the world, which a fleet shares")
+        flight = SteppedFlight(variant.loaded, variant.parts, telemetry=False)
+        roles, phase = variant.loaded.scenario.phase_roles, flight.running.fsw["mission"]["phase"]
+        while roles[int(phase[0])] != role:
+            if not flight.step(cycles=_LOOK):
+                return None
+        flies = flight.step(cycles=max(round(later_s / flight.cycle_s), 1))
+        return Start.of(variant.parts, flight.running.snapshot()) if flies else None
+
+
 #: Commands of more than one number, or of none: how many; those left out have one.
 _SIZES = {"thrust_n": 3, "torque_nm": 3, "safe_spot_m": 2, "coarse_spot_m": 2}
 
@@ -161,24 +215,22 @@ def described(simulation: Simulation) -> dict[str, Any]:
 
 
 def _kind(name: str, value: Any) -> dict[str, Any]:
-    """Type, shape and unit of an observation."""
     kinds = {bool: "true or false", int: "whole number"}
-    return {
-        "type": kinds.get(type(value), "number"),
-        "shape": list(np.shape(value)),
-        "unit": split_unit(name)[1].label,
-    }
+    return _described(name, np.shape(value), kinds.get(type(value), "number"))
 
 
 def _command(name: str, thrusters: int) -> dict[str, Any]:
-    """Type, shape and unit of a command."""
     if name == "estimate":
-        parts = {part: _numbers(part, size) for part, (_, size) in ESTIMATE.items()}
-        return {"type": "map", "of": parts}
+        return {"type": "map", "of": {part: _numbers(part, size) for part, (_, size) in ESTIMATE.items()}}
     if name == "isolate":
-        return {"type": "names of thrusters", "shape": [], "unit": ""}
+        return _described(name, (), "names of thrusters")
     return _numbers(name, thrusters if name == "duties" else _SIZES.get(name, 1))
 
 
 def _numbers(name: str, size: int) -> dict[str, Any]:
-    return {"type": "number", "shape": [] if size == 1 else [size], "unit": split_unit(name)[1].label}
+    return _described(name, () if size == 1 else (size,))
+
+
+def _described(name: str, shape: Sequence[int], kind: str = "number") -> dict[str, Any]:
+    """Type, shape and unit of an observation or a command."""
+    return {"type": kind, "shape": list(shape), "unit": split_unit(name)[1].label}

@@ -23,12 +23,12 @@ from edl6dof.campaign.store import Identity
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
-from edl6dof.config.plugin_scan import VARIABLE
+from edl6dof.config.plugin_files import VARIABLE
 from edl6dof.environment.atmosphere_table import profile_path
 from edl6dof.environment.terrain import MAP
 from edl6dof.kernels.cache import received
 from edl6dof.manifest import digest, sha256
-from edl6dof.scenario.data_files import PROFILES, TABLES
+from edl6dof.scenario.checks import PROFILES, TABLES
 
 #: Folders of the package from which no row follows.
 _ASIDE = {

@@ -8,26 +8,25 @@ import traceback
 from collections.abc import Callable
 
 from edl6dof.cli.campaigns import campaign, covariance, faults, refly
-from edl6dof.cli.designs import design
+from edl6dof.cli.designs import design, new
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
-from edl6dof.cli.exit_status import BAD_INPUT, DEFECT
-from edl6dof.cli.group import Command, app, examples
-from edl6dof.cli.machine_code import cache
-from edl6dof.cli.new import new
+from edl6dof.cli.group import BAD_INPUT, DEFECT, Command, app, examples
 from edl6dof.cli.run_outputs import compare, export, plot, replay, report
-from edl6dof.cli.scenarios import check, fly, params, scenarios, schema, serve, show, trust
-
-
-def version() -> int:
-    """Print the version."""
-    from edl6dof import __version__
-
-    print(__version__)
-    return 0
-
+from edl6dof.cli.scenarios import (
+    cache,
+    check,
+    fly,
+    params,
+    scenarios,
+    schema,
+    serve,
+    show,
+    trust,
+    version,
+)
 
 #: By the title of their part of the help.
-COMMANDS: dict[str, tuple[Callable[..., int], ...]] = {
+COMMANDS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Fly": (fly, campaign, refly, faults, covariance),
     "Look at results": (report, replay, plot, compare, export),
     "Scenarios": (scenarios, show, check, params, schema, trust),

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import TextColumn
 from rich.table import Table
+from rich.text import Text
 
-from edl6dof.api.campaign import EngineChoice, Watch, fly_new, go_on
-from edl6dof.campaign.design.plan import Plan
+from edl6dof.api.campaign import Job
+from edl6dof.api.progress import count_runs
+from edl6dof.api.reports import report_of, write_page
+from edl6dof.campaign.executor import Row
+from edl6dof.campaign.faults import can_be_known, is_right
 from edl6dof.campaign.run import Report, Tally
 from edl6dof.campaign.statistics import SHARES, flights_needed, quantile
 from edl6dof.campaign.store import Store
-from edl6dof.cli.exit_status import INTERRUPTED, refuse
-from edl6dof.cli.fault_tables import show_matrix
-from edl6dof.cli.progress import count_runs
-from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.cli.group import INTERRUPTED, NOT_WITHIN_LIMITS, refuse
+from edl6dof.config.base import stated
+from edl6dof.config.dump import json_text
+from edl6dof.config.errors import ConfigError
+from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
@@ -31,68 +34,34 @@ from edl6dof.report.document import significant
 from edl6dof.report.terminal import open_table
 
 
-def fly_campaign(
-    store: Store,
-    engine: EngineChoice,
-    plan: Plan | None = None,
-    *,
-    command: str = "campaign",
-    until: str | None = None,
-    force: bool = False,
-    quiet: bool = False,
-    as_json: bool = False,
-) -> int:
-    """Fly a plan from its first case, or without a plan the missing cases of the campaign in the folder;
-    print the result and return the exit status.
+def fly_campaign(job: Job, *, command: str = "campaign", quiet: bool = False, as_json: bool = False) -> int:
+    """Fly a campaign, print the result and return the exit status.
 
     Raises:
         ConfigError: the folder holds what the plan must not replace, or no campaign of this program.
-        KeyboardInterrupt: the campaign was interrupted while it ran.
+        KeyboardInterrupt: a resumed campaign was interrupted.
     """
-    watch = _watch(quiet or as_json)
+    silent = quiet or as_json
     try:
-        if plan is None:
-            flown = go_on(store, engine, watch)
-        else:
-            fly_new(plan, store, engine, until, force, watch)
-            flown = plan
-        if flown.fault_matrix is not None:
-            return show_matrix(store, as_json)
-        show(store, quiet, as_json)
+        with count_runs("campaign", silent, TextColumn("{task.fields[words]}")) as count:
+            plan = job.fly(_report(count, lines=not silent and not sys.stderr.isatty()))
+        if plan.fault_matrix is not None:
+            return show_matrix(job.store, as_json)
+        show(job.store, quiet, as_json)
         return 0
     except KeyboardInterrupt:
-        if plan is None:
+        if job.plan is None:
             raise
-        print(f"interrupted; {_standing(store, plan, command)}", file=sys.stderr)
+        print(f"interrupted; {_standing(job, command)}", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
-        reason = f"{error.filename2 or error.filename or store.folder}: {error.strerror or error}"
-        return refuse(f"{reason}; {_standing(store, plan, command)}")
+        reason = f"{error.filename2 or error.filename or job.store.folder}: {error.strerror or error}"
+        return refuse(f"{reason}; {_standing(job, command)}")
 
 
-def require_plan(store: Store, plan: Plan, command: str = "campaign") -> None:
-    """Check that the campaign in a folder was started with this plan.
-
-    Raises:
-        ConfigError: it holds no campaign, or one of another plan.
-    """
-    if plan.text != store.plan_text:
-        how = f"go on with it by: edl6dof {command} {store.folder} --resume"
-        raise refusal(store.folder, f"was begun with another plan; {how}")
-
-
-def require_no_values(folder: Path, *values: object) -> None:
-    """Refuse options that would change a campaign that is resumed.
-
-    Raises:
-        ConfigError: one of the values is given.
-    """
-    if any(not (value is None or value is False or value in ("", ())) for value in values):
-        raise refusal(folder, "has its plan; it accepts no other values when it is resumed")
-
-
-def _standing(store: Store, plan: Plan | None, command: str) -> str:
-    """Say what is left of a campaign that was stopped: a new one of a ``plan``, or one that went on."""
+def _standing(job: Job, command: str) -> str:
+    """Text on the files of a campaign that was stopped."""
+    store, plan = job.store, job.plan
     kept = f"what has flown is kept; go on with: edl6dof {command} {store.folder} --resume"
     if plan is None:
         return kept
@@ -104,34 +73,23 @@ def _standing(store: Store, plan: Plan | None, command: str) -> str:
     return "nothing was written"
 
 
-def _watch(silent: bool) -> Watch:
-    """Show progress and success so far; a line at every tenth where stderr is no terminal."""
+def _report(count: Callable[..., None], lines: bool) -> Report:
+    """Show progress and success so far; with ``lines`` a line at every tenth."""
+    tenth = 0
 
-    @contextmanager
-    def watch(total: int) -> Iterator[Report]:
-        with count_runs("campaign", silent, TextColumn("{task.fields[words]}")) as count:
-            lines = not silent and not sys.stderr.isatty()
-            tenth = 0
+    def report(tally: Tally) -> None:
+        nonlocal tenth
+        words = f"{tally.rate:.1f}/s, success {tally.success}"
+        count(tally.flown, tally.total, words)
+        if lines and 10 * tally.flown // tally.total > tenth:
+            tenth = 10 * tally.flown // tally.total
+            print(f"{tally.flown} of {tally.total}, {words}", file=sys.stderr, flush=True)
 
-            def report(tally: Tally) -> None:
-                nonlocal tenth
-                words = f"{tally.rate:.1f}/s, success {tally.success}"
-                count(tally.flown, tally.total, words)
-                if lines and 10 * tally.flown // tally.total > tenth:
-                    tenth = 10 * tally.flown // tally.total
-                    print(f"{tally.flown} of {tally.total}, {words}", file=sys.stderr, flush=True)
-
-            yield report
-
-    return watch
+    return report
 
 
 def show(store: Store, quiet: bool, as_json: bool) -> None:
-    """Print how a complete campaign ended.
-
-    Raises:
-        ConfigError: its table or its summary is not as it was written.
-    """
+    """Print the result of a complete campaign."""
     summary = store.summary
     results = Results(store.folder, [figure.name for figure in LIMITS])
     if as_json:
@@ -141,29 +99,25 @@ def show(store: Store, quiet: bool, as_json: bool) -> None:
     success = results.success
     style = "bold green" if success.value >= 0.99 else "bold yellow"
     share = f", {success}" if results.is_sample else ""
-    console.print(
-        f"[{style}]{escape(summary.name)}: {success.successes} of {success.trials} succeed{share}[/]"
-    )
+    words = f"{summary.name}: {success.successes} of {success.trials} succeed{share}"
+    console.print(words, style=style, markup=False)
     if quiet:
         return
     for cause in summary.causes:
-        console.print(f"  {cause.cases:>6}  {cause.cause}", markup=False)
+        print(f"  {cause.cases:>6}  {cause.cause}")
     if results.limits:
         console.print(limits_table(results))
         console.print(note(results), style="dim")
     if results.has_design:
-        told = f"{success.trials} of {summary.cases} flights are independent of each other and count above"
-        console.print(f"{told}; the report tells the Sobol indices", markup=False)
+        independent = f"{success.trials} of {summary.cases} flights are independent of each other"
+        print(f"{independent} and count above; the report contains the Sobol indices")
     if summary.cases < summary.cases_planned:
-        console.print(
-            f"stopped after {summary.cases} of {summary.cases_planned} cases: the interval is narrow enough"
-        )
+        counts = f"{summary.cases} of {summary.cases_planned} cases"
+        print(f"stopped after {counts}: the interval is narrow enough")
     if summary.flown_in_this_run:
-        console.print(
-            f"{summary.flights_per_second:.1f} flights per second on {summary.engine}", markup=False
-        )
+        print(f"{summary.flights_per_second:.1f} flights per second on {summary.engine}")
     again = f"edl6dof refly {store.folder} CASE (or --worst FIGURE)"
-    console.print(f"next: edl6dof report {store.folder}, {again}", markup=False)
+    print(f"next: edl6dof report {store.folder}, {again}")
 
 
 def limits_table(results: Results) -> Table:
@@ -191,8 +145,120 @@ def figures(results: Results) -> dict[str, Any]:
             "limit": limit,
             "missed": int((values > limit).sum()),
             "quantiles": [asdict(one) for one in known.values() if one is not None],
-            "flights_needed": {
-                f"{share:g}": flights_needed(share) for share, one in known.items() if one is None
-            },
+            "flights_needed": {f"{share:g}": flights_needed(share) for share in known if not known[share]},
         }
     return found
+
+
+#: Most moments, components, and lines of one kind that are printed; more are left to the report.
+_COLUMNS, _ROWS, _LINES = 10, 40, 20
+#: Characters of a line if there is no terminal.
+_WIDTH = 120
+_LEGEND = """\
+matrix: s from first use to the right isolation; a name: what was named instead;
+?: in use, and not named; -: not used after the fault, so nobody can know;
+x: not within limits
+tables: right names and kinds are shares of the flights in which the fault can
+be known; times are to the right isolation, and first use may be a leak"""
+
+
+def show_matrix(store: Store, as_json: bool) -> int:
+    """Print the result of a complete matrix of faults and write its report; return the exit status."""
+    rows = store.table().to_pylist()
+    figures = stated(store.summary.faults)
+    if not (page := store.folder / "report.html").exists():
+        write_page(report_of(store.folder), page, False, store.folder)
+    if as_json:
+        print(json_text({**figures, "rows": rows}), end="")
+    else:
+        width = None if sys.stdout.isatty() else _WIDTH
+        _print(Console(highlight=False, soft_wrap=True, width=width), rows, figures)
+        print(f"{store.folder}: report.html, cases.parquet, summary.json")
+        print(f"next: edl6dof refly {store.folder} CASE")
+    return 0 if all(row["success"] for row in rows) else NOT_WITHIN_LIMITS
+
+
+def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) -> None:
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        some = [row for row in rows if row["kind"] == kind]
+        if _fits(some):
+            console.print(_matrix(some, kind))
+    console.print(_shares(figures["groups"]))
+    for start, words in (("from_use_s", "first use"), ("from_fault_s", "the fault")):
+        console.print(_times(figures["groups"], start, f"time from {words} to isolation, s"))
+    console.print(_LEGEND, style="dim")
+    lost = [row for row in rows if not row["success"]]
+    _lines(console, "red", [f"{_case(row)}: {row['outcome']}" for row in lost])
+    wrong = [f"{_case(row)}: named {row['wrongly_named']}" for row in rows if row.get("wrongly_named")]
+    _lines(console, "magenta", wrong)
+    for one in figures["acceptance"]:
+        words = f"{one['meaning']}: {one['value']:.2f} {one['unit']} (required: {one['limit']})"
+        console.print(Text(words, style="green" if one["met"] else "bold red"))
+    flights = counted(len(rows), "flight")
+    outcome = f"{len(lost)} of {flights} not within limits" if lost else f"{flights} within limits"
+    console.print(Text(outcome, style="bold red" if lost else "bold green"))
+
+
+def _fits(rows: Sequence[Row]) -> bool:
+    """True if a matrix with one flight in each cell fits a terminal."""
+    components, moments = ({row[name] for row in rows} for name in ("component", "moment"))
+    one_each = len(rows) <= len(components) * len(moments)
+    return one_each and len(moments) <= _COLUMNS and len(components) <= _ROWS
+
+
+def _case(row: Row) -> str:
+    return f"case {row['case']}, {row['component']} {row['kind']} at {row['moment']}"
+
+
+def _lines(console: Console, style: str, lines: Sequence[str]) -> None:
+    for line in lines[:_LINES]:
+        console.print(Text(line, style=style))
+    if len(lines) > _LINES:
+        console.print(Text(f"and {len(lines) - _LINES} more, in report.html", style=style))
+
+
+def _matrix(rows: Sequence[Row], kind: str) -> Table:
+    """Components by moments: named rightly green, wrongly magenta, not yellow; out of limits red."""
+    table = open_table(kind.replace("_", " "), "", narrow=True)
+    moments = list(dict.fromkeys(row["moment"] for row in rows))
+    for moment in moments:
+        table.add_column(moment.replace("_", " "), justify="right", vertical="bottom")
+    cells = {(row["component"], row["moment"]): _cell(row) for row in rows}
+    for name in dict.fromkeys(row["component"] for row in rows):
+        table.add_row(name, *(cells[name, moment] for moment in moments))
+    return table
+
+
+def _cell(row: Row) -> Text:
+    if is_right(row):
+        found, style = f"{row['isolation_from_use_s']:.2f}", "green"
+    elif row.get("named"):
+        found, style = str(row["named"]), "magenta"
+    else:
+        found, style = "?" if can_be_known(row) else "-", "yellow"
+    return Text(found, style=style) if row["success"] else Text(f"x {found}", style="bold red")
+
+
+def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the number of flights of each kind of fault and regime, and percentages of them."""
+    heads = ("flights>", "% in\nlimits>", "can be\nknown>", "% right\nname>", "% right\nkind>")
+    table = open_table("", "kind", "regime", *heads, "wrong\nnames>", narrow=True)
+    for group in groups:
+        flights, known, wrong = group["flights"], group["can_be_known"], group["with_wrong_isolations"]
+        right = (_share(group[name], known) for name in ("name_right", "kind_right"))
+        cells = (str(flights), _share(group["within_limits"], flights), str(known), *right, str(wrong))
+        table.add_row(group["kind"], group["regime"], *cells)
+    return table
+
+
+def _times(groups: Sequence[Mapping[str, Any]], start: str, title: str) -> Table:
+    """Times (s) from a start to the right isolations of each kind of fault and regime."""
+    table = open_table(title, "kind", "regime", "median>", "95 %>", "longest>", narrow=True)
+    for group in groups:
+        shown = [f"{group[start][name]:.2f}" if group[start] else "" for name in ("median", "p95", "worst")]
+        table.add_row(group["kind"], group["regime"], *shown)
+    return table
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.1f}" if whole else ""

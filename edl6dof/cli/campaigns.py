@@ -15,13 +15,10 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.exit_status import INTERRUPTED
-from edl6dof.cli.group import Sets, argument, flag, option
+from edl6dof.cli.group import INTERRUPTED, Sets, Workers, argument, check_target, flag, option
 from edl6dof.config.errors import refusal
 
-#: Forms of the files of ``covariance``.
-COVARIANCE_FORMS = (".csv", ".png", ".pdf", ".svg")
-#: Events before whose end no flight need go on beyond the deployment of the parachute.
+#: Events for which flights may end at the deployment of the parachute.
 ENDS_AT_DEPLOYMENT = ("parachute", "trim_wing")
 
 
@@ -36,11 +33,7 @@ def campaign(
     seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
     sampling: Annotated[
         str | None,
-        option(
-            "NAME",
-            "monte_carlo, latin_hypercube, sobol, or sobol_indices: N rows of the design that "
-            "shows the effect of each dispersion, alone and with others.",
-        ),
+        option("NAME", "monte_carlo, latin_hypercube, sobol, or sobol_indices (effect of each dispersion)."),
     ] = None,
     engine: Annotated[str, option("NAME", "threads (this machine) or dask.")] = "threads",
     cluster: Annotated[str | None, option("ADDRESS", "Dask scheduler, such as tcp://127.0.0.1:8786.")] = None,
@@ -65,23 +58,13 @@ def campaign(
         raise refusal("edl6dof campaign", words)
     activate(scenario)
     with _keeping("campaign", scenario, out, resume):
-        from edl6dof.api.campaign import EngineChoice, check_until
-        from edl6dof.campaign.design.plan import load_plan
-        from edl6dof.campaign.store import Store
-        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
+        from edl6dof.api.campaign import EngineChoice, campaign_job
+        from edl6dof.cli.campaign_flight import fly_campaign
 
-        flying, folder = EngineChoice(engine, workers, cluster), Path(scenario)
-        check_until(until)
-        if resume and (lexists(folder / "campaign.json") or folder.is_dir()):
-            require_no_values(folder, sets, cases, seed, sampling)
-            return fly_campaign(Store(folder), flying, quiet=quiet, as_json=as_json)
-        plan = load_plan(scenario, tuple(sets or ()), cases, seed, sampling)
-        check_until(until, plan)
-        store = Store(out or Path("runs") / plan.name)
-        if resume:
-            require_plan(store, plan)
-            return fly_campaign(store, flying, quiet=quiet, as_json=as_json)
-        return fly_campaign(store, flying, plan, until=until, force=force, quiet=quiet, as_json=as_json)
+        flying, drawn = EngineChoice(engine, workers, cluster), (cases, seed, sampling)
+        changes = tuple(sets or ())
+        job = campaign_job(scenario, changes, drawn, flying, until, out=out, force=force, resume=resume)
+        return fly_campaign(job, quiet=quiet, as_json=as_json)
 
 
 @contextmanager
@@ -154,10 +137,7 @@ def refly(
 def faults(
     scenario: Annotated[
         str,
-        argument(
-            "SCENARIO",
-            "Scenario file or name, tianwen1 if not given; with --resume also the folder of a matrix.",
-        ),
+        argument("SCENARIO", "Scenario, tianwen1 if not given; with --resume also the folder of a matrix."),
     ] = "tianwen1",
     sensors: Annotated[
         bool, flag("Faults of every instrument axis, beam, star tracker and flow meter instead.", "--sensors")
@@ -165,9 +145,7 @@ def faults(
     kinds: Annotated[
         str,
         option(
-            "LIST",
-            "Kinds of fault, with commas, or all: those of thrusters; stuck_off if not given, "
-            "with --sensors all of instruments.",
+            "LIST", "Kinds of fault, with commas, or all; stuck_off, or with --sensors all, if not given."
         ),
     ] = "",
     components: Annotated[
@@ -197,17 +175,11 @@ def faults(
     vehicles: Annotated[
         int | None,
         option(
-            "N",
-            "Dispersed vehicles for each fault, as a campaign draws them; the nominal one if not given.",
-            "-n",
-            "--vehicles",
-            min=1,
+            "N", "Dispersed vehicles for each fault; the nominal one if not given.", "-n", "--vehicles", min=1
         ),
     ] = None,
     seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
-    workers: Annotated[
-        int | None, option("N", "Threads; as many as there are cores if not given.", min=1, max=1024)
-    ] = None,
+    workers: Workers = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/faults-<scenario> if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing matrix.", "--force")] = False,
     resume: Annotated[bool, flag("Resume an interrupted matrix.", "--resume")] = False,
@@ -224,38 +196,30 @@ def faults(
     """
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
-        from edl6dof.api.campaign import EngineChoice
-        from edl6dof.api.fault_choice import FaultRequest, matrix_of
-        from edl6dof.campaign.faults import matrix_plan
+        from edl6dof.api import campaign as api
+        from edl6dof.api.fault_choice import FaultRequest, faults_plan
         from edl6dof.campaign.store import Store
-        from edl6dof.cli.campaign_flight import fly_campaign, require_no_values, require_plan
-        from edl6dof.scenario.loading import load_scenario
+        from edl6dof.cli.campaign_flight import fly_campaign
 
-        flying, folder = EngineChoice(workers=workers), Path(scenario)
-        if resume and lexists(folder / "campaign.json"):
-            require_no_values(
-                folder, sensors, kinds, components, pairs, phases, after, at, sets, vehicles, seed
-            )
-            return fly_campaign(Store(folder), flying, command="faults", as_json=as_json)
-        loaded = load_scenario(scenario, sets or ())
+        engine = api.EngineChoice(workers=workers)
         request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
-        matrix = matrix_of(loaded, request)
-        plan = matrix_plan(scenario, matrix, tuple(sets or ()), vehicles, seed)
-        store = Store(out or Path("runs") / f"{'sensor-faults' if sensors else 'faults'}-{plan.name}")
-        if resume:
-            require_plan(store, plan, "faults")
-            return fly_campaign(store, flying, command="faults", as_json=as_json)
-        return fly_campaign(store, flying, plan, command="faults", force=force, as_json=as_json)
+        if resume and api.is_campaign(scenario):
+            api.require_no_values(scenario, *request, sets, vehicles, seed)
+            job = api.Job(Store(Path(scenario)), engine)
+        else:
+            plan = faults_plan(scenario, tuple(sets or ()), request, vehicles, seed)
+            name = f"{'sensor-faults' if sensors else 'faults'}-{plan.name}"
+            store = Store(out or Path("runs") / name)
+            job = api.Job(store, engine, plan, force=force)
+            if resume:
+                job = api.resumed_job(store, engine, plan, "faults")
+        return fly_campaign(job, command="faults", as_json=as_json)
 
 
 def covariance(
     campaign: Annotated[
         str,
-        argument(
-            "CAMPAIGN",
-            "Campaign file or name, tianwen1_mc if not given; or the folder of a finished "
-            "campaign, to compare with it.",
-        ),
+        argument("CAMPAIGN", "Campaign, tianwen1_mc if not given; or the folder of one, to compare with it."),
     ] = "tianwen1_mc",
     at: Annotated[
         str, option("EVENT", "entry (its peaks), parachute, trim_wing, backshell or touchdown.")
@@ -268,14 +232,12 @@ def covariance(
         bool, flag("Also step each dispersion alone, to show where the response is linear.", "--each")
     ] = False,
     seed: Annotated[int | None, option("N", "Seed of the steps; the campaign's if not given.", min=0)] = None,
-    workers: Annotated[
-        int | None, option("N", "Threads; as many as there are cores if not given.", min=1, max=1024)
-    ] = None,
+    workers: Workers = None,
     out: Annotated[
         Path | None, option("FILE", "Write the error budget (.csv) or the ellipse (.png, .pdf, .svg).")
     ] = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
-) -> int:
+) -> None:
     """Compute the covariance of an event and its contributions.
 
     Every dispersion is one standard deviation high in half of the flights and low in their mirror images,
@@ -284,20 +246,17 @@ def covariance(
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
     """
     activate(campaign)
+    from edl6dof.api.progress import count_runs
     from edl6dof.campaign.covariance_estimate import flown, fly_alone, fly_covariance
     from edl6dof.campaign.covariance_flights import ending_at_deployment, figures_at
     from edl6dof.campaign.design.plan import load_plan
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.store import Store
     from edl6dof.cli.covariance_tables import show, show_alone, write_budget
-    from edl6dof.cli.progress import count_runs
-    from edl6dof.runs.files import atomic_file, refuse_existing_file
+    from edl6dof.runs.files import atomic_file
 
     event = figures_at(at)
-    if out is not None:
-        if out.suffix not in COVARIANCE_FORMS:
-            raise refusal(out, f"must end in {', '.join(COVARIANCE_FORMS)}")
-        refuse_existing_file(out, force)
+    check_target(out, (".csv", ".png", ".pdf", ".svg"), force)
     folder, sampled = Path(campaign), None
     if not lexists(folder / "campaign.json"):
         plan = load_plan(campaign, tuple(sets or ()), seed=seed)
@@ -311,7 +270,7 @@ def covariance(
         sampled = flown(store.table(list(event.all)), event, folder)
     if at in ENDS_AT_DEPLOYMENT:
         plan = ending_at_deployment(plan)
-    with count_runs("covariance", quiet=False) as progress:
+    with count_runs("covariance") as progress:
         began = time.perf_counter()
         found = fly_covariance(plan, event, pairs, workers, progress)
         took_s = time.perf_counter() - began
@@ -328,4 +287,3 @@ def covariance(
 
                 write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)
         print(out)
-    return 0

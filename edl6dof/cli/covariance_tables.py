@@ -8,7 +8,6 @@ from pathlib import Path
 from textwrap import wrap
 
 import numpy as np
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -38,11 +37,11 @@ def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, t
     if found.event.position:
         along, towards = (figure_of_merit(name).meaning for name in found.event.position)
         degrees = np.degrees(np.arctan2(found.axes[1, 0], found.axes[0, 0])) % 180.0
-        console.print(f"long axis {degrees:.0f} deg from '{along}' to '{towards}'", markup=False)
+        print(f"long axis {degrees:.0f} deg from '{along}' to '{towards}'")
     print_whole(_budget(found))
     if found.together:
         names = ", ".join(source.name for source in found.together)
-        console.print(f"not significant: {names}", markup=False)
+        print(f"not significant: {names}")
 
 
 def _spreads(found: Covariance, sampled: np.ndarray | None) -> Table:
@@ -119,12 +118,9 @@ def show_alone(found: Alone, event: EventFigures) -> None:
 
 def _table(first: str, names: Sequence[str]) -> Table:
     """An empty table with a column for each figure, headed by its meaning and unit, word below word."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="", padding=(0, 1, 0, 0))
-    table.add_column(first, no_wrap=True, vertical="bottom")
-    for figure in map(figure_of_merit, names):
-        heading = wrap(f"{figure.meaning} ({figure.unit.label or '1'})", _HEADING, break_long_words=False)
-        table.add_column("\n".join(heading), justify="right", no_wrap=True, vertical="bottom")
-    return table
+    headings = (f"{figure.meaning} ({figure.unit.label or '1'})" for figure in map(figure_of_merit, names))
+    broken = ("\n".join(wrap(heading, _HEADING, break_long_words=False)) for heading in headings)
+    return open_table("", first, *(f"{heading}>" for heading in broken), narrow=True)
 
 
 def write_budget(found: Covariance, path: Path) -> None:

@@ -11,13 +11,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
+from edl6dof.api.arguments import extends_name
+from edl6dof.cli.group import NOT_WITHIN_LIMITS
 from edl6dof.config.document.document import EXTENDS
 from edl6dof.config.document.overrides import with_values
-from edl6dof.config.document.scalars import write_scalar
+from edl6dof.config.document.yamltree import write_scalar
 from edl6dof.config.errors import refusal
 from edl6dof.design.aim import Aim
-from edl6dof.design.convex_step import propagate
 from edl6dof.design.entry_profile import Design, Goal, Plan
 from edl6dof.design.powered_start import landing_of, powered_rows, states_of
 from edl6dof.design.rigid_landing import (
@@ -29,7 +29,7 @@ from edl6dof.design.rigid_landing import (
     figures_of,
     tilt_of,
 )
-from edl6dof.design.successive import Converged, land
+from edl6dof.design.successive import Converged, land, propagate
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
@@ -55,7 +55,7 @@ def goal_of(maximise: str | None, minimise: str | None) -> Goal:
 
 
 def designed_text(scenario: str, whole: bool, loaded: LoadedScenario, found: Design) -> str:
-    """Write the scenario with the designed profile as YAML: one that extends it, or ``whole`` all of it."""
+    """Return a scenario with the designed profile as YAML, which extends the given one unless ``whole``."""
     name = f"{loaded.scenario.name}_designed"
     if not whole:
         return _overlay(scenario, name, found)
@@ -65,11 +65,9 @@ def designed_text(scenario: str, whole: bool, loaded: LoadedScenario, found: Des
 
 
 def _overlay(scenario: str, name: str, found: Design) -> str:
-    file = Path(scenario)
-    extended = str(file.resolve()) if file.is_file() else scenario
     rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}\n" for at, bank in found.after.points)
     return f"""\
-{EXTENDS}: {write_scalar(extended)}
+{EXTENDS}: {write_scalar(extends_name(scenario))}
 name: {write_scalar(name)}
 flight_software:
   guidance:
@@ -84,10 +82,8 @@ def aimed_text(scenario: str, whole: bool, aimed: LoadedScenario) -> str:
     new, name = aimed.scenario, f"{aimed.scenario.name}_aimed"
     if whole:
         return resolved_text(check_document(with_values(aimed.document, {"name": name}, Scenario)))
-    file = Path(scenario)
-    extended = str(file.resolve()) if file.is_file() else scenario
     return f"""\
-{EXTENDS}: {write_scalar(extended)}
+{EXTENDS}: {write_scalar(extends_name(scenario))}
 name: {write_scalar(name)}
 terrain:
   site_latitude_deg: {new.terrain.site_latitude_deg}   # [S]
@@ -131,7 +127,7 @@ def show(name: str, found: Design) -> None:
     console.print(_profile(name, found))
     console.print(_figures(found))
     for broken in found.broken:
-        console.print(f"not met: {_REMEDIES[broken]}", markup=False)
+        print(f"not met: {_REMEDIES[broken]}")
 
 
 def _profile(name: str, found: Design) -> Table:
@@ -182,7 +178,7 @@ _REMEDIES = {
 
 #: States of each interval in the table of states and in the figure.
 SAMPLES = 10
-#: Time (s), states, controls, and angles of the thrust axis from the vertical.
+#: Columns of the table of states: time, states, controls, and tilt of the thrust axis.
 COLUMNS = (
     *("t_s", "mass_kg", "east_m", "north_m", "up_m", "v_east_m_s", "v_north_m_s", "v_up_m_s"),
     *("q_S2L_w", "q_S2L_x", "q_S2L_y", "q_S2L_z", "rate_x_deg_s", "rate_y_deg_s", "rate_z_deg_s"),
@@ -193,11 +189,7 @@ COLUMNS = (
 def design_landing_of(
     loaded: LoadedScenario, place: str, out: Path | None, figure: Path | None, force: bool
 ) -> int:
-    """Fly to ignition, design the landing from there, show and write it; returns the exit status.
-
-    Raises:
-        ConfigError: the scenario, called ``place``, lights no engine or cannot turn.
-    """
+    """Fly a scenario to ignition, design the landing, print and write it; return the exit status."""
     flight = fly(loaded)
     rows = powered_rows(flight)
     if not len(rows):
@@ -211,13 +203,13 @@ def design_landing_of(
     law = flight.scenario.flight_software.guidance.powered.law
     own_t, own_x = flight.telemetry["t_s"][rows] - flight.telemetry["t_s"][rows[0]], states_of(flight, rows)
     if not found.landed:
-        console.print(_refused(flight, landing, found), markup=False)
+        print(_refused(flight, landing, found))
         return NOT_WITHIN_LIMITS
     console.print(_table(flight.name, law, landing, designed, figures_of(landing, own_t, own_x)))
-    console.print(_solution(found), markup=False)
+    print(_solution(found))
     exceeded = excesses(landing, designed)
     for excess in exceeded:
-        console.print(_exceeded(excess), markup=False)
+        print(_exceeded(excess))
     if out is not None:
         with atomic_file(out, force) as partial:
             write_states(partial, t, x, u)
@@ -230,7 +222,6 @@ def design_landing_of(
 
 
 def _refused(flight: Flight, landing: RigidLanding, found: Converged) -> str:
-    """Say why there is no landing."""
     height, away = landing.start[3], (landing.start[1] ** 2 + landing.start[2] ** 2) ** 0.5
     return (
         f"{flight.name}: no landing found within the limits from {height:.0f} m above and {away:.0f} m "
@@ -261,7 +252,7 @@ def _table(
 
 
 def _exceeded(excess: Excess) -> str:
-    """Say by how much a limit is exceeded, and if that is expected between the points of the design."""
+    """Text of an excess, and whether it is expected between the points of the design."""
     by = f"{excess.what}: exceeds its limit by {excess.by:.2g} {excess.unit}"
     most = f"the {100.0 * TOLERANCE:g} % allowed between the points where the design asks for it"
     return f"{by}, within {most}" if excess.tolerated else f"not met: {by}, more than {most}"

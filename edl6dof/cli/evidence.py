@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+from edl6dof.api import functions
 from edl6dof.api.functions import activate
-from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS, refuse
-from edl6dof.cli.group import Sets, argument, flag, option
+from edl6dof.cli.group import NOT_WITHIN_LIMITS, Sets, argument, flag, option
+from edl6dof.config.errors import refusal
 
 #: More flights than any mean, and than any mission, needs.
 MOST_FLIGHTS, MOST_OF_A_MISSION = 100_000, 1_000_000
@@ -32,7 +33,7 @@ def verify(
 
     Exit status: 0 all within tolerance or identical, 1 not, 2 bad input.
     """
-    from edl6dof.cli.check_cases import fly_golden, run_cases
+    from edl6dof.cli.evidence_tables import fly_golden, run_cases
 
     return fly_golden(names or [], as_json) if golden else run_cases(names or [], as_json, plots, force)
 
@@ -51,24 +52,25 @@ def figures(
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
     """
     activate(scenario)
+    from edl6dof.api.progress import count_runs
     from edl6dof.campaign.ensemble import FLIGHTS, fly_neighbours, sample_means
-    from edl6dof.cli.evidence_tables import plain_means, show_figures
-    from edl6dof.cli.progress import count_runs
-    from edl6dof.config.dump import json_text
+    from edl6dof.cli.evidence_tables import show_figures
     from edl6dof.scenario.loading import load_scenario
 
-    count = FLIGHTS if flights is None else flights
-    if not 2 <= count <= MOST_FLIGHTS:
-        return refuse(f"-n {count}: a spread needs 2 flights, and at most {MOST_FLIGHTS} are flown")
+    count = _enough(FLIGHTS if flights is None else flights, MOST_FLIGHTS)
     loaded = load_scenario(scenario, sets or ())
     with count_runs(loaded.scenario.name, quiet=as_json) as progress:
         rows = fly_neighbours(loaded, count, progress=lambda done, row: progress(done, count))
     means = sample_means(rows, loaded.scenario.published)
-    if as_json:
-        print(json_text(plain_means(loaded, rows, means)), end="")
-    else:
-        show_figures(loaded, rows, means)
+    show_figures(loaded.scenario, rows, means, as_json)
     return 0 if all(row["success"] for row in rows) else NOT_WITHIN_LIMITS
+
+
+def _enough(flights: int, most: int) -> int:
+    """Return a number of flights after checking that it gives a spread."""
+    if not 2 <= flights <= most:
+        raise refusal(f"-n {flights}", f"a spread needs 2 flights, and at most {most} are flown")
+    return flights
 
 
 def validate(
@@ -93,18 +95,16 @@ def validate(
     Exit status: 0 nine in ten flown values within three sigma, 1 not, 2 bad input, 130 interrupted.
     """
     activate(*(names or []))
+    from edl6dof.api.progress import count_runs
     from edl6dof.cli.evidence_tables import show_missions
-    from edl6dof.cli.progress import count_runs
     from edl6dof.missions.mission import compare, load_mission, reached_goal, shipped_missions
     from edl6dof.missions.write import to_json, write_validation
     from edl6dof.runs.files import atomic_folder, default_folder
 
-    count = 200 if flights is None else flights
-    if not 2 <= count <= MOST_OF_A_MISSION:
-        return refuse(f"-n {count}: a spread needs 2 flights, and at most {MOST_OF_A_MISSION} are flown")
+    count = _enough(200 if flights is None else flights, MOST_OF_A_MISSION)
     missions = [load_mission(name, count) for name in names or shipped_missions()]
     if twice := {one.name for one in missions if [two.name for two in missions].count(one.name) > 1}:
-        return refuse(f"{', '.join(sorted(twice))}: named twice")
+        raise refusal(", ".join(sorted(twice)), "named twice")
     target = out or default_folder("validation", force)
     rows, compared = {}, []
     with atomic_folder(target, "validation", force) as folder:
@@ -138,21 +138,19 @@ def calibrate(
     Exit status: 0 every figure explained within two sigma, 1 not, 2 bad input, 130 interrupted.
     """
     activate(scenario)
-    from edl6dof.api.calibration import found_by, write_findings
+    from edl6dof.api.progress import count_runs
     from edl6dof.calibration.problem import load_calibration
     from edl6dof.cli.evidence_tables import show_calibration
-    from edl6dof.cli.progress import count_runs
-    from edl6dof.runs.files import atomic_folder, default_folder
+    from edl6dof.runs.files import default_folder
 
-    calibration = load_calibration(scenario, tuple(sets or ()), flights)
-    name = calibration.loaded.scenario.name
+    name = load_calibration(scenario, tuple(sets or ()), flights).loaded.scenario.name
     target = out or default_folder(f"calibration-{name}", force)
-    with atomic_folder(target, "calibration", force) as folder:
-        with count_runs(name, quiet=as_json) as progress:
-            found = found_by(calibration, scenario, progress)
-        summary = write_findings(found, folder, scenario, sets or (), flights)
+    with count_runs(name, quiet=as_json) as progress:
+        found = functions.calibrate(
+            scenario, sets or (), flights=flights, out=target, force=force, progress=progress
+        )
     if as_json:
-        print(summary, end="")
+        print((target / "summary.json").read_text(encoding="utf-8"), end="")
     else:
         show_calibration(found, target)
     return 0 if not found.unexplained else NOT_WITHIN_LIMITS

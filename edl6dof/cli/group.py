@@ -1,18 +1,34 @@
-"""The group of all commands, how they are declared, and what they have in common."""
+"""The group of all commands: how they are declared, help, examples, exit statuses and their messages."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from traceback import extract_tb
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from edl6dof.api.arguments import naming_options
-from edl6dof.cli.exit_status import BAD_INPUT, BROKEN_PIPE, INTERRUPTED
-from edl6dof.config.errors import ConfigError
+from edl6dof.config.errors import ConfigError, refusal
+
+#: The flight, or the result of flights, is not within its limits.
+NOT_WITHIN_LIMITS = 1
+#: The input cannot be used.
+BAD_INPUT = 2
+#: Something that the command needs is not on this machine (EX_UNAVAILABLE of sysexits.h).
+UNAVAILABLE = 69
+#: The program itself has a defect (EX_SOFTWARE of sysexits.h).
+DEFECT = 70
+#: Ctrl-C.
+INTERRUPTED = 130
+#: The reader of the output has closed it.
+BROKEN_PIPE = 141
 
 
 def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
@@ -34,7 +50,7 @@ Sets = Annotated[
     list[str] | None,
     option("PATH=VALUE", "Change one parameter (edl6dof params lists them); repeatable.", "--set"),
 ]
-
+Workers = Annotated[int | None, option("N", "Threads; all cores if not given.", "--workers", min=1, max=1024)]
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "fly": (
@@ -132,7 +148,7 @@ class Command(TyperCommand):
         return [self.options_metavar or "", *pieces]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write arguments and options, each with what it means."""
+        """Write arguments and options, each with its meaning."""
         arguments = [(_called(one), getattr(one, "help", "") or "") for one in self._arguments()]
         records = [
             one.get_help_record(ctx) for one in self.get_params(ctx) if one.param_type_name == "option"
@@ -195,6 +211,51 @@ class Commands(TyperGroup):
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115  what is still in the buffer has nowhere to go
             raise typer.Exit(BROKEN_PIPE) from None
         raise typer.Exit(status or 0)
+
+
+def refuse(message: str) -> int:
+    """Print a reason in one line on standard error; return the exit status of bad input."""
+    print(" ".join(message.split()), file=sys.stderr)
+    return BAD_INPUT
+
+
+def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> None:
+    """Check before anything is computed that a file, if one is named, has a known form and can be written.
+
+    Raises:
+        ConfigError: it has another form, or exists.
+    """
+    from edl6dof.runs.files import refuse_existing_file
+
+    if path is None:
+        return
+    if path.suffix not in suffixes:
+        raise refusal(path, f"must end in {', '.join(suffixes)}")
+    refuse_existing_file(path, force)
+
+
+@contextmanager
+def refusing_damage(*folders: Path) -> Iterator[None]:
+    """Turn any error while results are read and shown into one line.
+
+    Files are checked when they are read; this is for a folder made up to pass those checks.
+
+    Raises:
+        ConfigError: names the line of this program that failed.
+    """
+    from edl6dof.runs.files import needing_channels
+
+    try:
+        with needing_channels(*folders):
+            yield
+    except ConfigError:
+        raise
+    except Exception as error:
+        place = extract_tb(error.__traceback__)[-1]
+        where = f"{Path(place.filename).name}:{place.lineno}"
+        names = ", ".join(map(str, folders))
+        words = f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})"
+        raise refusal(names, words) from error
 
 
 EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is

@@ -5,32 +5,35 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import accumulate, chain, groupby
 from pathlib import Path
-from textwrap import wrap
+from textwrap import fill, wrap
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.text import Text
 
+from edl6dof.api.functions import draw_vehicle, load
 from edl6dof.calibration.problem import calibration_of
 from edl6dof.campaign.design.plan import plan_of
-from edl6dof.cli.exit_status import BAD_INPUT, NOT_WITHIN_LIMITS, refuse
-from edl6dof.config.accepted import accept, accepted_file, is_accepted
+from edl6dof.cli.group import BAD_INPUT, NOT_WITHIN_LIMITS
 from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipped_names, shown
 from edl6dof.config.document.source import parse_document, read_document
-from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.config.errors import ConfigError, did_you_mean, refusal
 from edl6dof.config.parameter_table import Value, rows, values
-from edl6dof.config.wording import did_you_mean
+from edl6dof.config.plugin_files import accept, accepted_file, is_accepted
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
 
-#: Longest value that stands in the table of parameters; a longer one gets lines of its own, and one that is
-#: longer than the second is cut off.
-SHORT, LONGEST = 15, 400
-WIDEST = 100
+if TYPE_CHECKING:
+    from edl6dof.design.thruster_authority import Configuration
+
+#: Longest value in the table of parameters, longest one on lines of its own, and widest line, in letters.
+SHORT, LONGEST, WIDEST = 15, 400, 100
 
 
 def check_files(files: Sequence[str], sets: Sequence[str]) -> int:
@@ -70,37 +73,32 @@ def list_scenarios() -> None:
     console.print("A file of your own: edl6dof scenarios tianwen1 > mine.yaml", style="dim")
 
 
-def show_params(path: str, as_json: bool) -> int:
+def show_params(path: str, as_json: bool) -> None:
     """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
     table = [Value(row, row.default, row.path, "") for row in rows(Scenario)]
-    if (found := select(table, path)) is None:
-        return _refuse_path(table, path, "'edl6dof params' lists all")
+    found = _found(table, path, "edl6dof params")
     if as_json:
         print(json.dumps([one.row._asdict() for one in found], indent=1))
     else:
         _print_sections(found)
-    return 0
 
 
-def show_values(name: str, path: str, sets: Sequence[str], as_json: bool) -> int:
+def show_values(name: str, path: str, sets: Sequence[str], as_json: bool) -> None:
     """Print the values of a scenario from ``path`` downwards, or whose path contains it."""
-    table = _values(name, sets)
-    if (found := select(table, path)) is None:
-        return _refuse_path(table, path, f"'edl6dof show {name}' lists all")
+    found = _found(_values(name, sets), path, f"edl6dof show {name}")
     if as_json:
         print(json.dumps([{**one.row._asdict(), **_given(one)} for one in found], indent=1))
     else:
         _print_sections(found)
-    return 0
 
 
-def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_json: bool) -> int:
+def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_json: bool) -> None:
     """Print the values in which two scenarios differ, and where each is given; ``sets`` are of the first."""
     one, two = _values(names[0], sets), _values(names[1], ())
-    if (found := select([*one, *two], path)) is None:
-        return _refuse_path([*one, *two], path, f"'edl6dof show {names[0]}' lists all")
     mine, other = ({value.row.path: value for value in table} for table in (one, two))
-    units = {value.row.path: value.row.unit for value in found}
+    units = {
+        value.row.path: value.row.unit for value in _found([*one, *two], path, f"edl6dof show {names[0]}")
+    }
     pairs = {key: (mine.get(key), other.get(key)) for key in units}
     pairs = {key: pair for key, pair in pairs.items() if len({value and value.value for value in pair}) > 1}
     if as_json:
@@ -109,7 +107,7 @@ def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_
             for key, pair in pairs.items()
         ]
         print(json.dumps(data, indent=1))
-        return 0
+        return
     console = Console(highlight=False, soft_wrap=True)
     console.print(" | ".join(names) if pairs else "The scenarios are the same.", style="bold", markup=False)
     for key, pair in pairs.items():
@@ -117,7 +115,39 @@ def show_differences(names: tuple[str, str], path: str, sets: Sequence[str], as_
         console.print(f"{key}: {' | '.join(shown)}", markup=False)
         places = (value.origin if value else "-" for value in pair)
         console.print(f"    {' | '.join(places)}", style="dim", markup=False)
-    return 0
+
+
+def show_vehicle(name: str, sets: Sequence[str], out: Path, force: bool, as_json: bool) -> None:
+    """Draw the vehicle of a scenario, and print the authority of its thrusters."""
+    from edl6dof.report.vehicle_drawing import NOTE, authority_tables
+
+    loaded = load(name, sets)
+    states = draw_vehicle(loaded, out, force=force)
+    if as_json:
+        print(json.dumps([_plain(state) for state in states], indent=1))
+        return
+    console = Console(highlight=False, soft_wrap=True)
+    for table in authority_tables(loaded.scenario.vehicle, states):
+        shown = open_table(table.caption, *table.columns)
+        for row in table.rows:
+            shown.add_row(*map(str, row))
+        console.print(shown)
+    words = NOTE if states[0].groups else f"{loaded.scenario.vehicle.name} has no thrusters."
+    console.print(fill(words, 80), style="dim", markup=False)
+    print(out)
+
+
+def _plain(state: Configuration) -> dict[str, object]:
+    """The configuration as JSON: forces (N) and torques (N m) along - and + of x, y, z."""
+    groups = {
+        group: {
+            f"{kind}_{unit}": rows.tolist()
+            for kind, values in (("pure", found.pure), ("total", found.total))
+            for unit, rows in (("force_n", values[:3]), ("torque_nm", values[3:]))
+        }
+        for group, found in state.groups.items()
+    }
+    return {"configuration": state.name, "centre_m": state.centre_m.tolist(), "groups": groups}
 
 
 def _values(name: str, sets: Sequence[str]) -> list[Value]:
@@ -127,10 +157,6 @@ def _values(name: str, sets: Sequence[str]) -> list[Value]:
 
 def _given(value: Value) -> dict[str, str]:
     return {"value": value.value, "origin": value.origin}
-
-
-def _refuse_path(table: Sequence[Value], path: str, all_of_them: str) -> int:
-    return refuse(f"{path}: no such parameter{did_you_mean(path, known_paths(table))} ({all_of_them})")
 
 
 def _print_sections(found: Sequence[Value]) -> None:
@@ -146,9 +172,17 @@ def _print_sections(found: Sequence[Value]) -> None:
             console.print(line, style=style, markup=False)
 
 
+def _found(table: Sequence[Value], path: str, command: str) -> list[Value]:
+    """Return the selected values; refuse a path without any, where ``command`` lists all."""
+    if (found := select(table, path)) is None:
+        near = did_you_mean(path, known_paths(table))
+        raise refusal(path, f"no such parameter{near} ('{command}' lists all)")
+    return found
+
+
 def select(table: Sequence[Value], path: str) -> list[Value] | None:
-    """Values at and below a dotted path, list items by index or by name, or else whose path contains the
-    text; ``None`` if there are none.
+    """Values at and below a dotted path, list items by index or by name, otherwise those whose path contains
+    the text; ``None`` if there are none.
     """
     parts = [part for part in path.strip().split(".") if part]
     below = [one for one in table if any(_leads(parts, way.split(".")) for way in (one.row.path, one.place))]
@@ -172,7 +206,7 @@ def known_paths(table: Sequence[Value]) -> list[str]:
 
 
 def _lines(members: list[Value], width: int) -> Iterator[tuple[str, str]]:
-    """Lines of one section and their style: key, value, unit, bounds; below them meaning, status, origin."""
+    """Lines of one section with styles: key, value, unit, bounds; below them meaning, status, origin."""
     names = [one.row.path.rpartition(".")[2] for one in members]
     key_width = max(map(len, names))
     for name, (row, value, _, origin) in zip(names, members, strict=True):
@@ -205,19 +239,13 @@ def _paragraph(text: str, width: int) -> Iterator[tuple[str, str]]:
 
 
 def trust_plugins(files: Sequence[str], yes: bool) -> int:
-    """Show each plugin, ask for consent to run it, and record that; returns the exit status."""
+    """Show each plugin, ask for consent to run it, and record it; return the exit status."""
     for path in [path for file in files for path in _plugins(file)]:
-        try:
-            content = plugin_content(path)
-            source = source_text(content)
-        except OSError as error:
-            raise refusal(shown(path), f"cannot be read: {error.strerror or error}") from error
-        except UnicodeDecodeError as error:
-            raise refusal(shown(path), "is not text in UTF-8") from error
+        content = plugin_content(path, partial(refusal, shown(path)))
         if is_accepted(content):
             print(f"{shown(path)}: accepted before")
             continue
-        print(_printable(source))
+        print(_printable(source_text(content)))
         if not yes and not _consent(path):
             print(f"{shown(path)}: not accepted")
             return NOT_WITHIN_LIMITS

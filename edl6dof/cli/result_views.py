@@ -13,13 +13,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table as RichTable
 
-from edl6dof.api.flight_results import channels_figure
+from edl6dof.api.flight import channels_figure
 from edl6dof.api.functions import activate
+from edl6dof.api.progress import count_runs
 from edl6dof.api.reports import write_page
 from edl6dof.campaign.ensemble import SampleMean, clear_differences, fly_neighbours, sample_means
 from edl6dof.campaign.statistics import Comparison, Difference, compare
 from edl6dof.campaign.store import Store
-from edl6dof.cli.progress import count_runs
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
@@ -54,9 +54,7 @@ def write_plot(
     out: Path | None,
     force: bool,
 ) -> Path:
-    """Write a plot of channels of one or more runs in the form that the suffix of ``out`` names; returns its
-    path.
-    """
+    """Write a plot of channels of runs in the form that the suffix of ``out`` names; return its path."""
     runs = [Run(folder) for folder in folders]
     channels, names = chosen(runs[0], patterns, folders[0]), labels(*runs)
     figures = [channels_figure(run, run.folder, channels, against, since, until) for run in runs]
@@ -66,33 +64,32 @@ def write_plot(
     target = out or folders[0] / "plots" / f"{channels[0]}{more}{others}.html"
     if target.suffix not in SUFFIXES:
         raise refusal(target, f"must end in {', '.join(SUFFIXES)}")
-    refuse_existing_file(target, force, folders[0])
     with atomic_file(target, force, folders[0]) as partial:
         _write(runs, figure, partial)
     return target
 
 
 def _write(runs: Sequence[Run], figure: Figure, path: Path) -> None:
-    if path.suffix == ".html":
-        headlines = [headline(run) for run in runs]
-        if len(runs) > 1:
-            headlines = [f"{name}: {words}" for name, words in zip(labels(*runs), headlines, strict=True)]
-        report = Report(
-            ", ".join(labels(*runs)) if len(runs) > 1 else runs[0].name,
-            "; ".join(headlines),
-            max((mood(run.summary) for run in runs), key=("good", "warn", "bad").index),
-            ", ".join(str(run.folder) for run in runs),
-            sections=[Section("plots", figure.title, [figure])],
-        )
-        path.write_text(page(report), encoding="utf-8")
-    else:
+    if path.suffix != ".html":
         from edl6dof.report.matplotlib_figure import write_figure
 
-        write_figure(figure, path)
+        return write_figure(figure, path)
+    title, headlines = runs[0].name, [headline(run) for run in runs]
+    if len(runs) > 1:
+        title = ", ".join(names := labels(*runs))
+        headlines = [f"{name}: {words}" for name, words in zip(names, headlines, strict=True)]
+    report = Report(
+        title,
+        "; ".join(headlines),
+        max((mood(run.summary) for run in runs), key=("good", "warn", "bad").index),
+        ", ".join(str(run.folder) for run in runs),
+        sections=[Section("plots", figure.title, [figure])],
+    )
+    path.write_text(page(report), encoding="utf-8")
 
 
-def list_channels(folder: Path) -> int:
-    """Print name, unit and meaning of every channel of a run; returns the exit status."""
+def list_channels(folder: Path) -> None:
+    """Print name, unit and meaning of every channel of a run."""
     run = Run(folder)
     widest = max(map(len, run))
     units = max(len(run.unit(name)) for name in run)
@@ -101,14 +98,13 @@ def list_channels(folder: Path) -> int:
             print(f"{name:<{widest}}  {run.unit(name):<{units}}  {run.meaning(name)}")
     except BrokenPipeError:
         sys.stderr.close()
-    return 0
 
 
-#: Figures, and differences of the scenarios, that the terminal shows of two flights without ``--all``.
+#: Most figures and differences of scenarios of two flights on a terminal, without ``--all``.
 MOST_FIGURES, MOST = 10, 20
-#: Neighbours that are flown to know by how much figures vary from flight to flight.
+#: Neighbours that are flown for the variation of figures from flight to flight.
 NEIGHBOURS = 10
-#: Decimals of a number in a table; smaller ones have an exponent.
+#: Most decimals of a number in a table; smaller ones have an exponent.
 _MOST_PLACES = 8
 
 
@@ -128,19 +124,15 @@ def compare_flights(first: Path, second: Path, out: Path | None, force: bool, ev
     refuse_existing_file(target, force, second)
     report = comparison_report(one, two)
     console = Console(highlight=False, soft_wrap=True)
-    tables = [outcomes(one, two)]
+    console.print(_printed(outcomes(one, two)))
     if everything:
-        tables += [
-            replace(figures_table(one, two), caption="Figures"),
-            replace(events_table(one, two), caption="Events"),
-        ]
-    for table in tables:
-        console.print(_printed(table))
-    if not everything:
+        console.print(_printed(replace(figures_table(one, two), caption="Figures")))
+        console.print(_printed(replace(events_table(one, two), caption="Events")))
+    else:
         _show_clear_differences(console, one, two)
     _show_scenarios(console, differences_table(one, two), everything)
     write_page(report, target, force, second)
-    console.print(str(target), markup=False)
+    print(str(target))
 
 
 def _printed(table: Table) -> RichTable:
@@ -157,7 +149,7 @@ def _show_clear_differences(console: Console, one: Run, two: Run) -> None:
         clear = {} if figures[0] == figures[1] else clear_differences(_spreads(one), *figures)
     except ConfigError as error:
         words = f"{error.problems[0]}: how much flights vary is not known; --all shows every figure"
-        console.print(words, markup=False)
+        print(words)
         return
     shown = list(clear)[:MOST_FIGURES]
     if not shown:
@@ -172,7 +164,7 @@ def _show_clear_differences(console: Console, one: Run, two: Run) -> None:
 
 
 def _spreads(run: Run) -> dict[str, SampleMean]:
-    """Mean and spread of the figures over flights that nobody could tell from a run.
+    """Mean and spread of the figures over neighbouring flights of a run.
 
     Raises:
         ConfigError: its scenario cannot be flown here.
@@ -188,14 +180,14 @@ def _spreads(run: Run) -> dict[str, SampleMean]:
 def _show_scenarios(console: Console, table: Table | Text, everything: bool) -> None:
     """A line for each parameter: its path is never broken, and two scenarios may differ in hundreds."""
     if isinstance(table, Text):
-        console.print(table.words, markup=False)
+        print(table.words)
         return
     names = (escape(name) for name in table.columns[1:])
     console.print(f"[bold]Differences of the scenarios[/]: parameter: {' | '.join(names)}")
     rows = table.rows if everything else table.rows[:MOST]
     for row in rows:
         path, mine, theirs = (as_cell(item).text for item in row)
-        console.print(f"  {path}: {mine} | {theirs}", markup=False)
+        print(f"  {path}: {mine} | {theirs}")
     if len(rows) < len(table.rows):
         console.print(f"  and {len(table.rows) - len(rows)} more: --all, or the page")
 
@@ -206,7 +198,7 @@ def _show_campaigns(result: Comparison) -> None:
     a, b = result.names
     both, only_a, only_b, neither = result.counts
     for name, success in zip(result.names, result.success, strict=True):
-        console.print(f"{name}: success {success}", markup=False)
+        print(f"{name}: success {success}")
     console.print(
         f"both succeed {both}, {a} alone {only_a}, {b} alone {only_b}, neither {neither}", markup=False
     )

@@ -1,4 +1,4 @@
-"""Commands that show or rewrite what was flown."""
+"""Commands that show or rewrite results."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from typing import Annotated
 import typer
 
 from edl6dof.api import functions
-from edl6dof.cli.exit_status import UNAVAILABLE, refusing_damage
-from edl6dof.cli.group import argument, flag, option
+from edl6dof.cli.group import UNAVAILABLE, argument, flag, option, refusing_damage
 from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
@@ -94,7 +93,7 @@ def report(
     ] = False,
     png: Annotated[bool, flag("Write report/FIGURE.png instead, each figure for print.", "--png")] = False,
     force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
-) -> int:
+) -> None:
     """Write the report of a run or a campaign: one page with plots.
 
     The page opens offline, and its plots can be zoomed.
@@ -102,7 +101,6 @@ def report(
     with refusing_damage(run):
         for path in functions.report(run, out=out, pdf=pdf, png=png, force=force):
             print(path)
-    return 0
 
 
 def plot(
@@ -123,17 +121,17 @@ def plot(
         option("FILE", "File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given."),
     ] = None,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
-) -> int:
+) -> None:
     """Plot channels of flights; equal units share a panel."""
     from edl6dof.cli.result_views import list_channels, write_plot
 
     others = [Path(word) for word in takewhile(_is_folder, words or ())]
     channels = (words or [])[len(others) :]
     with refusing_damage(run, *others):
-        if not channels:
-            return list_channels(run)
-        print(write_plot([run, *others], channels, against, since, until, out, force))
-    return 0
+        if channels:
+            print(write_plot([run, *others], channels, against, since, until, out, force))
+        else:
+            list_channels(run)
 
 
 def _is_folder(word: str) -> bool:
@@ -152,7 +150,7 @@ def compare(
     ] = False,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of tables; of two campaigns only.", "--json")] = False,
-) -> int:
+) -> None:
     """Compare two flights, or two campaigns.
 
     For two flights, the result is the figures with the largest differences beyond the variation from flight
@@ -170,14 +168,13 @@ def compare(
             if out is not None:
                 raise refusal("--out", "is the page of two flights; a comparison of campaigns is printed")
             compare_campaigns(first, second, as_json)
-            return 0
+            return
         if any(campaigns):
             one, two = (second, first) if campaigns[1] else (first, second)
             raise refusal(two, f"is no campaign, and {one} is one; compare two flights, or two campaigns")
         if as_json:
             raise refusal("--json", "is of two campaigns; two flights are compared in a page")
         compare_flights(first, second, out, force, everything)
-    return 0
 
 
 def export(
@@ -192,7 +189,7 @@ def export(
         bool, flag("Use the columns and English units of NASA's NESC check cases.", "--nesc")
     ] = False,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
-) -> int:
+) -> None:
     """Write the telemetry of a run in the format of another program."""
     if nesc == bool(form) or form not in ("", *EXPORTS):
         raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
@@ -203,7 +200,6 @@ def export(
     with refusing_damage(run):
         if file == Path("-"):
             sys.stdout.write(export_text(run, form))
-            return 0
+            return
         target = file or run / FILES[form]
         print(f"{target}: {counted(write_export(run, form, target, force), 'row')}")
-    return 0

@@ -1,18 +1,19 @@
-"""Commands for one scenario: fly it, check it, start your own, and list its parameters."""
+"""Commands for one scenario, which fly, check, show or serve it; and for the machine code and the version."""
 
 from __future__ import annotations
 
 import json
 import math
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from shutil import rmtree
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.exit_status import UNAVAILABLE
-from edl6dof.cli.group import Sets, argument, flag, option
+from edl6dof.cli.group import UNAVAILABLE, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 
@@ -52,11 +53,12 @@ def fly(
     if start is not None and scenario is not None:
         raise refusal("--from", "a saved state brings its own scenario; give no other")
     activate(scenario)
+    changes = tuple(sets or ())
     from rich.console import Console
 
     from edl6dof.api.flight import Flight, flown_into
     from edl6dof.api.functions import report as write_report
-    from edl6dof.cli.progress import flight_progress
+    from edl6dof.api.progress import flight_progress
     from edl6dof.manifest import listed
     from edl6dof.report.terminal import headline, show_flight
     from edl6dof.runs.files import default_folder
@@ -64,14 +66,11 @@ def fly(
     from edl6dof.sim import flight as sim
     from edl6dof.sim.checkpoint import State
 
-    state = None if start is None else State.load(start)
-    if state is not None:
-        loaded = sim.continue_from(state, tuple(sets or ()))
-    elif scenario is not None:
-        loaded = load_scenario(scenario, sets or ())
-    else:
+    if scenario is None and start is None:
         words = "name a scenario, such as tianwen1, or continue a state with --from STATE"
         raise refusal("edl6dof fly", words)
+    state = None if start is None else State.load(start)
+    loaded = sim.continue_from(state, changes) if state else load_scenario(str(scenario), changes)
     target = out or default_folder(loaded.scenario.name, force)
     talk = not (quiet or as_json)
 
@@ -165,7 +164,7 @@ def scenarios(
     scenario: Annotated[
         str | None, argument("SCENARIO", "Scenario whose file is printed; by default all are listed.")
     ] = None,
-) -> int:
+) -> None:
     """List the shipped scenarios, or print the file of one."""
     from edl6dof.cli.inspection import list_scenarios
     from edl6dof.config.document.locate import resolve_scenario
@@ -174,7 +173,6 @@ def scenarios(
         list_scenarios()
     else:
         sys.stdout.write(resolve_scenario(scenario).read_text(encoding="utf-8"))
-    return 0
 
 
 def show(
@@ -194,24 +192,22 @@ def show(
         "vehicle.svg"
     ),
     force: Annotated[bool, flag("Replace an existing picture.", "--force")] = False,
-) -> int:
+) -> None:
     """Values of a scenario: unit, bounds, meaning, file and line.
 
     Parameters of its plugins are among them.
     """
     activate(scenario, diff)
+    from edl6dof.cli.inspection import show_differences, show_values, show_vehicle
+
+    if vehicle and (path or diff is not None):
+        raise refusal("--vehicle", "draws the whole vehicle; give neither PATH nor --diff")
     if vehicle:
-        if path or diff is not None:
-            raise refusal("--vehicle", "draws the whole vehicle; give neither PATH nor --diff")
-        from edl6dof.cli.vehicle_tables import show_vehicle
-
         show_vehicle(scenario, sets or (), out, force, as_json)
-        return 0
-    from edl6dof.cli.inspection import show_differences, show_values
-
-    if diff is not None:
-        return show_differences((scenario, diff), path, sets or (), as_json)
-    return show_values(scenario, path, sets or (), as_json)
+    elif diff is not None:
+        show_differences((scenario, diff), path, sets or (), as_json)
+    else:
+        show_values(scenario, path, sets or (), as_json)
 
 
 def params(
@@ -219,18 +215,18 @@ def params(
         str, argument("PATH", "Dotted path to begin at, such as vehicle.parachutes, or part of a name.")
     ] = "",
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
-) -> int:
+) -> None:
     """List parameters: default, unit, bounds, meaning, status."""
     activate()
     from edl6dof.cli.inspection import show_params
 
-    return show_params(path, as_json)
+    show_params(path, as_json)
 
 
 def schema(
     scenario: Annotated[str | None, argument("SCENARIO", "Scenario whose plugins the files may use.")] = None,
     of: Annotated[str, option("KIND", "scenario (campaigns, too), vehicle or planet.", "--of")] = "scenario",
-) -> int:
+) -> None:
     """Print the JSON schema of scenario, vehicle or planet files."""
     activate(scenario)
     from edl6dof.api.schema_files import SCHEMAS
@@ -238,4 +234,43 @@ def schema(
     if of not in SCHEMAS:
         raise refusal("--of", f"must be one of {', '.join(SCHEMAS)} (got {of!r})")
     print(json.dumps(SCHEMAS[of](), indent=1))
-    return 0
+
+
+def cache(
+    clear: Annotated[bool, flag("Remove the code of this installation.", "--clear")] = False,
+    everything: Annotated[
+        bool, flag("With --clear: that of other installations and versions, too.", "--all")
+    ] = False,
+) -> None:
+    """Show the machine code on this machine, or clear it.
+
+    It is compiled by the first flight of an installation, and named by a hash of its sources: it is never
+    stale. Code that was not used for 30 days is removed automatically.
+    """
+    from edl6dof.config.wording import counted
+    from edl6dof.kernels.cache import folder
+
+    if everything and not clear:
+        raise refusal("--all", "is of --clear")
+    if (own := folder()) is None:
+        print("none is kept")
+        return
+    others = [one for one in own.parent.iterdir() if one.is_dir() and one != own]
+    print(f"{own.parent}\n  this installation: {_size([own])}\n  others: {_size(others)}")
+    if clear:
+        removed = [own, *others] if everything else [own]
+        for place in removed:
+            rmtree(place, ignore_errors=True)
+        print(f"removed: {counted(len(removed), 'folder')}")
+
+
+def _size(places: Sequence[Path]) -> str:
+    sizes = [file.stat().st_size for place in places for file in place.iterdir() if file.is_file()]
+    return f"{sum(sizes) / 1e6:.1f} MB in {len(sizes):,} files"
+
+
+def version() -> None:
+    """Print the version."""
+    from edl6dof import __version__
+
+    print(__version__)

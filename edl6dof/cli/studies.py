@@ -15,9 +15,9 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.cli.exit_status import refuse
-from edl6dof.cli.progress import count_runs
-from edl6dof.config.wording import counted, did_you_mean
+from edl6dof.api.progress import count_runs
+from edl6dof.cli.group import refuse
+from edl6dof.config.wording import counted, unknown
 from edl6dof.manifest import listed
 from edl6dof.report.document import significant
 from edl6dof.report.terminal import open_table
@@ -25,13 +25,11 @@ from edl6dof.runs.files import atomic_folder, default_folder
 from edl6dof.studies import STUDIES
 from edl6dof.studies.frame import Finding, Grid, Report, Study, to_json, write_study
 
-#: More flights than any study needs to settle a mean.
-MOST_RUNS = 1_000_000
-#: Letters of a line of a table.
-_WIDE = 80
+#: Flights of a study at most, and letters of a line of a table.
+MOST_RUNS, _WIDE = 1_000_000, 80
 #: A number and the space to its unit, or to a percent sign.
 _UNIT, _PERCENT = (re.compile(rf"(?<!\S)([+-]?\d[\d.,]*) (?={after})") for after in ("[%a-zA-Z]", "%"))
-#: A smaller spread, as a share of the value, is rounding: flights that do not differ in it.
+#: Spread, as a share of the value, below which flights do not differ.
 ROUNDING = 1e-6
 
 
@@ -45,17 +43,16 @@ def run_study(
     quick: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Fly a study, write its folder, show what it found; returns the exit status."""
+    """Fly a study, write its folder and print its result; return the exit status."""
     study = STUDIES.get(name)
     if study is None:
-        hint = did_you_mean(name, STUDIES)
-        return refuse(f"{name}: no such study{hint} (studies: {', '.join(STUDIES)})")
+        return refuse(unknown("study", name, STUDIES))
     if runs is not None and (not 1 <= runs <= MOST_RUNS or not study.counted):
         reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
         return refuse(f"-n {runs}: {reason}")
-    if unknown := sorted(set(only) - set(study.parts)):
+    if others := sorted(set(only) - set(study.parts)):
         allowed = f"one of {', '.join(study.parts)}" if study.parts else "left out: this study is one whole"
-        return refuse(f"--only {', '.join(unknown)}: must be {allowed}")
+        return refuse(f"--only {', '.join(others)}: must be {allowed}")
     target = out or default_folder(f"study-{study.name}", force)
     count = runs or (study.quick_runs if quick else study.runs)
     with atomic_folder(target, "study", force) as folder:
@@ -70,7 +67,7 @@ def run_study(
 
 
 def list_studies() -> int:
-    """Print the studies and their papers; returns the exit status."""
+    """Print the studies and their papers; return the exit status."""
     table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 2, 0, 0))
     for name, study in STUDIES.items():
         table.add_row(name, f"{study.title} ({study.source})")
@@ -89,12 +86,12 @@ def _show(study: Study, report: Report, target: Path) -> None:
         console.print(_table(experiment, findings))
     for remark in (*_causes(report), *report.remarks):
         console.print(remark, markup=False, soft_wrap=False)
-    console.print(f"{target}: {listed(target)}", markup=False)
+    print(f"{target}: {listed(target)}")
     console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
 
 
 def _table(experiment: str, findings: Iterable[Finding]) -> Table:
-    """The findings of one experiment, under its name; a column that none of them fills is left out."""
+    """Tabulate the findings of one experiment without empty columns."""
     rows = [(finding, (finding.unit, *_numbers(finding), *_compared(finding))) for finding in findings]
     heads = ("unit", "computed>", "published>", "difference>", ">")
     filled = [k for k in range(len(heads)) if any(cells[k] for _, cells in rows)]
@@ -118,7 +115,7 @@ def _causes(report: Report) -> list[str]:
 
 
 def _outcome(report: Report) -> str:
-    """Say under the table which figures are not as the study says, else how many hold."""
+    """Text of the violated figures of a study, or of the number of reproduced ones."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
         return f"violated: {', '.join(missed)}"
     explained = sum(bool(finding.why) for finding in report.findings)

@@ -10,12 +10,14 @@ import re
 from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass
 from math import inf, sqrt
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from annotated_types import MaxLen
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 
+from edl6dof.config.errors import Inconsistent
 from edl6dof.config.units import split_unit
 
 #: published: printed by a named source; derived: calculated from published data; recalled: quoted in the
@@ -24,7 +26,7 @@ from edl6dof.config.units import split_unit
 #: (gain, rate, switch), no claim on hardware.
 Status = Literal["published", "derived", "recalled", "estimate", "calibrated", "design"]
 
-#: The marks used beside numbers in YAML comments.
+#: Marks of numbers in YAML comments.
 STATUS_MARKS: dict[str, Status] = {
     "P": "published",
     "D": "derived",
@@ -71,7 +73,7 @@ class Within:
     largest: float
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
-        """Tell pydantic, so that what is beyond is reported with file and line."""
+        """Give pydantic the bound, so that larger numbers are reported with file and line."""
         return self._narrowed(handler(source))
 
     def _narrowed(self, schema: Any) -> Any:
@@ -111,15 +113,15 @@ class Params(BaseModel):
     largest: ClassVar[Mapping[str, float]] = {}
 
     def __hash__(self) -> int:
-        """By the model's own numbers and texts, which is quick; what lies deeper is left to the comparison.
+        """Hash the model's own numbers and texts only, which is quick; equality compares the rest.
 
-        So that what follows from a model can be kept by it: nobody changes a list in one.
+        A model can then be the key of a cache of what is computed from it; its lists are never changed.
         """
         return hash((type(self), *(value for value in vars(self).values() if isinstance(value, _PLAIN))))
 
     @classmethod
     def decided_by(cls, key: str) -> Iterable[str]:
-        """Keys whose values follow from the choice that ``key`` makes, until they are given themselves."""
+        """Keys whose values follow from the choice ``key``, unless they are given."""
         return ()
 
     def __init_subclass__(cls, **options: Any) -> None:
@@ -137,15 +139,8 @@ class Hardware(Params):
     largest = {"m": 200.0, "m2": 50e3}
 
 
-@dataclass(frozen=True)
-class Capacity:
-    """Annotation of a list field: slots of its record array; a longer list is a validation error."""
-
-    slots: int
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
-        """Tell pydantic the longest length, so that too many entries are reported with file and line."""
-        return {**handler(source), "max_length": self.slots}
+#: Annotation of a list field: slots of its record array; a longer list is a validation error.
+Capacity = MaxLen
 
 
 def param(
@@ -169,9 +164,8 @@ def param(
         source: report, paper or rule behind the default value.
         record: whether compiled code needs it (``False`` for names, files and Python-side switches).
         factory: makes the default instead of ``default`` (for lists and sub-models).
-        printed: the number of ``source``, where the default is this software's (see
-            :mod:`~edl6dof.config.paper_values`).
-        usual: smallest and largest usual value, and the reason (see :mod:`~edl6dof.config.usual`).
+        printed: the number of ``source``, where the default is this software's (:class:`PrintedParams`).
+        usual: smallest and largest usual value, and the reason.
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
     extra: JsonDict = {"status": status, "source": source, "record": record}
@@ -179,9 +173,8 @@ def param(
         extra["printed"] = printed
     if usual is not None:
         extra["usual"] = list(usual)
-    if factory is not None:
-        return Field(default_factory=factory, description=meaning, json_schema_extra=extra, **bounds)
-    return Field(default, description=meaning, json_schema_extra=extra, **bounds)
+    first = {"default": default} if factory is None else {"default_factory": factory}
+    return Field(**first, description=meaning, json_schema_extra=extra, **bounds)
 
 
 def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
@@ -189,8 +182,19 @@ def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
     return Field(default_factory=model, description=meaning, json_schema_extra={"record": record})
 
 
+def section(meaning: str, *, record: bool = True) -> Any:
+    """Declare a sub-model that the file must contain."""
+    return Field(..., description=meaning, json_schema_extra={"record": record})
+
+
+def extra_of(info: FieldInfo) -> JsonDict:
+    """Arguments of :func:`param` that pydantic does not know: ``status``, ``source``, ``record``, ..."""
+    extra = info.json_schema_extra
+    return extra if isinstance(extra, dict) else {}
+
+
 def unit_vector(value: Vec3) -> Vec3:
-    """A direction, brought to unit length; one that has it already, to rounding, stays as it is.
+    """Bring a direction to unit length; one that has it already, to rounding, is returned unchanged.
 
     Raises:
         ValueError: its length is not one within 1e-3.
@@ -204,7 +208,7 @@ def unit_vector(value: Vec3) -> Vec3:
 
 
 def unique_names(items: list[Any]) -> list[Any]:
-    """The items of a list, whose names must differ.
+    """Return a list of items if all names in it differ.
 
     Raises:
         ValueError: a name is given twice.
@@ -216,16 +220,64 @@ def unique_names(items: list[Any]) -> list[Any]:
 
 
 def stated(value: Value | None) -> Value:
-    """A value that may be missing in general, and that a check before has made sure of here.
+    """Return a value of an optional field that an earlier check requires.
 
     Raises:
-        ValueError: it is missing all the same.
+        ValueError: it is missing.
     """
     if value is None:
         raise ValueError("a value is missing that a check before should have asked for")
     return value
 
 
-def section(meaning: str, *, record: bool = True) -> Any:
-    """Declare a sub-model that the file must contain."""
-    return Field(..., description=meaning, json_schema_extra={"record": record})
+class PrintedParams(Params):
+    """Parameters of a law in two named sets: as its paper prints them, and as they are flown here.
+
+    A field declares both: its default is flown, ``printed`` is the number of the paper; a default of status
+    published is both.  With ``settings: as_printed`` every such field has the number of the paper and another
+    one is refused, so that nothing detuned has the name of the paper.
+    """
+
+    settings: Literal["flown", "as_printed"] = param(
+        "flown",
+        "flown: the defaults of this software; as_printed: the numbers of the paper",
+        record=False,
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_printed(cls, given: Any) -> Any:
+        """Give every field its printed number that is not given."""
+        if isinstance(given, dict) and given.get("settings") == "as_printed":
+            return {**cls.printed(), **given}
+        return given
+
+    @model_validator(mode="after")
+    def _named_truly(self) -> Self:
+        if self.settings == "as_printed" and (wrong := self._other_than_printed()):
+            raise Inconsistent(wrong)
+        return self
+
+    @classmethod
+    def decided_by(cls, key: str) -> Iterable[str]:
+        """Choosing the settings withdraws the numbers that they name."""
+        return cls.printed() if key == "settings" else ()
+
+    @classmethod
+    def printed(cls) -> dict[str, Any]:
+        """Numbers of the paper by field name."""
+        found = {}
+        for name, info in cls.model_fields.items():
+            extra = extra_of(info)
+            if "printed" in extra:
+                found[name] = extra["printed"]
+            elif extra.get("status") == "published":
+                found[name] = info.default
+        return found
+
+    def _other_than_printed(self) -> dict[str, str]:
+        return {
+            name: f"is {value:g} with settings: as_printed (got {own:g}): leave it out, or say flown"
+            for name, value in self.printed().items()
+            if (own := getattr(self, name)) != value
+        }

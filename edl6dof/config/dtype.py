@@ -17,22 +17,20 @@ import numpy as np
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from edl6dof.config.base import Capacity, stated
+from edl6dof.config.base import Capacity, extra_of
 from edl6dof.config.units import split_unit
 
 
 def in_record(info: FieldInfo) -> bool:
     """Return whether a field belongs to the compiled record."""
-    extra = info.json_schema_extra
-    return not (isinstance(extra, dict) and extra.get("record") is False)
+    return extra_of(info).get("record") is not False
 
 
 def capacity_of(info: FieldInfo) -> int | None:
-    """Slots of a list field, or ``None`` when it is not a capacity-bound list."""
-    for item in info.metadata:
-        if isinstance(item, Capacity):
-            return item.slots
-    return None
+    """Slots of a list field, ``None`` for another field."""
+    if get_origin(_bare(info.annotation)) is not list:
+        return None
+    return next((item.max_length for item in info.metadata if isinstance(item, Capacity)), None)
 
 
 def literal_values(annotation: Any) -> tuple[str, ...] | None:
@@ -42,11 +40,8 @@ def literal_values(annotation: Any) -> tuple[str, ...] | None:
 
 @cache
 def dtype_of(model: type[BaseModel]) -> np.dtype:
-    """The aligned structured dtype that carries ``model`` into compiled code, which knows no empty record."""
-    fields: list[tuple] = []
-    for name, info in model.model_fields.items():
-        if in_record(info):
-            fields += _fields_of(name, info)
+    """The aligned structured dtype that carries ``model`` into compiled code, which has no empty records."""
+    fields = [field for place in _places(model) for field in place.fields]
     return np.dtype(fields or [("unused", "f8")], align=True)
 
 
@@ -78,84 +73,70 @@ def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
     if isinstance(value, BaseModel):
         fill(record[place.target], value)
     elif place.slots is not None:
-        _fill_list(record, place, place.slots, value)
+        _put_list(record, place, place.slots, value)
     elif isinstance(value, str):
         if place.names is not None:
             record[place.target] = place.names.index(value)
-    elif place.to_si == 1.0:
-        record[place.target] = value
     else:
-        record[place.target] = np.asarray(value, dtype=np.float64) * place.to_si
+        record[place.target] = value if place.to_si == 1.0 else np.multiply(value, place.to_si)
+
+
+def _put_list(record: np.ndarray | np.void, place: _Place, most: int, items: list[Any]) -> None:
+    if len(items) > most:
+        raise ValueError(f"{place.name}: {len(items)} entries, at most {most} are allowed")
+    record[f"n_{place.target}"] = len(items)
+    slots = record[place.target][: len(items)]
+    if place.names is not None:
+        slots[:] = [place.names.index(item) for item in items]
+    elif items and isinstance(items[0], BaseModel):
+        for slot, item in zip(slots, items, strict=True):
+            fill(slot, item)
+    elif items:
+        slots[:] = np.multiply(items, place.to_si)
 
 
 class _Place(NamedTuple):
     """Place of a field of a model in its record, read once from the declaration."""
 
-    name: str
-    target: str
-    to_si: float
-    slots: int | None
-    names: tuple[str, ...] | None
-    item_names: tuple[str, ...] | None
+    name: str  # of the field in the model
+    target: str  # its name in the record
+    fields: tuple[tuple, ...]  # of the dtype; none for text
+    to_si: float  # factor to SI
+    slots: int | None  # of a list
+    names: tuple[str, ...] | None  # of a ``Literal``, or of the items of a list of them
 
 
 @cache
 def _places(model: type[BaseModel]) -> tuple[_Place, ...]:
-    places = []
-    for name, info in model.model_fields.items():
-        if in_record(info):
-            target, unit = split_unit(name)
-            annotation, slots = _bare(info.annotation), capacity_of(info)
-            names = literal_values(annotation)
-            item_names = literal_values(get_args(annotation)[0]) if slots is not None else None
-            to_si = unit.to_si if slots is not None or _is_float(annotation) else 1.0
-            places.append(_Place(name, target, to_si, slots, names, item_names))
-    return tuple(places)
+    return tuple(_place(name, info) for name, info in model.model_fields.items() if in_record(info))
 
 
-def _fill_list(record: np.ndarray | np.void, place: _Place, most: int, items: list[Any]) -> None:
-    if len(items) > most:
-        raise ValueError(f"{place.name}: {len(items)} entries, at most {most} are allowed")
-    record[f"n_{place.target}"] = len(items)
-    slots = record[place.target][: len(items)]
-    if not items:
-        return
-    if isinstance(items[0], BaseModel):
-        for slot, item in zip(slots, items, strict=True):
-            fill(slot, item)
-    elif isinstance(items[0], str):
-        slots[:] = [stated(place.item_names).index(item) for item in items]
-    else:
-        slots[:] = np.asarray(items, dtype=np.float64) * place.to_si
-
-
-def _fields_of(name: str, info: FieldInfo) -> list[tuple]:
-    target, _ = split_unit(name)
-    annotation = _bare(info.annotation)
-    slots = capacity_of(info)
+def _place(name: str, info: FieldInfo) -> _Place:
+    target, unit = split_unit(name)
+    one, slots = _bare(info.annotation), capacity_of(info)
+    if one is str:
+        return _Place(name, target, (), 1.0, None, None)
     if slots is not None:
-        (item,) = get_args(annotation)
-        if isinstance(item, type) and issubclass(item, BaseModel):
-            return [(target, dtype_of(item), (slots,)), (f"n_{target}", "i8")]
-        scalar, shape = _scalar(item)
-        return [(target, scalar, (slots, *shape)), (f"n_{target}", "i8")]
+        (one,) = get_args(one)
+    kind, shape = _layout(one)
+    fields: tuple[tuple, ...] = ((target, kind, shape) if shape else (target, kind),)
+    if slots is not None:
+        fields = (target, kind, (slots, *shape)), (f"n_{target}", "i8")
+    return _Place(name, target, fields, unit.to_si if kind == "f8" else 1.0, slots, literal_values(one))
+
+
+def _layout(annotation: Any) -> tuple[str | np.dtype, tuple[int, ...]]:
+    """Type of a value in a record, and shape of its array."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [(target, dtype_of(annotation))]
-    if annotation is str:
-        return []
-    scalar, shape = _scalar(annotation)
-    return [(target, scalar, shape)] if shape else [(target, scalar)]
-
-
-def _scalar(annotation: Any) -> tuple[str, tuple[int, ...]]:
-    if annotation in (float,):
+        return dtype_of(annotation), ()
+    if annotation is float:
         return "f8", ()
     if annotation in (int, bool) or literal_values(annotation) is not None:
         return "i8", ()
     if get_origin(annotation) is tuple:
         items = get_args(annotation)
-        scalar, shape = _scalar(items[0])
-        return scalar, (len(items), *shape)
+        kind, shape = _layout(items[0])
+        return kind, (len(items), *shape)
     raise TypeError(f"no record type for {annotation!r}")
 
 
@@ -166,12 +147,6 @@ def _bare(annotation: Any) -> Any:
         if len(items) == 1:
             return items[0]
     return annotation
-
-
-def _is_float(annotation: Any) -> bool:
-    """Return whether a field holds a float, or several."""
-    bare = _bare(annotation)
-    return bare is float or (get_origin(bare) is tuple and all(map(_is_float, get_args(bare))))
 
 
 def extended(model: type[BaseModel], **fields: Any) -> np.dtype:

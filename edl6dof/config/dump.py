@@ -1,5 +1,5 @@
-"""A validated model as YAML text with every default written out: enough to fly it again, bit for bit; and
-plain values as the JSON text of result files and ``--json``.
+"""A validated model as YAML text with every default, which flies again bit for bit; and plain values as the
+JSON text of result files and ``--json``.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import to_jsonable_python
 
-from edl6dof.config.base import STATUS_MARKS
-from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.config.base import STATUS_MARKS, extra_of
+from edl6dof.config.document.yamltree import write_flow, write_scalar
 
 
 def json_text(value: Any) -> str:
-    """Indented JSON; it has no NaN, so a figure that could not be formed becomes null."""
+    """Indented JSON, with null for a number that is not finite."""
     return json.dumps(_finite(value), indent=1, allow_nan=False) + "\n"
 
 
@@ -52,8 +52,8 @@ def dump_resolved(
             from the file's marks.
         sources: dotted path to the text behind the mark.
 
-    A value without a mark of its own is marked with its declared status only as long as it is the declared
-    default: the claim belongs to that number, not to another one put in its place.
+    A value without a mark of its own has the mark of its declaration only if it is the declared default: the
+    claim belongs to that number.
     """
     header = [f"# {line}".rstrip() for text in header_lines for line in (text.splitlines() or [""])]
     body = list(_Writer(status or {}, sources or {}).mapping(instance, "", 0))
@@ -68,14 +68,11 @@ class _Writer:
     def mapping(self, value: BaseModel | dict[str, Any], prefix: str, indent: int) -> Iterator[str]:
         """Lines of ``key: value`` pairs."""
         pad = " " * indent
-        pairs = list(_pairs(value))
-        if not pairs:
+        if not _has_entries(value):
             yield pad + "{}"
-        for name, item, info in pairs:
-            path = f"{prefix}{name}"
-            yield from self._entry(
-                f"{pad}{write_scalar(name)}:", item, path, indent, self._mark(path, item, info)
-            )
+        for name, item, info in _pairs(value):
+            path, start = f"{prefix}{name}", f"{pad}{write_scalar(name)}:"
+            yield from self._entry(start, item, path, indent, self._mark(path, item, info))
 
     def _entry(self, start: str, value: Any, path: str, indent: int, mark: str) -> Iterator[str]:
         """Lines of one value after ``start``, which is ``key:`` or ``-``."""
@@ -126,27 +123,19 @@ class _Writer:
         return f"  # [{letter}] {source}".rstrip() if letter else ""
 
 
-def _pairs(value: BaseModel | dict[str, Any]) -> Iterator[tuple[str, Any, FieldInfo | None]]:
+def _pairs(value: BaseModel | dict[str, Any]) -> list[tuple[str, Any, FieldInfo | None]]:
     if isinstance(value, BaseModel):
-        for name, info in type(value).model_fields.items():
-            yield name, getattr(value, name), info
-    else:
-        for name, item in value.items():
-            yield str(name), item, None
+        return [(name, getattr(value, name), info) for name, info in type(value).model_fields.items()]
+    return [(str(name), item, None) for name, item in value.items()]
 
 
 def _has_entries(value: Any) -> bool:
-    return (
-        isinstance(value, BaseModel)
-        and bool(type(value).model_fields)
-        or isinstance(value, dict)
-        and bool(value)
-    )
+    return isinstance(value, BaseModel | dict) and bool(_pairs(value))
 
 
 def declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
-    """Status and source of the declaration, if the value is the declared default or the printed number."""
-    if info is None or not isinstance(extra := info.json_schema_extra, dict):
+    """Status and source of the declaration, if a value is the declared default or the printed number."""
+    if info is None or not (extra := extra_of(info)):
         return "", ""
     source = str(extra.get("source", ""))
     if "printed" in extra and value == extra["printed"]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
@@ -40,13 +41,12 @@ class ConfigError(Exception):
 
 
 def refusal(place: object, message: str) -> ConfigError:
-    """The error of a file, a folder or an option that cannot be used: one line, of at most 300 characters."""
+    """The error of an unusable file, folder or option: one line, of at most 300 characters."""
     return ConfigError([Problem(str(place), 0, 0, "", " ".join(message.split())[:300])])
 
 
 class Inconsistent(ValueError):
-    """Raised by a model validator for values that do not fit together: each problem at its own key instead of
-    at the section's.
+    """Raised by a model validator for values that do not fit together, each problem at its own key.
 
     >>> raise Inconsistent({"simulation.step_s": "must divide the base cycle"})
     """
@@ -59,21 +59,27 @@ class Inconsistent(ValueError):
         )
 
 
-class UnknownName(KeyError):
-    """There is no such thing; the text says which was probably meant, worked out only when it is read.
+def nearest(name: str, allowed: Iterable[str]) -> str | None:
+    """The allowed name that ``name`` was probably meant to be."""
+    by_fold = {str(item).casefold(): str(item) for item in allowed}
+    found = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.6)
+    return by_fold[found[0]] if found else None
 
-    Attributes:
-        kind: what the names are of, such as ``channel``.
-        name: what was asked for.
-    """
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """``; did you mean 'entry'?`` if a known name is similar to ``name``, else ``otherwise``."""
+    near = nearest(name, known)
+    return f"; did you mean {near!r}?" if near else otherwise
+
+
+class UnknownName(KeyError):
+    """An unknown ``name`` of a ``kind`` such as ``channel``; its text suggests a similar one."""
 
     def __init__(self, kind: str, name: object, known: Iterable[str]):
         super().__init__(name)
         self.kind, self.name, self._known = kind, name, known
 
     def __str__(self) -> str:
-        from edl6dof.config.wording import did_you_mean  # which loads pydantic
-
         return f"no {self.kind} {self.name!r}{did_you_mean(str(self.name), self._known)}"
 
 
@@ -85,7 +91,7 @@ class Named(dict[str, Value]):
     """
 
     def __init__(self, kind: str, values: Mapping[str, Value]):
-        """``kind``: what the names are of, such as ``figure``."""
+        """``kind``: of the names, such as ``figure``."""
         super().__init__(values)
         self._kind = kind
 

@@ -1,6 +1,4 @@
-"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, one per value
-that it has.
-"""
+"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, per value."""
 
 from __future__ import annotations
 
@@ -11,13 +9,12 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
+from edl6dof.config.base import extra_of
 from edl6dof.config.document.document import Document
-from edl6dof.config.document.scalars import write_flow
-from edl6dof.config.document.yamltree import Keys, dotted
+from edl6dof.config.document.yamltree import dotted, write_flow
 from edl6dof.config.dump import declared
-from edl6dof.config.introspect import Slot, field_slot, is_model, type_slot
+from edl6dof.config.model_paths import Slot, field_slot, is_model, leaves, type_slot, usual_range
 from edl6dof.config.units import split_unit
-from edl6dof.config.usual import usual_range
 from edl6dof.config.wording import in_bounds, in_length, kinds
 
 
@@ -56,19 +53,12 @@ def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
 
 
 class Value(NamedTuple):
-    """A value of a scenario.
+    """A value of a scenario."""
 
-    Attributes:
-        row: its parameter, with the claim of this value.
-        value: as it stands in YAML.
-        place: its path with the indices of lists; that of ``row`` has the names of their items.
-        origin: ``file:line`` where it is given, or ``default``.
-    """
-
-    row: Row
-    value: str
-    place: str
-    origin: str
+    row: Row  # its parameter, with the claim of this value
+    value: str  # as it stands in YAML
+    place: str  # its path with the indices of lists; that of ``row`` has the names of their items
+    origin: str  # ``file:line`` where it is given, or ``default``
 
 
 def values(model: BaseModel, document: Document) -> Iterator[Value]:
@@ -78,8 +68,9 @@ def values(model: BaseModel, document: Document) -> Iterator[Value]:
         model: validated.
         document: the files that it was read from.
     """
-    for path, keys, info, value in _leaves(model, "", ()):
-        row, place, key = _row(path, field_slot(str(keys[-1]), info), info), dotted(keys), str(keys[-1])
+    for path, keys, info, value in leaves(model):
+        place, key = dotted(keys), str(keys[-1])
+        row = _row(path, field_slot(key, info), info)
         status, source = declared(value, info)
         if place in document.status:
             status, source = document.status[place], document.sources.get(place, "")
@@ -87,27 +78,6 @@ def values(model: BaseModel, document: Document) -> Iterator[Value]:
         origin = "default" if mark is None else f"{mark.file}:{mark.line}" if mark.line else mark.file
         row = row._replace(unit=split_unit(key)[1].label, status=status, source=source, printed="")
         yield Value(row, write_flow(to_jsonable_python(value)), place, origin)
-
-
-def _leaves(value: Any, path: str, keys: Keys) -> Iterator[tuple[str, Keys, FieldInfo, Any]]:
-    """Path by names, keys as in the document, declaration and value of what holds no models."""
-    for name, info in type(value).model_fields.items():
-        inner = getattr(value, name)
-        yield from _below(inner, info, f"{path}.{name}".lstrip("."), (*keys, name))
-
-
-def _below(value: Any, info: FieldInfo, path: str, keys: Keys) -> Iterator[tuple[str, Keys, FieldInfo, Any]]:
-    if isinstance(value, BaseModel):
-        yield from _leaves(value, path, keys)
-    elif isinstance(value, dict) and value:
-        for key, item in value.items():
-            yield from _below(item, info, f"{path}.{key}", (*keys, key))
-    elif isinstance(value, list | tuple) and any(isinstance(item, BaseModel) for item in value):
-        for index, item in enumerate(value):
-            name = getattr(item, "name", index)
-            yield from _below(item, info, f"{path}.{name}", (*keys, index))
-    else:
-        yield path, keys, info, value
 
 
 def _inside(option: Any) -> list[tuple[str, type[BaseModel]]]:
@@ -123,10 +93,10 @@ def _inside(option: Any) -> list[tuple[str, type[BaseModel]]]:
 
 
 def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
-    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
+    extra = extra_of(info)
     words = [word.removeprefix("a ") for word in kinds(slot)]
     limits = in_bounds(slot).removesuffix(slot.unit.label).strip()
-    length, given = in_length(slot), usual_range(info)
+    length, usual = in_length(slot), usual_range(info)
     return Row(
         path=path,
         type=" or ".join(words),
@@ -137,9 +107,7 @@ def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
         status=str(extra.get("status", "")),
         source=str(extra.get("source", "")),
         printed=write_flow(extra["printed"]) if "printed" in extra else "",
-        usual=""
-        if given is None or given.of_magnitude
-        else f"{given.low:g} to {given.high:g}: {given.reason}",
+        usual=f"{usual.low:g} to {usual.high:g}: {usual.reason}" if usual and not usual.of_magnitude else "",
     )
 
 

@@ -13,22 +13,15 @@ from typing import NamedTuple
 
 
 class Unit(NamedTuple):
-    """How one suffix reads.
+    """Unit of a suffix."""
 
-    Attributes:
-        label: printed form.
-        to_si: factor that turns a value into SI.
-        largest: magnitude, in this unit, beyond which a parameter can only be a mistake; parameters with
-            bounds of their own keep them.
-    """
-
-    label: str
-    to_si: float
-    largest: float
+    label: str  # printed form
+    to_si: float  # factor to SI
+    largest: float  # magnitude, in this unit, beyond which a parameter without bounds of its own is refused
 
 
 DEG = pi / 180.0
-#: Standard gravity, m/s2: the unit of loads, and what turns specific impulse into exhaust velocity.
+#: Standard gravity, m/s2: the unit of loads, and the ratio of exhaust velocity to specific impulse.
 G0 = 9.80665
 
 #: Suffix (without the leading underscore) to unit.

@@ -12,9 +12,9 @@ from pydantic import BaseModel, ValidationError
 
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
-from edl6dof.config.errors import ConfigError, Inconsistent, Problem
-from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
-from edl6dof.config.wording import did_you_mean, expected, got, in_bounds, in_length, unknown_key
+from edl6dof.config.errors import ConfigError, Inconsistent, Problem, did_you_mean
+from edl6dof.config.model_paths import Slot, is_tag_of, literal_names, root_slot
+from edl6dof.config.wording import expected, got, in_bounds, in_length, unknown_key
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -31,8 +31,7 @@ def validate(model: type[Model], document: Document) -> Model:
         ConfigError: every problem of every value.
     """
     try:
-        # JSON mode is pydantic's strict mode for text formats: a list is accepted for a tuple, text never for
-        # a number.
+        # JSON mode is pydantic's strict mode for text formats: a list for a tuple, never text for a number
         return model.model_validate_json(json.dumps(document.data, allow_nan=False))
     except ValidationError as error:
         found = error.errors(include_url=False)
@@ -40,10 +39,10 @@ def validate(model: type[Model], document: Document) -> Model:
 
 
 def refuse(document: Document, problems: Mapping[str, str]) -> None:
-    """Refuse a document for problems by dotted path, if there are any.
+    """Refuse a document that has problems, given by dotted path.
 
     Raises:
-        ConfigError: there are.
+        ConfigError: it has some.
     """
     if problems:
         raise ConfigError(document.problem(steps(path), message) for path, message in problems.items())
@@ -184,7 +183,7 @@ def _count(value: Any, slot: Slot) -> str:
 
 
 def _hint(slot: Slot, value: Any) -> str:
-    """Return what was probably meant by text in the place of a mapping or a number."""
+    """Probable meaning of a text in the place of a mapping or a number, as the end of a message."""
     if isinstance(value, str) and slot.models and re.match(r"\w+:\S", value):
         return "; a blank is missing behind the colon"
     if not isinstance(value, str) or not {float, int} & set(slot.options):

@@ -1,12 +1,12 @@
-"""Plain words for what a parameter must be, what it got, and which name was probably meant."""
+"""Plain words for the allowed values of a parameter, for a given value, and for similar names."""
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import Any, Literal, get_args, get_origin
 
-from edl6dof.config.introspect import Slot, bounds, is_model, own_bounds
+from edl6dof.config.errors import did_you_mean
+from edl6dof.config.model_paths import Slot, bounds, is_model, own_bounds
 from edl6dof.config.units import split_unit
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -14,21 +14,8 @@ _ONE = {float: "a number", int: "a whole number", bool: "true or false", str: "t
 _MANY = {float: "numbers", int: "whole numbers", bool: "true or false values", str: "texts"}
 
 
-def nearest(name: str, allowed: Iterable[str]) -> str | None:
-    """The allowed name that ``name`` was probably meant to be."""
-    by_fold = {str(item).casefold(): str(item) for item in allowed}
-    found = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.6)
-    return by_fold[found[0]] if found else None
-
-
-def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """``; did you mean 'entry'?`` where a known name resembles ``name``, else ``otherwise``."""
-    near = nearest(name, known)
-    return f"; did you mean {near!r}?" if near else otherwise
-
-
 def unknown(kind: str, name: object, known: Iterable[str]) -> str:
-    """Message for a name that does not exist: the one probably meant, or all there are."""
+    """Message for a name that does not exist: with the one probably meant, or all known names."""
     return f"no {kind} {name!r}" + did_you_mean(str(name), known, f" (there are: {', '.join(known)})")
 
 
@@ -47,7 +34,7 @@ def unknown_key(key: str, inside: Slot | None) -> str:
 
 
 def got(value: Any) -> str:
-    """A value as it would stand in YAML, kept short."""
+    """A value as in YAML, shortened."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):

@@ -20,10 +20,9 @@ from edl6dof.config.errors import refusal
 from edl6dof.environment.areoid import map_height
 from edl6dof.environment.terrain import ground_arrays, ground_inputs
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import fly_shifted
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, start_of
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
 
 #: Accepted distance (m) of the planned end from the wanted one, along and across: bank reversals, which come

@@ -1,13 +1,12 @@
-"""The bank profile of an entry by direct shooting: bank angles at a few speeds that make the most of the
-parachute altitude, or the least of the open loop's dispersion, and keep to the limits.
+"""The bank profile of an entry by direct shooting: bank angles at a few speeds that maximise the parachute
+altitude, or minimise the dispersion of the open loop, within the limits.
 
 Every profile is flown as the plan is flown, by the flight's own mission and steering with reversals at the
-bank rate, so that what is optimised is what is planned.  Linear programs in a trust region, with slopes over
-a few degrees: reversals come at whole guidance cycles and their number changes, which leaves tens of metres
-of noise that quadratic models do not survive.
-Source: direct shooting, Betts 1998, "Survey of numerical methods for trajectory optimization", JGCD 21(2);
-successive linear programming with an exact penalty, Fletcher & Sainz de la Maza 1989, Mathematical
-Programming 43.
+bank rate.  The optimisation solves linear programs in a trust region, with slopes over a few degrees:
+reversals come at whole guidance cycles and their number changes, which leaves tens of metres of noise, too
+much for quadratic models.  Source: direct shooting, Betts 1998, "Survey of numerical methods for trajectory
+optimization", JGCD 21(2); successive linear programming with an exact penalty, Fletcher & Sainz de la Maza
+1989, Mathematical Programming 43.
 """
 
 from __future__ import annotations
@@ -22,42 +21,30 @@ from scipy.optimize import linprog
 
 from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.entry.reference import MAX_POINTS, reference_bank
-from edl6dof.scenario.places import Start, start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, Start, start_of
 
-#: One standard deviation of what an open-loop entry meets: density and lift-to-drag ratio over the expected
-#: ones, and the entry angle (deg).  A third of the three-sigma values of tianwen1_mc [E].
+#: One standard deviation of the errors of an open-loop entry: density and lift-to-drag ratio over the
+#: expected ones, and the entry angle (deg).  A third of the three-sigma values of tianwen1_mc [E].
 DENSITY, LIFT, ANGLE_DEG = 0.2 / 3.0, 0.1 / 3.0, 0.1
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Figures of a planned entry.
+    """Figures of a planned entry."""
 
-    Attributes:
-        points: speed (m/s) and bank angle (deg) of the profile, ascending in speed, before any shift.
-        altitude_m: above the ellipsoid, where the range is to be met.
-        beyond_m: beyond the aim point there.
-        aside_m: right of it.
-        load_g0: largest aerodynamic load.
-        heat_rate_w_cm2: largest stagnation-point heat rate.
-        dynamic_pressure_pa: largest dynamic pressure.
-        reserve_deg: from the bank angles flown in range control to the nearer bank limit, the least.
-        bank_slope_deg_s: fastest change of the profile itself.
-        misses_m: downrange miss of the open loop by one sigma of density, lift-to-drag ratio, entry angle.
-    """
-
+    #: speed (m/s) and bank angle (deg) of the profile, ascending in speed, before any shift
     points: tuple[tuple[float, float], ...]
-    altitude_m: float
-    beyond_m: float
-    aside_m: float
-    load_g0: float
-    heat_rate_w_cm2: float
-    dynamic_pressure_pa: float
-    reserve_deg: float
-    bank_slope_deg_s: float
+    altitude_m: float  # above the ellipsoid, where the range is to be met
+    beyond_m: float  # beyond the aim point there
+    aside_m: float  # right of it
+    load_g0: float  # largest aerodynamic load
+    heat_rate_w_cm2: float  # largest stagnation-point heat rate
+    dynamic_pressure_pa: float  # largest dynamic pressure
+    reserve_deg: float  # least distance of the bank angles in range control from the bank limits
+    bank_slope_deg_s: float  # fastest change of the profile itself
+    #: downrange miss of the open loop by one sigma of density, lift-to-drag ratio, entry angle
     misses_m: tuple[float, ...]
 
     @property
@@ -161,11 +148,11 @@ Goal = Literal["parachute_altitude", "dispersion"]
 NUDGE_DEG, FIRST_STEP_DEG, LAST_STEP_DEG = 3.0, 12.0, 0.5
 #: Linear programs at most.
 PROGRAMS = 25
-#: Scales of altitude and miss, m, and what a broken limit costs: a scale of it, this many of the objective.
+#: Scales of altitude and miss, m, and penalty of a limit that is exceeded by its own size.
 ALTITUDE_SCALE, MISS_SCALE, PENALTY = 1e3, 1e4, 20.0
 #: Share of the bank rate that the profile itself may use; the rest is for control.
 SHARE_OF_RATE = 0.25
-#: Range (m) that the profile may leave to the shift that fits it, and crossrange that it may end with.
+#: Largest range error (m) that is left to the shift that fits the profile, and largest crossrange at its end.
 CLOSE, CLOSE_ASIDE = 2000.0, 1000.0
 
 
@@ -196,21 +183,13 @@ class Limits:
 
 @dataclass(frozen=True)
 class Design:
-    """The plan of the scenario, the designed one, and the limits.
+    """The plan of the scenario, the designed one, and the limits."""
 
-    Attributes:
-        before: the plan of the scenario.
-        planned_deg: its bank angles at the speeds of the designed one.
-        after: the designed plan.
-        limits: what it keeps to.
-        profiles: how many were flown.
-    """
-
-    before: Plan
-    planned_deg: tuple[float, ...]
-    after: Plan
-    limits: Limits
-    profiles: int
+    before: Plan  # the plan of the scenario
+    planned_deg: tuple[float, ...]  # its bank angles at the speeds of the designed one
+    after: Plan  # the designed plan
+    limits: Limits  # of the designed plan
+    profiles: int  # number of flown profiles
 
     @property
     def broken(self) -> list[str]:
@@ -224,9 +203,9 @@ def design_entry(scenario: Scenario, goal: Goal, nodes: int, reserve_deg: float)
 
     Args:
         scenario: with a phase that flies entry guidance.
-        goal: what is made the most, or the least, of.
-        nodes: speeds at which the bank angle is free.
-        reserve_deg: how far from the bank limits all of them stay.
+        goal: maximum of the parachute altitude, or minimum of the dispersion.
+        nodes: number of speeds at which the bank angle is free.
+        reserve_deg: least distance of the bank angles from the bank limits.
     """
     onboard, start = build_onboard(scenario), start_of(scenario)
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
@@ -269,7 +248,7 @@ def _optimised(
     goal: Goal,
     limits: Limits,
 ) -> np.ndarray:
-    """Bank angles (deg), from ``first`` on, that no linear program improves any more."""
+    """Bank angles (deg), from ``first`` on, that no linear program improves."""
 
     def terms(banks: np.ndarray) -> np.ndarray:
         """Objective, range, slacks."""
@@ -310,7 +289,7 @@ def _slopes(terms: Callable[[np.ndarray], np.ndarray], banks: np.ndarray) -> np.
 def _program(here: np.ndarray, slopes: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Change of the bank angles (deg) between ``low`` and ``high`` with the least linear model of the merit.
 
-    Unknowns: the changes, the range beyond and short of the aim point, and what breaks each limit, each at
+    Unknowns: the changes, the range beyond and short of the aim point, and the excess of each limit, each at
     least zero.
     """
     nodes, limits = len(low), len(here) - 2

@@ -1,4 +1,6 @@
-"""The landing that a flight of a scenario poses where its engine lights, and what its own law made of it."""
+"""The landing problem of a flight at ignition, and the part of its telemetry that is compared with the
+design.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ B_OF_S = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def powered_rows(flight: Flight) -> np.ndarray:
-    """Rows of telemetry from ignition to where hover begins, or to the end; none without ignition."""
+    """Rows of telemetry from ignition to the begin of hover, or to the end; none without ignition."""
     after = [event["t_s"] for event in flight.events if event.get("milestone") == "ignition"]
     rows = np.flatnonzero(flight.during(POWERED_DECELERATION))
     hover = np.flatnonzero(flight.during(HOVER_IMAGING))
@@ -34,7 +36,7 @@ def powered_rows(flight: Flight) -> np.ndarray:
 
 
 def states_of(flight: Flight, rows: np.ndarray) -> np.ndarray:
-    """True states of some rows, shape (n, 14), from the target as guidance has put it."""
+    """True states of some rows, shape (n, 14), relative to the target of guidance."""
     of, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
     # the target lies where navigation believed it when it was chosen
     east, north = (
@@ -55,7 +57,7 @@ def states_of(flight: Flight, rows: np.ndarray) -> np.ndarray:
 
 
 def _attitude(flight: Flight, rows: np.ndarray) -> np.ndarray:
-    """Quaternions that turn S into east, north and up of where the lander is, shape (n, 4)."""
+    """Quaternions that turn S into east, north and up at the lander, shape (n, 4)."""
     of, planet = flight.telemetry, build_onboard(flight.scenario)[0]["planet"]
     q = np.stack([of[f"truth.q_I2B_{c}"][rows] for c in "xyzw"], axis=1)
     east_of_I = of["truth.longitude_deg"][rows] + np.degrees(planet["rotation_rate"] * of["t_s"][rows])
@@ -66,8 +68,8 @@ def _attitude(flight: Flight, rows: np.ndarray) -> np.ndarray:
 
 
 def landing_of(flight: Flight, rows: np.ndarray) -> RigidLanding:
-    """The landing from the true state of the first of ``rows``, by the believed vehicle and the limits of the
-    scenario's powered guidance; a limit that the state breaks already is widened to it.
+    """The landing problem from the true state of the first of ``rows``, with the believed vehicle and the
+    limits of the scenario's powered guidance; a limit that this state exceeds is widened to it.
     """
     scenario, of, start = flight.scenario, flight.telemetry, states_of(flight, rows[:1])[0]
     powered, engines = scenario.flight_software.guidance.powered, scenario.vehicle.engines
@@ -108,7 +110,7 @@ def _groups(scenario: Scenario) -> list[int]:
 
 def pure_torque(vehicle: np.void, centre: np.ndarray, groups: list[int]) -> np.ndarray:
     """Torque about each axis of B (N m, shape (3,)) that thrusters of some groups can give in either sense,
-    about all axes at once, without force across the engine: what each axis has alone, less an equal share.
+    about all axes at once, without lateral force: that of each axis alone, reduced by an equal share.
     """
     count = int(vehicle["n_thrusters"])
     matrix = np.zeros((MAX_THRUSTERS, 6))

@@ -1,8 +1,8 @@
 """The powered landing of a rigid body: its limits, its equations of motion and their derivatives, and the
-figures of a landing, whoever flew it.
+figures of a flown or designed landing.
 
 Position and velocity are east, north and up from the landing point.  The attitude turns the body axes S into
-these; those of a lander that stands are east, north and up but for its heading, and the third is the thrust
+these; those of a standing lander are east, north and up except for its heading, and the third is the thrust
 axis.  State of a vehicle: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S
 (3); its controls: thrust, torque (3).
 All functions take many at once, in the last axis but one.
@@ -26,42 +26,25 @@ THRUST, TORQUE = 0, slice(1, 4)
 
 @dataclass(frozen=True)
 class RigidLanding:
-    """A powered landing to rest at the origin, upright.
+    """A powered landing to rest at the origin, upright."""
 
-    Attributes:
-        start: state, shape (14,).
-        dry_mass: least mass at the end, kg.
-        thrust: least and largest throttled thrust, N.
-        full_thrust: of the start, N.
-        full_time: shortest time of it, s; 0: the engine is throttled from the start.
-        throttled_time: shortest time in the throttle band, s.
-        torque: largest of the thrusters about each axis of S, shape (3,), N m.
-        exhaust_speed: thrust over mass flow, m/s.
-        gravity: downwards, m/s2.
-        inertia: about the axes of S, shape (3,), kg m2.
-        arm: torque over thrust of the main engine, in S, shape (3,), m.
-        tilt: largest angle of the thrust axis from the vertical, rad.
-        rate: largest body rate, rad/s.
-        glide_slope: least angle of the line from the landing point to the vehicle over the horizon, rad;
-            -pi / 2: none.
-        torque_price: mass at the start that the mean square of torque over its bounds is worth, as a share:
-            it decides between histories of torque that need the same fuel.
-    """
-
-    start: np.ndarray
-    dry_mass: float
-    thrust: tuple[float, float]
-    full_thrust: float
-    full_time: float
-    throttled_time: float
-    torque: np.ndarray
-    exhaust_speed: float
-    gravity: float
-    inertia: np.ndarray
-    arm: np.ndarray
-    tilt: float
-    rate: float
+    start: np.ndarray  # state, shape (14,)
+    dry_mass: float  # least mass at the end, kg
+    thrust: tuple[float, float]  # least and largest throttled thrust, N
+    full_thrust: float  # of the start, N
+    full_time: float  # shortest time of it, s; 0: the engine is throttled from the start
+    throttled_time: float  # shortest time in the throttle band, s
+    torque: np.ndarray  # largest of the thrusters about each axis of S, shape (3,), N m
+    exhaust_speed: float  # thrust over mass flow, m/s
+    gravity: float  # downwards, m/s2
+    inertia: np.ndarray  # about the axes of S, shape (3,), kg m2
+    arm: np.ndarray  # torque over thrust of the main engine, in S, shape (3,), m
+    tilt: float  # largest angle of the thrust axis from the vertical, rad
+    rate: float  # largest body rate, rad/s
+    #: least elevation of the vehicle seen from the landing point, rad; -pi / 2: none
     glide_slope: float = -pi / 2.0
+    #: cost of the mean square of torque over its bounds, as a share of the mass at the start: it decides
+    #: between histories of torque that need the same fuel
     torque_price: float = 1e-3
 
     @property
@@ -150,25 +133,16 @@ def _matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class LandingFigures:
-    """Figures of a landing, from its first state to its last.
+    """Figures of a landing, from its first state to its last."""
 
-    Attributes:
-        fuel_kg: propellant.
-        time_s: of flight.
-        tilt_deg: largest angle of the thrust axis from the vertical.
-        rate_deg_s: largest body rate.
-        slope_m: least height over the glide slope.
-        miss_m, speed_m_s, end_tilt_deg: distance from the landing point, speed and tilt at the end.
-    """
-
-    fuel_kg: float
-    time_s: float
-    tilt_deg: float
-    rate_deg_s: float
-    slope_m: float
-    miss_m: float
-    speed_m_s: float
-    end_tilt_deg: float
+    fuel_kg: float  # propellant
+    time_s: float  # of flight
+    tilt_deg: float  # largest angle of the thrust axis from the vertical
+    rate_deg_s: float  # largest body rate
+    slope_m: float  # least height over the glide slope
+    miss_m: float  # distance from the landing point at the end
+    speed_m_s: float  # at the end
+    end_tilt_deg: float  # at the end
 
 
 def figures_of(landing: RigidLanding, t: np.ndarray, x: np.ndarray) -> LandingFigures:
@@ -188,27 +162,21 @@ def figures_of(landing: RigidLanding, t: np.ndarray, x: np.ndarray) -> LandingFi
     )
 
 
-#: A design asks for its limits at some points of each interval (``transcription.CHECKED``); between them they
-#: may be exceeded by this share [S].  Seen: 3.3 % of the body rate.
+#: A design checks its limits at some points of each interval (``successive.CHECKED``); between them they may
+#: be exceeded by this share [S].  Seen: 3.3 % of the body rate.
 TOLERANCE = 0.05
-#: What an excess must be to be shown, in deg and deg/s: half of the last place of a figure.
+#: Least excess that is reported, deg and deg/s: half of the last place of a figure.
 SHOWN = 0.005
 
 
 @dataclass(frozen=True)
 class Excess:
-    """A limit that a landing exceeds.
+    """A limit that a landing exceeds."""
 
-    Attributes:
-        what: the figure, in words.
-        by: how far it is exceeded, in ``unit``.
-        tolerated: whether that is no more than between the points where a design asks for it.
-    """
-
-    what: str
-    by: float
+    what: str  # name of the figure
+    by: float  # excess, in ``unit``
     unit: str
-    tolerated: bool
+    tolerated: bool  # whether it is within ``TOLERANCE``
 
 
 def excesses(landing: RigidLanding, figures: LandingFigures) -> list[Excess]:

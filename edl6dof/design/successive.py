@@ -1,19 +1,43 @@
-"""Successive convexification: a sequence of convex programs, each about the solution of the previous one.
+"""Successive convexification: a sequence of conic programs, each about the solution of the previous one.
+
+A flight is known by nodes: states and controls at the ends of intervals, controls linear between them
+(first-order hold).  The intervals of the start at full level have one length, those of the throttle band
+another; both are free.  The motion is linearised about a flight, and a conic program finds the landing near
+it of least cost.  Virtual control makes the linearised motion feasible, at a price of each unit of it; a
+trust region is a price on the square of changes.  All unknowns of a program are in units of the problem's own
+size.
 
 The cost of changes increases while the changes do not decrease, and is reset where they stop, until a reset
 brings no further gain.  If no landing within the limits exists, virtual control remains.
-Source: Szmuk & Acikmese 2018, AIAA 2018-0617, algorithm 1; the rule for the cost is this project's own.
+
+Source: Szmuk & Acikmese 2018, AIAA 2018-0617, algorithm 1; Szmuk, Reynolds, Acikmese 2020, "Successive
+convexification for real-time six-degree-of-freedom powered descent guidance with state-triggered
+constraints", J. Guidance 43(8), section III: the variational equations; the rule for the cost is this
+project's own.
 """
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from math import pi, sin, tan
+from typing import Any
 
 import numpy as np
+from scipy import sparse
+from scipy.integrate import solve_ivp
 
-from edl6dof.design.convex_step import Linear, Nodes, linearise, scales_of, solve_step
-from edl6dof.design.rigid_landing import RigidLanding
+from edl6dof.design.rigid_landing import (
+    CONTROLS,
+    POSITION,
+    RATE,
+    STATES,
+    THRUST,
+    TORQUE,
+    RigidLanding,
+    derivatives,
+    motion,
+)
 
 #: Intervals, and those of them at full level.
 INTERVALS, FULL_INTERVALS = 30, 4
@@ -27,27 +51,251 @@ FIRST_TRUST, FACTOR, REFUSED, WILD = 0.02, 1.5, 4.0, 1.0
 DEFECT, GAIN = 5e-7, 2e-6
 #: What the first price of change has to gain once more for it to go on, masses at the start.
 AGAIN = 1e-4
+#: Runge-Kutta steps of an interval.
+STEPS = 8
+#: Steps after which limits are checked; the last is the end.
+CHECKED = (2, 4, 6, 8)
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """A flight by its nodes."""
+
+    x: np.ndarray  # states, shape (n + 1, 14)
+    #: controls, shape (n + 1, 4); the thrust of a node where two parts meet is that of the second
+    u: np.ndarray
+    durations: np.ndarray  # of the part at full level, if any, and of the part in the throttle band, s
+    full: int  # intervals of the part at full level
+
+    @property
+    def parts(self) -> np.ndarray:
+        """Index of the duration that each interval belongs to, shape (n,)."""
+        return ((np.arange(len(self.x) - 1) >= self.full) & (self.full > 0)).astype(int)
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Length of each interval over its part's, shape (n,)."""
+        return 1.0 / np.bincount(self.parts)[self.parts]
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Lengths of the intervals, s, shape (n,)."""
+        return self.durations[self.parts] * self.shares
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times of the nodes, s, shape (n + 1,)."""
+        return np.append(0.0, np.cumsum(self.lengths))
+
+    def ends(self, landing: RigidLanding) -> tuple[np.ndarray, np.ndarray]:
+        """Controls where each interval begins and ends, shape (n, 4)."""
+        first, last = self.u[:-1].copy(), self.u[1:].copy()
+        first[: self.full, THRUST] = last[: self.full, THRUST] = landing.full_thrust
+        return first, last
+
+
+@dataclass(frozen=True)
+class Linear:
+    """States at ``CHECKED`` points of the intervals, the last of them the end, and their derivatives."""
+
+    x: np.ndarray  # shape (points, n, 14)
+    #: shape (points, n, 14, 23): by the state at the beginning (14), the controls there (4) and at the
+    #: end (4), and the duration of the part
+    by: np.ndarray
+
+
+def linearise(landing: RigidLanding, nodes: Nodes) -> Linear:
+    """Integrate motion and variational equations over all intervals at once."""
+    first, last = nodes.ends(landing)
+    lengths = nodes.lengths[:, None, None]
+    x, by = nodes.x[:-1], np.zeros((len(nodes.x) - 1, STATES, STATES + 2 * CONTROLS + 1))
+    by[:, range(STATES), range(STATES)] = 1.0
+
+    def slopes(at: float, x: np.ndarray, by: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        u = (1.0 - at) * first + at * last
+        change = motion(landing, x, u)
+        by_state, by_control = derivatives(landing, x, u)
+        by_controls = ((1.0 - at) * by_control, at * by_control)
+        own = np.concatenate([np.zeros_like(by_state), *by_controls, change[..., None] / lengths], -1)
+        return lengths[:, 0] * change, lengths * (by_state @ by + own)
+
+    found, h = [], 1.0 / STEPS
+    for step in range(STEPS):
+        at = step * h
+        x1, by1 = slopes(at, x, by)
+        x2, by2 = slopes(at + 0.5 * h, x + 0.5 * h * x1, by + 0.5 * h * by1)
+        x3, by3 = slopes(at + 0.5 * h, x + 0.5 * h * x2, by + 0.5 * h * by2)
+        x4, by4 = slopes(at + h, x + h * x3, by + h * by3)
+        x = x + h / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4)
+        by = by + h / 6.0 * (by1 + 2.0 * by2 + 2.0 * by3 + by4)
+        if step + 1 in CHECKED:
+            found.append((x, by))
+    states, slopes_at = (np.array(part) for part in zip(*found, strict=True))
+    slopes_at[:, : nodes.full, :, [14, 18]] = 0.0  # full thrust is given
+    slopes_at[..., 22] *= nodes.shares[:, None]
+    return Linear(states, slopes_at)
+
+
+def propagate(landing: RigidLanding, nodes: Nodes, samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Fly the controls from the start by scipy's DOP853: times (s), states and controls at ``samples`` points
+    of each interval and at the end.
+    """
+    first, last = nodes.ends(landing)
+    t, x, u = [], [], []
+    state, began = landing.start, 0.0
+    for k, length in enumerate(nodes.lengths):
+
+        def control(at: float, k: int = k, length: float = float(length)) -> np.ndarray:
+            return first[k] + at / length * (last[k] - first[k])
+
+        def slopes(at: float, y: np.ndarray, control: Any = control) -> np.ndarray:
+            return motion(landing, y, control(at))
+
+        times = np.linspace(0.0, length, samples + 1)
+        found = solve_ivp(slopes, (0.0, length), state, "DOP853", times, rtol=1e-10, atol=1e-10)
+        t.append(began + found.t[:-1])
+        x.append(found.y[:, :-1].T)
+        u.append(np.array([control(at) for at in found.t[:-1]]))
+        state, began = found.y[:, -1], began + length
+    return np.append(np.concatenate(t), began), np.vstack([*x, state]), np.vstack([*u, last[-1]])
+
+
+#: Price of a unit of virtual control, in masses at the start (a unit of virtual mass saves one).
+PRICE = 10.0
+#: Longest duration of a part of the flight over the time of the first guess.
+LONGEST = 4.0
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units of states, shape (14,), controls, (4,), and durations, s."""
+
+    x: np.ndarray
+    u: np.ndarray
+    time: float
+
+
+def scales_of(landing: RigidLanding, nodes: Nodes) -> Scales:
+    """Units in which a landing of about this duration is of the size of one."""
+    whole, distance = float(np.sum(nodes.durations)), max(float(np.linalg.norm(landing.start[POSITION])), 1.0)
+    speed = max(float(np.linalg.norm(landing.start[4:7])), distance / whole)
+    x = np.repeat([landing.start[0], distance, speed, 1.0, landing.rate], [1, 3, 3, 4, 3])
+    return Scales(x, np.append(landing.thrust[1], landing.torque), whole)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A flight, its promised cost, and the largest change, both in units of the problem."""
+
+    nodes: Nodes
+    promised: float
+    change: float
+
+
+def solve_step(landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float) -> Step | None:
+    """The flight of least cost near ``nodes``: fuel, virtual control, and ``trust`` times the mean square
+    of what changes.
+
+    Args:
+        landing: the problem.
+        nodes: the flight that ``linear`` belongs to.
+        linear: its motion.
+        trust: price of change.
+
+    Returns:
+        ``None`` where the solver finds none.
+    """
+    import cvxpy as cp  # the optional extra "design"
+
+    n, scales = len(nodes.x) - 1, scales_of(landing, nodes)
+    old = (nodes.x / scales.x, nodes.u / scales.u, nodes.durations / scales.time)
+    unknowns: list[Any] = [cp.Variable(part.shape) for part in old]
+    x, u, time = unknowns
+    # both signs of virtual control: each node is where the interval before it ends, but for it
+    virtual = [cp.Variable((n, STATES), nonneg=True) for _ in range(2)]
+    reached = _reached(nodes, linear, scales, unknowns)
+    limits = [
+        x[1:] == reached[-1] + virtual[0] - virtual[1],
+        *_ends(landing, scales, x),
+        *_bounds(landing, nodes, scales, u, time),
+        *(limit for states in reached[:-1] for limit in _path_limits(landing, scales, states)),
+        *_path_limits(landing, scales, reached[-1][:-1]),  # the last node is at rest
+    ]
+    torque = landing.torque_price * cp.sum_squares(u[:, TORQUE])
+    change = trust * sum(cp.sum_squares(new - part) for new, part in zip(unknowns, old, strict=True))
+    cost = PRICE * cp.sum(sum(virtual)) - x[n, 0] + torque / (n + 1)
+    problem = cp.Problem(cp.Minimize(cost + change / (n + 1)), limits)
+    problem.solve(cp.CLARABEL)
+    if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+        return None
+    largest = max(float(np.abs(new.value - part).max()) for new, part in zip(unknowns, old, strict=True))
+    solved_x, solved_u, solved_time = (np.asarray(one.value) for one in (x, u, time))
+    found = Nodes(solved_x * scales.x, solved_u * scales.u, solved_time * scales.time, nodes.full)
+    return Step(found, float(cost.value), largest)
+
+
+def _reached(nodes: Nodes, linear: Linear, scales: Scales, unknowns: list[Any]) -> list[Any]:
+    """States at each checked point of all intervals, shape (n, 14), linear in the ``unknowns``."""
+    import cvxpy as cp
+
+    x, u, time = unknowns
+    n, units = len(nodes.x) - 1, np.concatenate([scales.x, scales.u, scales.u, [scales.time]])
+    begin = cp.hstack([x[:-1], u[:-1], u[1:], cp.reshape(time[nodes.parts], (n, 1), order="C")])
+    at = np.column_stack([nodes.x[:-1], nodes.u[:-1], nodes.u[1:], nodes.durations[nodes.parts]])
+    found = []
+    for states, by in zip(linear.x, linear.by, strict=True):
+        constant = (states - (by @ at[..., None])[..., 0]) / scales.x
+        matrix = sparse.block_diag(by * units / scales.x[:, None], format="csr")
+        found.append(cp.reshape(matrix @ cp.vec(begin, order="C"), (n, STATES), order="C") + constant)
+    return found
+
+
+def _ends(landing: RigidLanding, scales: Scales, x: Any) -> list[Any]:
+    """Constrain the ends: the given state, and rest at the origin, upright, with the initial heading."""
+    rest = [1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 13]
+    heading = landing.start[10] * x[-1, 7] == landing.start[7] * x[-1, 10]
+    dry = x[-1, 0] >= landing.dry_mass / scales.x[0]
+    return [x[0] == landing.start / scales.x, x[-1, rest] == 0.0, heading, dry]
+
+
+def _bounds(landing: RigidLanding, nodes: Nodes, scales: Scales, u: Any, time: Any) -> list[Any]:
+    """Bounds of thrust, torque and durations."""
+    least = np.array([landing.full_time, landing.throttled_time][-len(nodes.durations) :])
+    low = np.full(len(nodes.u), landing.thrust[0])
+    low[: nodes.full] = landing.thrust[1]  # the full thrust flown there is given
+    most = np.tile(landing.torque / scales.u[TORQUE], (len(nodes.u), 1))
+    thrust = [u[:, THRUST] >= low / scales.u[0], u[:, THRUST] <= landing.thrust[1] / scales.u[0]]
+    return [
+        *thrust,
+        u[:, TORQUE] <= most,
+        u[:, TORQUE] >= -most,
+        time >= least / scales.time,
+        time <= LONGEST,
+    ]
+
+
+def _path_limits(landing: RigidLanding, scales: Scales, states: Any) -> list[Any]:
+    """Tilt, rate and glide slope of states of shape (n, 14)."""
+    import cvxpy as cp
+
+    tilt, rate = sin(0.5 * landing.tilt), landing.rate / scales.x[RATE][0]
+    found = [cp.norm(states[:, 8:10], axis=1) <= tilt, cp.norm(states[:, RATE], axis=1) <= rate]
+    if landing.glide_slope > -pi / 2.0:
+        found.append(tan(landing.glide_slope) * cp.norm(states[:, 1:3], axis=1) <= states[:, 3])
+    return found
 
 
 @dataclass(frozen=True)
 class Converged:
-    """Result of successive convexification.
+    """Result of successive convexification."""
 
-    Attributes:
-        nodes: the last flight.
-        fuel: kg.
-        defect: largest difference between the end of an interval and the node there, in units of the problem.
-        programs: convex programs solved.
-        seconds: of computing.
-        landed: whether it is a flight: no defect, and no better one near it.
-    """
-
-    nodes: Nodes
-    fuel: float
+    nodes: Nodes  # the last flight
+    fuel: float  # kg
+    #: largest difference between the end of an interval and the node there, in units of the problem
     defect: float
-    programs: int
-    seconds: float
-    landed: bool
+    programs: int  # convex programs solved
+    seconds: float  # of computing
+    landed: bool  # whether it is a flight: no defect, and no better one near it
 
 
 def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
@@ -104,5 +352,5 @@ def first_guess(landing: RigidLanding, intervals: int) -> Nodes:
 
 
 def _defect(landing: RigidLanding, nodes: Nodes, linear: Linear) -> float:
-    scales = scales_of(landing, float(np.sum(nodes.durations)))
-    return float(np.max(np.abs(linear.x[-1] - nodes.x[1:]) / scales.x))
+    """Largest difference between the end of an interval and the node there, in units of the problem."""
+    return float(np.max(np.abs(linear.x[-1] - nodes.x[1:]) / scales_of(landing, nodes).x))

@@ -22,8 +22,7 @@ from edl6dof.interface.capacities import (
     MAX_PHASES,
     MAX_TRANSITIONS,
 )
-from edl6dof.interface.effectors import THRUSTER_GROUPS, ThrusterGroup
-from edl6dof.interface.events import EVENT_TABLE, Action
+from edl6dof.interface.effectors import EVENT_TABLE, THRUSTER_GROUPS, Action, ThrusterGroup
 from edl6dof.interface.roles import NO_ROLE, Role
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, record, whole

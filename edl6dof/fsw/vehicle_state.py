@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS, MAX_THRUSTERS
-from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR, is_done_to
+from edl6dof.interface.effectors import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR, is_done_to
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 

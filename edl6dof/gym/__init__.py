@@ -1,5 +1,5 @@
-"""Learning environments: parts of a flight in which a policy stands in the place of a part of the flight
-software.  ``import edl6dof.gym`` registers them with gymnasium.
+"""Learning environments: parts of a flight in which a policy replaces a part of the flight software.
+``import edl6dof.gym`` registers them with gymnasium.
 
 >>> import gymnasium, edl6dof.gym
 >>> env = gymnasium.make("edl6dof/PoweredDescent-v0")

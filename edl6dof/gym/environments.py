@@ -12,12 +12,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from edl6dof.config.wording import unknown
-from edl6dof.gym.entry_bank import EntryBank
 from edl6dof.gym.episodes import Episodes, known_options
-from edl6dof.gym.hazard_divert import HazardDivert
-from edl6dof.gym.powered_descent import PoweredDescent
 from edl6dof.gym.task import Task
-from edl6dof.gym.thruster_fault import DeadThruster, FaultDiagnosis
+from edl6dof.gym.tasks import DeadThruster, EntryBank, FaultDiagnosis, HazardDivert, PoweredDescent
 
 TASKS: dict[str, type[Task]] = {
     task.__name__: task for task in (EntryBank, PoweredDescent, HazardDivert, DeadThruster, FaultDiagnosis)
@@ -25,11 +22,7 @@ TASKS: dict[str, type[Task]] = {
 
 
 def task_called(name: str) -> type[Task]:
-    """A task by its name.
-
-    Raises:
-        ValueError: there is none of this name.
-    """
+    """Return the task of a name; raise ValueError if there is none."""
     if name not in TASKS:
         raise ValueError(unknown("task", name, TASKS))
     return TASKS[name]
@@ -38,14 +31,15 @@ def task_called(name: str) -> type[Task]:
 class FlightEnv(gymnasium.Env[np.ndarray, Any]):
     """A task in one flight.
 
-    It can be copied and pickled, in the middle of an episode too.  The information of the last step of an
-    episode holds ``is_success``.
+    It can be copied and pickled, even in an episode.  The information of the last step of an episode has
+    ``is_success``.
 
     Args:
         task: name of the task, of :data:`edl6dof.gym.TASKS`.
-        pool: dispersed flights that episodes draw from; each is flown once, when it is first drawn.
+        pool: number of dispersed flights that episodes draw from; each is flown when it is first drawn.
         first_case: case number of the first of them.  Environments whose ranges of ``pool`` cases from
             ``first_case`` on do not overlap have no flight in common.
+        render_mode: always ``None``.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}
@@ -64,8 +58,7 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode with a case that is drawn from the pool, or with that of the option ``case``,
-        in the pool or not.
+        """Begin an episode with a case that is drawn from the pool, or with any case by the option ``case``.
 
         Raises:
             ValueError: there is no such case, or no such option.
@@ -84,10 +77,9 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         Raises:
             ValueError: the action has a wrong shape, is not finite, or is no choice of the task.
         """
-        seen, reward, over, cut_off, success = self._episodes.step(np.asarray(action)[None])
-        ended = bool(over[0] or cut_off[0])
-        information = {"is_success": bool(success[0])} if ended else {}
-        return seen[0], float(reward[0]), bool(over[0]), bool(cut_off[0]), information
+        seen, *values = self._episodes.step(np.asarray(action)[None])
+        reward, over, cut_off, success = (one.item() for one in values)
+        return seen[0], reward, over, cut_off, {"is_success": success} if over or cut_off else {}
 
     def baseline(self) -> Any:
         """Return the action that the flight software itself would take now."""
@@ -97,18 +89,18 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
 class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
     """A task in many flights; each is that of a :class:`FlightEnv` of its seed.
 
-    The information of a step holds ``is_success`` and ``_is_success``, of the flights whose episodes it
-    ended.
+    The information of a step has ``is_success`` and ``_is_success`` of the flights whose episodes it ended.
 
     Args:
         task: name of the task.
-        num_envs: flights.
-        pool: dispersed flights that episodes draw from.
-        first_case: case number of the first of them, as of :class:`FlightEnv`.
-        workers: threads.
+        num_envs: number of flights.
+        pool: number of dispersed flights that episodes draw from.
+        first_case: case number of the first of them, as for :class:`FlightEnv`.
+        workers: number of threads.
         autoreset_mode: when an episode that has ended begins anew: in the next step, whose action is not
-            used (the default); in the same step, whose information then holds ``final_obs``; or when
+            used (the default); in the same step, whose information then has ``final_obs``; or when
             ``reset`` is called with the option ``reset_mask``.
+        render_mode: always ``None``.
     """
 
     def __init__(
@@ -151,16 +143,12 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         return self.task.observe(), {}
 
     def _seed(self, seed: int | Sequence[int | None] | None) -> None:
-        """One generator for each flight; a whole number seeds the first, and each after it by one more."""
-        if seed is None and self._generators:
-            return
-        if seed is None:
-            seeds: list[int | None] = [None] * self.num_envs
-        else:
-            seeds = [seed + k for k in range(self.num_envs)] if isinstance(seed, int) else list(seed)
+        """Seed the generator of each flight; a whole number seeds the first, and each next by one more."""
+        every = range(self.num_envs)
+        seeds = [seed + k for k in every] if isinstance(seed, int) else seed or [None for _ in every]
         if len(seeds) != self.num_envs:
             raise ValueError(f"there must be {self.num_envs} seeds (got {len(seeds)})")
-        kept = self._generators or [np_random()[0] for _ in seeds]
+        kept = self._generators or [np_random()[0] for _ in every]
         self._generators = [
             old if one is None else np_random(one)[0] for one, old in zip(seeds, kept, strict=True)
         ]

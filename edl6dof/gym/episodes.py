@@ -1,4 +1,4 @@
-"""Episodes of a task, flown side by side, and the dispersed flights in which they begin."""
+"""Episodes of a task, flown together, and the dispersed flights in which they begin."""
 
 from __future__ import annotations
 
@@ -9,33 +9,35 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.api.fleet import DispersedFlights, Start
+from edl6dof.api.simulation import DispersedFlights, Start
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.gym.task import Task
 
 #: Flights in a row that may end before the task begins.
 _PATIENCE = 20
-#: Cases that an episode can ask for.  One that ends before the task begins is replaced by the case this many
-#: further on, so that it is in no pool.
+#: Number of cases that an episode can ask for.  One whose flight ends before the task begins is replaced by
+#: the case this many further on, which is in no pool.
 _CASES = 2**26
 
 
 class StartPool:
-    """The beginnings of the episodes of a task, each of a dispersed flight of its own, by case number; one is
-    flown when it is first asked for.
+    """Starts of the episodes of a task by case number, each flown when it is first asked for.
+
+    Args:
+        task: the task.
+        size: number of cases to draw from.
+        first: number of the first of them.
 
     Attributes:
         drawn: case numbers that an episode draws from.
-        known: the beginnings that were flown, by case number.
+        known: starts that were flown, by case number.
+
+    Raises:
+        ValueError: there are no such cases.
     """
 
     def __init__(self, task: type[Task], size: int, first: int):
-        """``size``: cases to draw from; ``first``: the first of them.
-
-        Raises:
-            ValueError: there are no such cases.
-        """
         whole = all(isinstance(one, int | np.integer) and not isinstance(one, bool) for one in (size, first))
         if not whole or size < 1 or first < 0 or first + size > _CASES:
             raise ValueError(
@@ -48,7 +50,7 @@ class StartPool:
         self.known: dict[int, Start] = {}
 
     def __getitem__(self, case: int) -> Start:
-        """The beginning of a case, in the pool or not.
+        """Return the start of a case, in the pool or not.
 
         Raises:
             ValueError: there is no such case.
@@ -61,11 +63,7 @@ class StartPool:
             return self.known[case]
 
     def _flown(self, case: int) -> Start:
-        """The flight of a case; of one that does not come so far another that does.
-
-        Raises:
-            ConfigError: no flight comes so far, or they are of several worlds.
-        """
+        """Fly a case up to the task, or another one if it ends before."""
         task = self._task
         for seed in range(case, _PATIENCE * _CASES, _CASES):
             if (start := self.flights.at_phase(seed, task.role, task.later_s)) is not None:
@@ -84,11 +82,7 @@ class Outcome(NamedTuple):
 
 
 def known_options(options: Mapping[str, Any] | None, known: Sequence[str]) -> Mapping[str, Any]:
-    """Options of a reset.
-
-    Raises:
-        ValueError: there is no such option.
-    """
+    """Return the options of a reset; raise ValueError for an unknown one."""
     for name in options or {}:
         if name not in known:
             raise ValueError(unknown("option", name, known))
@@ -100,9 +94,9 @@ class Episodes:
 
     Args:
         task: the task.
-        count: how many.
-        workers: threads.
-        pool: dispersed flights that episodes draw from.
+        count: number of episodes.
+        workers: number of threads.
+        pool: number of dispersed flights that episodes draw from.
         first_case: case number of the first of them.
     """
 
@@ -127,7 +121,7 @@ class Episodes:
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Made anew, with the flights where they were."""
+        """Make everything anew, with the flights where they were."""
         self.__init__(*state["made_with"])  # type: ignore[misc]
         self._starts.known.update(state["known"])
         self.fleet.restore(state["flights"])
@@ -135,23 +129,19 @@ class Episodes:
         vars(self.task).update(deepcopy(state["task"]))
 
     def begin(self, which: Iterable[int], generators: list[np.random.Generator]) -> None:
-        """Let some episodes begin anew, each with a case of the pool that its own generator draws."""
+        """Begin some episodes anew, each with a case of the pool that its own generator draws."""
         drawn = self._starts.drawn
         for index in which:
             self.begin_with(index, drawn[int(generators[index].integers(len(drawn)))])
 
     def begin_with(self, index: int, case: int) -> None:
-        """Let an episode begin anew, with the dispersed flight of a case number."""
+        """Begin an episode anew with the dispersed flight of a case number."""
         self.fleet.put(index, self._starts[case])
         self._steps[index] = 0
         self.task.begin(index)
 
     def step(self, actions: np.ndarray) -> Outcome:
-        """One action each; flights that have ended stay where they are.
-
-        Raises:
-            ValueError: the actions are not of the action space.
-        """
+        """Take one action in each episode; flights that have ended stay where they are."""
         self.task.command(self.task.allowed(actions))
         self.fleet.advance(self._cycles)
         self._steps += 1

@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium import spaces
 
 import edl6dof
-from edl6dof.api.fleet import Fleet
+from edl6dof.api.simulation import Fleet
 
 #: Bound of every observation, in its scale.
 BOUND = 10.0
@@ -22,14 +22,25 @@ BOUND = 10.0
 
 @dataclass(frozen=True)
 class Feature:
-    """Numbers of an observation: what they are, the scale they are divided by, and where they stand in the
-    memories of the flight computers (``FSW``, shape (flights,)), as (flights,) or (flights, n).
+    """Numbers of an observation: name, scale they are divided by, and their source in the memories of the
+    flight computers (``FSW``, shape (flights,)): a dotted path, or a function that returns them, (flights,)
+    or (flights, n).
     """
 
     name: str
     scale: float
-    read: Callable[[np.ndarray], np.ndarray] = field(repr=False)
+    source: str | Callable[[np.ndarray], np.ndarray] = field(repr=False)
     size: int = 1
+
+    def read(self, memories: np.ndarray) -> np.ndarray:
+        """Return the numbers in their scale, shape (flights, size)."""
+        if isinstance(self.source, str):
+            found = memories
+            for name in self.source.split("."):
+                found = found[name]
+        else:
+            found = self.source(memories)
+        return np.asarray(found, float).reshape(len(memories), -1) / self.scale
 
 
 class StepResult(NamedTuple):
@@ -57,7 +68,6 @@ class Task(ABC):
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         self.loaded, self.fleet = loaded, fleet
         self.roles = np.array(loaded.scenario.phase_roles)
-        self.thrusters = loaded.scenario.thruster_names
 
     @property
     def observation_space(self) -> spaces.Space:
@@ -71,11 +81,8 @@ class Task(ABC):
         return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """Observe what the flight computers know, shape (flights, size); nothing of it is the truth."""
-        columns = [
-            np.asarray(feature.read(self.fleet.memories), float).reshape(len(self.fleet), -1) / feature.scale
-            for feature in self.features
-        ]
+        """Observation of the knowledge of the flight computers, without truth, shape (flights, size)."""
+        columns = [feature.read(self.fleet.memories) for feature in self.features]
         return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
 
     def allowed(self, actions: Any) -> np.ndarray:
@@ -112,20 +119,24 @@ class Task(ABC):
     def begin(self, index: int) -> None:  # noqa: B027  few tasks remember anything
         """Forget the episode of a flight that begins anew."""
 
-    def in_roles(self, *roles: str) -> np.ndarray:
-        """True for each flight in a phase of these roles, shape (flights,)."""
-        return np.isin(self.roles[self.fleet.memories["mission"]["phase"]], roles)
+    def give(self, command: str, given: Any = 1, **values: np.ndarray) -> None:
+        """Write a command for all flights, or those for which it is ``given``, and fields of the command."""
+        external = self.fleet.memories["external"]
+        external["given"][command] = given
+        for name, value in values.items():
+            external[name] = value
+
+    def in_role(self, role: str) -> np.ndarray:
+        """True for each flight in a phase of the role, shape (flights,)."""
+        return self.roles[self.fleet.memories["mission"]["phase"]] == role
 
     def ended(self) -> np.ndarray:
         """True for each flight that has ended, shape (flights,)."""
         return ~self.fleet.flying
 
-
-def nav(field: str) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function that reads a field of navigation."""
-    return lambda memories: memories["nav"][field]
-
-
-def guide(field: str) -> Callable[[np.ndarray], np.ndarray]:
-    """Reader of a field of guidance."""
-    return lambda memories: memories["guide"][field]
+    def landing(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Flights that have ended, those that landed within limits, and a reward of 1 for these and -1 for
+        the others that have ended, each shape (flights,).
+        """
+        over, success = self.ended(), self.fleet.landed_well(self.loaded.scenario.limits)
+        return over, success, np.where(over, np.where(success, 1.0, -1.0), 0.0)

@@ -1,10 +1,9 @@
-"""DAVE-ML models (AIAA S-119): constants, simple arithmetic and gridded tables, evaluated as the file states
-them.
+"""Reading of DAVE-ML models (AIAA S-119): constants, simple arithmetic and gridded tables.
 
 Read: ``variableDef`` with ``initialValue``, limits and MathML ``calculation`` (arithmetic, elementary
 functions, comparisons and ``piecewise``), ``breakpointDef``, ``griddedTableDef`` and ``function`` with linear
 interpolation, held beyond its ends.  Everything else that would change a value is refused with file and line.
-Descriptions, provenance and uncertainty change no value and are passed over; check data must be met.
+Descriptions, provenance and uncertainty change no value and are ignored; check data must be met.
 
 Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference; the last breakpoint of a table varies fastest.
 """
@@ -19,8 +18,17 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.daveml_model import OPERATORS, Function, Model, Variable, check_own_data
-from edl6dof.interchange.xmlfile import line_of, read_xml, refused, text_of
+from edl6dof.interchange.daveml_model import (
+    OPERATORS,
+    Function,
+    Model,
+    Variable,
+    check_own_data,
+    line_of,
+    read_xml,
+    refused,
+    text_of,
+)
 
 _IGNORED = {
     *("fileHeader", "description", "provenance", "provenanceRef", "uncertainty", "modificationRef"),
@@ -32,13 +40,13 @@ def read_daveml(path: Path) -> Model:
     """Read a file.
 
     Raises:
-        ConfigError: it is no DAVE-ML, holds something that is not supported, or does not meet its own check
-            data; with file, line and element.
+        ConfigError: it is no DAVE-ML, uses an unsupported element, or fails its own check data; with file,
+        line
+            and element.
     """
     root = read_xml(path)
     if root.tag != "DAVEfunc":
-        words = f"is not a DAVE-ML file: its root is <{root.tag}>, not <DAVEfunc>"
-        raise refused(path, line_of(root), words)
+        raise refused(path, line_of(root), f"is not a DAVE-ML file: its root is <{root.tag}>, not <DAVEfunc>")
     model, reader = Model(path), _Reader(path)
     for element in root:
         kind = element.tag
@@ -146,17 +154,16 @@ class _Reader:
 
     def check_formula(self, node: Element) -> None:
         kind = node.tag
-        if kind == "ci":
-            return
         if kind == "cn":
             self.number(node, node.text)
-            return
-        if kind == "piecewise":
+        elif kind == "piecewise":
             self.check_piecewise(node)
-            return
-        if kind != "apply" or len(node) == 0:
+        elif kind == "apply" and len(node):
+            self.check_apply(*node)
+        elif kind != "ci":
             raise self.unsupported(node)
-        operator, *arguments = node
+
+    def check_apply(self, operator: Element, *arguments: Element) -> None:
         if operator.tag == "piecewise" and not arguments:
             self.check_piecewise(operator)
             return

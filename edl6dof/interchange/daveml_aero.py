@@ -1,8 +1,8 @@
 """Aerodynamics of a DAVE-ML model on a grid of Mach number, angle of attack and sideslip, with its damping.
 
-The model says forces along the axes of B, or drag and lift with the side force; moments; and whatever else it
-depends on, such as deflections, is given.  Between its own nodes the grid is refined, so that what is not
-linear between them (a total angle, the square of sideslip) is followed closely.
+The model gives forces along the axes of B, or drag, lift and side force; and moments.  Its other inputs, such
+as deflections, are given.  The grid is refined between the nodes of the model, to follow effects that are not
+linear between them (a total angle, the square of sideslip).
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ class Sampled(NamedTuple):
 def sampled_model(
     path: Path, inputs: Mapping[str, float], most: tuple[int, int, int], points: int
 ) -> Sampled:
-    """The aerodynamics of a model with its other ``inputs`` given, on at most ``most`` nodes each and
+    """The aerodynamics of a model with its other ``inputs`` given, on at most ``most`` nodes of each axis and
     ``points`` in all.
 
     Raises:
-        ConfigError: the model cannot be read, lacks a coefficient, or depends on what is not given.
+        ConfigError: the model cannot be read, lacks a coefficient, or depends on an input that is not given.
     """
     model = read_daveml(path)
     given = settings(model, inputs, FLOW)
@@ -71,10 +71,10 @@ def sampled_model(
 
 
 def settings(model: Model, inputs: Mapping[str, float], flow: tuple[str, ...]) -> dict[str, float]:
-    """Values by identifier, in the model's units, of what it depends on besides ``flow``.
+    """Values of the inputs of a model besides ``flow``, by identifier and in its units.
 
     Raises:
-        ConfigError: something that it depends on is not given.
+        ConfigError: an input is not given.
     """
     given = {found.id: x for name, x in inputs.items() if (found := model.named(name)) is not None}
     for output in _outputs(model).values():
@@ -92,12 +92,11 @@ def settings(model: Model, inputs: Mapping[str, float], flow: tuple[str, ...]) -
 
 
 def is_sampled(model: Model) -> bool:
-    """Return whether a model says more than drag, lift and pitching moment over Mach number and angle of
+    """Return whether a model is more than drag, lift and pitching moment over Mach number and angle of
     attack, or constants.
     """
-    names = {
-        model.variables[i].name for output in _outputs(model).values() for i in model.inputs_of(output.id)
-    }
+    outputs = _outputs(model).values()
+    names = {model.variables[i].name for output in outputs for i in model.inputs_of(output.id)}
     forces = model.named(FORCES[0]) is not None or model.named(FORCES[2]) is not None
     return forces or BETA in names or bool(names - set(FLOW))
 
@@ -119,7 +118,7 @@ def _outputs(model: Model) -> dict[str, Variable]:
 
 
 def _nodes(model: Model, name: str) -> np.ndarray:
-    """Nodes of a quantity (rad of angles): those of tables over it, or over what follows from it."""
+    """Nodes of a quantity (angles in rad): those of tables over it, or over variables that depend on it."""
     variable = model.named(name)
     scale = 1.0 if variable is None or name == MACH else factor(model, variable, "angle")
     found: set[float] = set()

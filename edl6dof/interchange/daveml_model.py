@@ -1,5 +1,9 @@
-"""A DAVE-ML model as read: its variables, formulas and tables, their values in the file's own units, and the
-check data that the file carries of itself.
+"""A DAVE-ML model as read: variables, formulas and tables, their values in the units of the file, and the
+check data in the file; and the reading of XML of unknown origin.
+
+XML is read without entities, DTD, network and giant trees.  A file that declares entities is refused (they
+are how XML attacks work, and no model needs them); a reference to a DTD, as in NASA's files, is allowed and
+never followed.
 
 Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference.
 """
@@ -13,14 +17,77 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
 
 import numpy as np
 
 from edl6dof.config.document.locate import shown
+from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.interchange.xmlfile import line_of, refused, text_of
 from edl6dof.spatial import arrays
+
+MAX_BYTES = 5_000_000
+#: Deepest nesting of elements that is read.
+DEEPEST = 100
+
+_ENTITIES = "declares XML entities, which are not allowed"
+
+
+class Located(Element):
+    """An element, without its namespace, and the line on which it begins."""
+
+    line = 0
+
+
+def read_xml(path: Path) -> Element:
+    """Root element of an XML file.
+
+    Raises:
+        ConfigError: the file cannot be read, is no XML, or declares entities.
+    """
+    try:
+        content = read_regular(path, MAX_BYTES)
+    except OSError as error:
+        raise refused(path, 0, f"cannot be read: {error.strerror or error}") from None
+    tree, parser, open_tags = TreeBuilder(element_factory=Located), expat.ParserCreate(), list[str]()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        open_tags.append(tag.rpartition(":")[2])
+        if len(open_tags) > DEEPEST:
+            raise refused(path, parser.CurrentLineNumber, f"is nested more than {DEEPEST} elements deep")
+        element = tree.start(open_tags[-1], attributes)
+        assert isinstance(element, Located)
+        element.line = parser.CurrentLineNumber
+
+    def entity(*_: object) -> None:
+        raise refused(path, parser.CurrentLineNumber, _ENTITIES)
+
+    parser.StartElementHandler, parser.EndElementHandler = start, lambda _: tree.end(open_tags.pop())
+    parser.CharacterDataHandler, parser.buffer_text = tree.data, True
+    parser.EntityDeclHandler = parser.SkippedEntityHandler = entity
+    try:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
+        words = f"is not well-formed XML: {expat.ErrorString(error.code)}"
+        raise refused(path, error.lineno, words, error.offset + 1) from None
+    return tree.close()
+
+
+def refused(path: Path, line: int, message: str, column: int = 1, name: str = "") -> ConfigError:
+    """The error of one place in a file."""
+    return ConfigError([Problem(shown(path), line, column if line else 0, name, message)])
+
+
+def line_of(element: Element) -> int:
+    """Line on which an element begins."""
+    return getattr(element, "line", 0)
+
+
+def text_of(element: Element) -> str:
+    """Text of an element without blanks around it; empty when it has none."""
+    return (element.text or "").strip()
+
 
 #: A number, or one for each of many points.
 Number = float | np.ndarray
@@ -125,7 +192,9 @@ class Model:
         return float(self.values(identifier, given or {}))
 
     def values(self, identifier: str, given: Mapping[str, Number]) -> Number:
-        """As :meth:`evaluate`, at many points: arrays of one length in ``given`` and in what is returned."""
+        """Values at many points, as by :meth:`evaluate`: arrays of one length in ``given`` and in the
+        result.
+        """
         return self._value(identifier, given, {})
 
     def _value(self, identifier: str, given: Mapping[str, Number], known: dict[str, Number]) -> Number:
@@ -142,12 +211,9 @@ class Model:
                 value = self._formula(variable, variable.formula, given, known)
             if not np.all(np.isfinite(value)):
                 raise self.error(variable.line, "cannot be calculated: it is not finite", variable.name)
-        elif variable.value is not None:
-            value = variable.value
-        else:
-            raise self.error(
-                variable.line, "has neither initialValue nor calculation nor function", variable.name
-            )
+        elif (value := variable.value) is None:
+            words = "has neither initialValue nor calculation nor function"
+            raise self.error(variable.line, words, variable.name)
         known[identifier] = np.minimum(np.maximum(value, variable.low), variable.high)
         return known[identifier]
 
@@ -212,14 +278,13 @@ _DEFAULT_TOLERANCE = 1e-6
 def check_own_data(model: Model, check_data: Element) -> None:
     """Evaluate each static shot of a file: inputs, and the outputs that its author computed.
 
-    A model that does not come to them was damaged on its way, or is read here otherwise than its author meant
-    it; to fly it would be worse than to refuse it.
+    A model that does not reproduce them is damaged, or is read here in another way than its author meant.
 
     Source: ANSI/AIAA S-119-2011, ``checkData``; the tolerance is absolute.
 
     Raises:
-        ConfigError: with every output that is not within its tolerance, and every signal that is not a number
-            or not of the model.
+        ConfigError: every output outside its tolerance, and every signal that is no number or not of the
+        model.
     """
     problems = [problem for shot in check_data.iterfind("staticShot") for problem in _of_shot(model, shot)]
     if problems:
@@ -227,11 +292,7 @@ def check_own_data(model: Model, check_data: Element) -> None:
 
 
 def _of_shot(model: Model, shot: Element) -> Iterator[Problem]:
-    given = {
-        identifier: value
-        for signal in shot.iterfind("checkInputs/signal")
-        for identifier, value in [_signal(model, signal)]
-    }
+    given = dict(_signal(model, signal) for signal in shot.iterfind("checkInputs/signal"))
     for signal in shot.iterfind("checkOutputs/signal"):
         identifier, wanted = _signal(model, signal)
         tolerance = _number(model, signal, "tol", _DEFAULT_TOLERANCE * max(1.0, abs(wanted)))
@@ -245,7 +306,7 @@ def _of_shot(model: Model, shot: Element) -> Iterator[Problem]:
 
 
 def _signal(model: Model, signal: Element) -> tuple[str, float]:
-    """Variable and value of a signal, which is named by its variable or by the variable's name."""
+    """Variable and value of a signal, which has the identifier or the name of the variable."""
     words = [text_of(part) for tag in ("varID", "signalName") for part in signal.iterfind(tag)]
     name = words[0] if words else ""
     variable = model.named(name)

@@ -4,11 +4,11 @@ S-119 standard names.
     vehicle:
       daveml: [brick_inertia.dml, brick_aero.dml]
 
-Three kinds of aerodynamics have a place in a vehicle: a constant drag coefficient with rate damping
-(``aero.constant``), tables of drag, lift and pitching moment over Mach number and angle of attack
-(``aero.capsule.static_table``), and six coefficients over both angles, with what else the model depends on,
-such as deflections, given under ``daveml_inputs`` (``aero.body``).  Whether a file is one of them is found by
-evaluating it; a file that says more than the vehicle can carry is refused, never cut down.
+A vehicle has three kinds of aerodynamics: a constant drag coefficient with rate damping (``aero.constant``),
+tables of drag, lift and pitching moment over Mach number and angle of attack (``aero.capsule.static_table``),
+and six coefficients over both angles, with other inputs of the model, such as deflections, given under
+``daveml_inputs`` (``aero.body``).  The kind of a file is found by evaluating it; a file with effects beyond
+its kind is refused.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from edl6dof.interchange.daveml_aero import (
     length_of,
     settings,
 )
-from edl6dof.interchange.daveml_model import Model
+from edl6dof.interchange.daveml_model import Model, Number
 
 SIDE = FORCES[1]
 ROLL, PITCH, YAW = MOMENTS
@@ -77,11 +77,11 @@ def _put(part: Part, model: Model, line: int, values: Mapping[str, Any]) -> None
 
 
 def expand_daveml(document: Document) -> Document:
-    """Put the content of the files that ``vehicle.daveml`` names in the vehicle; what the YAML file states
-    itself goes before it.
+    """Put the content of the files that ``vehicle.daveml`` names in the vehicle; values of the YAML file
+    itself have precedence.
 
     Raises:
-        ConfigError: a file is missing, wrong, or says what a vehicle cannot carry.
+        ConfigError: a file is missing, wrong, or beyond the models of a vehicle.
     """
     vehicle = document.data.get("vehicle")
     if not isinstance(vehicle, dict):
@@ -130,10 +130,10 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
 
     Args:
         paths: the files.
-        inputs: what the models are given besides the flow, by name or identifier and in their own units.
+        inputs: inputs of the models besides the flow, by name or identifier and in their own units.
 
     Raises:
-        ConfigError: a file cannot be read, says what a vehicle cannot carry, or no file has such an input.
+        ConfigError: a file cannot be read or is beyond the models of a vehicle, or no file has such an input.
     """
     part: Part = {}
     unused, inputs = set(inputs or ()), inputs or {}
@@ -268,17 +268,13 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     mach, alpha = (np.array(sorted(grids[name])) for name in (MACH, ALPHA))
     if len(mach) < 2 or len(alpha) < 2:
         raise model.error(1, f"has no table over {MACH} and {ALPHA}")
-    given = [variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None]
-    table = np.empty((len(mach), len(alpha), 3))
-    for i, j in np.ndindex(len(mach), len(alpha)):
-        point = {
-            v.id: float(mach[i])
-            if v.name == MACH
-            else float(alpha[j]) * pi / 180.0 / factor(model, v, "angle")
-            for v in given
-        }
-        table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
-    return mach, alpha, table
+    at: dict[str, Number] = {}
+    for name, axis, kind in ((MACH, mach[:, None], ""), (ALPHA, alpha * pi / 180.0, "angle")):
+        if (variable := model.named(name)) is not None:
+            unit = factor(model, variable, kind) if kind else 1.0
+            at[variable.id] = np.broadcast_to(axis, (len(mach), len(alpha))).ravel() / unit
+    columns = [np.broadcast_to(model.values(one.id, at), mach.size * alpha.size) for one in coefficients]
+    return mach, alpha, np.stack(columns, axis=-1).reshape(len(mach), len(alpha), 3)
 
 
 def _probe(model: Model, name: str, speed: float, *rates: float) -> float:

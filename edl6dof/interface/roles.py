@@ -38,7 +38,7 @@ ROLES: tuple[Role, ...] = get_args(Role)
 
 
 def begun(role: str) -> str:
-    """Key of the time at which a role begins, among the times of events by their keys."""
+    """Key of the time at which a role begins, among the keys of events."""
     return f"role.{role}"
 
 
@@ -47,7 +47,7 @@ def span(roles: Sequence[str], role: str) -> tuple[int, int]:
 
     Args:
         roles: role of each phase in their order.
-        role: the one that is looked for.
+        role: role to find.
     """
     found = [index for index, own in enumerate(roles) if own == role]
     return (found[0], found[-1] + 1) if found else (0, 0)

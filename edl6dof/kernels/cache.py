@@ -1,9 +1,9 @@
-"""Machine code on disk: numba's own files, named by a hash of all sources that the code in them follows from.
+"""Machine code on disk: numba's own files, named by a hash of all sources that their code depends on.
 
 numba stamps a cache entry with the file of the compiled function only; when a helper in another file is
 edited, its callers keep running the old machine code (numba issues 1833 and 8851).  Here the name of a file
 contains a hash of the function's source and of those it imports, so that no entry is ever stale.  Files
-are sealed with a hash of their content, which Python's ``pickle`` reads past: a flipped bit is found.
+are sealed with a hash of their content, which ``pickle`` does not read: a flipped bit is found.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from pickle import UnpicklingError
 from shutil import disk_usage, rmtree
 from stat import S_IMODE, S_ISDIR
 from tempfile import TemporaryFile, gettempdir
@@ -52,6 +53,8 @@ _STARTED = time.time() - 0.1
 #: Time (s) to wait for another process that writes.
 _PATIENCE_S = 20.0
 _IMPORT = re.compile(rb"^from edl6dof\.([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
+#: Exceptions of Python's ``pickle``, which no kernel raises.
+_UNREADABLE = (AttributeError, EOFError, ImportError, UnpicklingError)
 _ADVICE = "(NUMBA_CACHE_DIR can name a better place)"
 
 #: Files that numba changed and that are to be sealed: folder and begin of their names.
@@ -73,8 +76,8 @@ def receive(path: Path, content: bytes, *, in_loop: bool) -> None:
 
 @cache
 def stamp(file: str) -> str:
-    """Hash of a source, its place, and those of the package that it imports; empty where it is not known,
-    and where one was written after this process began: nobody knows which version it has imported.
+    """Hash of a source, its place, and the sources of the package that it imports; empty if it is not known,
+    or if one was written after this process began, which may have imported another version.
     """
     try:
         if file not in received and os.stat(file).st_mtime > _STARTED:
@@ -92,7 +95,7 @@ def _inside(file: str) -> str:
 
 
 def _imported(content: bytes) -> list[str]:
-    """Files of the package that a source imports, but for members of families that flights receive."""
+    """Files of the package that a source imports, except members of families that flights receive."""
     found = set()
     for module, names in _IMPORT.findall(content):
         place = str(PACKAGE.joinpath(*module.decode().split(".")))
@@ -171,7 +174,7 @@ def _can_be_written(place: Path) -> bool:
 
 
 def _user() -> int:
-    """Number of the user; Windows has none, and gives each user a folder for temporary files of his own."""
+    """Number of the user, 0 on Windows, where each user has a folder for temporary files."""
     return os.getuid() if hasattr(os, "getuid") else 0
 
 
@@ -181,8 +184,8 @@ def say_once(message: str) -> None:
     print(f"edl6dof: {message}", file=sys.stderr)
 
 
-def drop() -> None:
-    """Remove all machine code: a file of it is damaged."""
+def _drop_all() -> None:
+    """Remove all machine code: a file of it is damaged, or contains types that no longer exist."""
     if (place := folder()) is not None:
         for file in place.iterdir():
             _drop(file)
@@ -211,16 +214,21 @@ def _seal(place: Path, name: str) -> None:
 
 @contextmanager
 def experimental() -> Iterator[None]:
-    """Spare callers numba's warning that functions which are passed are an experimental feature."""
+    """Ignore numba's warning that functions as arguments are an experimental feature."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", numba.NumbaExperimentalFeatureWarning)
         yield
 
 
 def compiled(call: Callable[..., Any], *given: Any, **named: Any) -> Any:
-    """Result of a call that may compile; where the code cannot be written, of another: it is in memory."""
+    """Result of a call that may compile, which is repeated if code cannot be read, or is not kept if it
+    cannot be written.
+    """
     with experimental():
         try:
+            return call(*given, **named)
+        except _UNREADABLE:
+            _drop_all()
             return call(*given, **named)
         except OSError as error:  # no kernel raises it
             say_once(f"machine code is not kept: {error.strerror}: {folder()} {_ADVICE}")
@@ -259,7 +267,7 @@ class Locator:
         return None if place is None else cls(function, file, place)._examined()
 
     def _examined(self) -> Locator:
-        """Itself, once damaged files of its function are removed, and it is said that it has none."""
+        """Remove damaged files of the function; print a line if it has none."""
         own = [name for name in _left_behind(self._folder).get(self._name, ()) if self._stamp in name]
         for name in own:
             if not _is_sound(self._folder / name):
@@ -271,8 +279,8 @@ class Locator:
         return self
 
     def ensure_cache_path(self) -> None:
-        """Keep other processes from writing until :func:`written`, since numba reads, changes and writes an
-        index now; and remove the code of other sources.
+        """Lock the folder until :func:`written`, since numba reads, changes and writes an index now, and
+        remove the code of other sources.
         """
         with suppress(Timeout):
             _writing(self._folder).acquire(timeout=_PATIENCE_S)
@@ -286,7 +294,7 @@ class Locator:
         return str(self._folder)
 
     def get_source_stamp(self) -> str:
-        """Nothing: the files of another source have other names."""
+        """Return no stamp: the files of another source have other names."""
         return ""
 
     def get_disambiguator(self) -> str:
@@ -300,7 +308,7 @@ def _stamps(function: Any) -> list[str]:
 
 @cache
 def _left_behind(place: Path) -> dict[str, list[str]]:
-    """Names of the files that there were by function."""
+    """Names of the files at first sight, by function."""
     found: dict[str, list[str]] = {}
     for name in os.listdir(place):
         found.setdefault(name.rpartition("-")[0], []).append(name)
@@ -309,8 +317,8 @@ def _left_behind(place: Path) -> dict[str, list[str]]:
 
 @contextmanager
 def in_own_folder(function: Any) -> Iterator[bool]:
-    """Let numba ask :class:`Locator` where a variant of a kernel is kept, and other users of numba where it
-    always does; hands out whether it can be kept.
+    """Make numba ask :class:`Locator` for the place of a variant of a kernel, without effect on other users
+    of numba; yield whether it can be kept.
     """
     before = SETTINGS.CACHE_LOCATOR_CLASSES
     SETTINGS.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"

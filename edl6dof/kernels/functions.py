@@ -1,9 +1,9 @@
 """Kernels that a flight chooses among: by an index compiled with the caller, or passed as functions.
 
-A static choice is compiled whole with its caller: for the small kernels in the equations of motion.  Of
-other families the members that a flight carries are compiled into one function, which is passed to the loop
-as a first-class function (numba's ``types.FunctionType``).  So the loop is compiled once, a member when a
-flight first carries it, and one that comes after the loop was compiled flies in it.
+A static choice is compiled whole with its caller, for the small kernels in the equations of motion.  The
+members of other families that a flight carries are compiled into one function, which is passed to the loop as
+a first-class function (numba's ``types.FunctionType``).  So the loop is compiled once, a member when a flight
+first carries it, and a member that is made after the loop flies in it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numba.extending import register_model, typeof_impl, unbox
 from edl6dof.kernels.cache import compiled, experimental
 from edl6dof.kernels.jit import Kernel, kernel
 
-#: What a kernel returns that is passed as a function: nothing, or a number.
+#: Types of the results of passed kernels: nothing, or a number.
 NOTHING, NUMBER = types.none, types.float64
 
 
@@ -71,8 +71,8 @@ class _Signature(type(NOTHING())):  # type: ignore[misc]  # numba's class, which
 
 
 class Passed(types.FunctionType):
-    """Type of a function that is passed; it goes by a short name, since numba writes the names of types into
-    those of functions, and its own takes a hundred thousand letters.
+    """Type of a function that is passed, with a short name: numba writes the names of types into those of
+    functions, and its own name of the type has a hundred thousand letters.
     """
 
     def __init__(self, title: str, names: Iterable[str], returns: types.Type, *arguments: types.Type) -> None:
@@ -109,8 +109,8 @@ def function_type(title: str, names: Iterable[str], returns: types.Type, *argume
 
 
 def _named(title: str) -> Passed:
-    """The type of this name.  One of another process, whose records have other layouts, keeps its name: numba
-    writes it back into its index.
+    """The type of this name; one of another process, whose records have other layouts, keeps its name, which
+    numba writes back into its index.
     """
     return _known.get(title) or Passed(title, (), NOTHING)
 
@@ -123,19 +123,15 @@ register_model(Passed)(FunctionModel)
 
 
 class Given(NamedTuple):
-    """A kernel as a flight gives it to the loop: numba sees a function of its type, not the kernel itself, of
-    which it would make a loop of its own.
-
-    Attributes:
-        kernel: it.
-        type: of the function.
+    """A kernel that a flight gives to the loop: numba sees a function of its type; for the kernel itself it
+    would compile another loop.
     """
 
     kernel: Any
-    type: Passed
+    type: Passed  # of the function
 
     def __call__(self, *given: Any, **named: Any) -> Any:
-        """Call the kernel: without numba's compiler, the loop does."""
+        """Call the kernel, as the loop does without numba's compiler."""
         return self.kernel(*given, **named)
 
     def compile(self) -> None:
@@ -162,8 +158,8 @@ def _(kind: Passed, given: Any, context: Any) -> Any:
 def choice(
     name: str, kernels: Mapping[int, Any], arguments: Sequence[str], passed: Mapping[int, Sequence[str]]
 ) -> Any:
-    """Kernel ``name(index, *arguments)`` that calls kernel ``index`` with the expressions ``passed[index]``;
-    an index that none has calls the first.
+    """Kernel ``name(index, *arguments)`` that calls kernel ``index`` with the expressions ``passed[index]``,
+    or the first kernel for an unknown index.
 
     numba cannot index functions of different types, so the calls are written out.
     """

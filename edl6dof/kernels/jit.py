@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, update_wrapper
-from pickle import UnpicklingError
 from types import FunctionType
 from typing import Any
 
@@ -12,17 +11,14 @@ import numba
 from numba import types
 from numba.extending import models, register_model, typeof_impl
 
-from edl6dof.kernels.cache import SETTINGS, compiled, drop, in_own_folder
+from edl6dof.kernels.cache import SETTINGS, compiled, in_own_folder
 
 
 class Kernel:
-    """A function that other kernels call compiled, and Python too.
+    """A function that other kernels and Python call compiled.
 
-    numba's wrapper for calls from Python is a fifth of what there is to compile, and few kernels are called
-    so: that variant of a kernel is compiled when Python first calls it.
-
-    Attributes:
-        py_func: the function itself.
+    numba's wrapper for calls from Python is a fifth of the compilation, and Python calls few kernels: that
+    variant of a kernel is compiled when Python first calls it.  ``py_func`` is the function itself.
     """
 
     __name__: str
@@ -31,8 +27,8 @@ class Kernel:
         """
         Args:
             function: as written in Python.
-            follows: source files besides its own that its machine code follows from, with what they import.
-            options: further ones of numba, for calls from kernels.
+            follows: other source files that its machine code depends on, with their imports.
+            options: further options of numba for calls from kernels.
         """
         _require_same_bits(function)
         update_wrapper(self, function)
@@ -40,11 +36,7 @@ class Kernel:
 
     def __call__(self, *given: Any, **named: Any) -> Any:
         """Call the function from Python, compiled."""
-        try:
-            return compiled(self.called, *given, **named)
-        except (EOFError, UnpicklingError):  # no kernel raises them
-            drop()
-            return compiled(self.called, *given, **named)
+        return compiled(self.called, *given, **named)
 
     @cached_property
     def called(self) -> Any:
@@ -62,7 +54,7 @@ class Kernel:
         return self._variant("passed", no_cpython_wrapper=True)
 
     def _variant(self, name: str, **options: bool) -> Any:
-        """A dispatcher of its own, since numba would take the machine code of one variant for another."""
+        """A dispatcher with its own function, without which numba would confuse the code of two variants."""
         one = self.py_func
         own: Any = FunctionType(
             one.__code__, one.__globals__, one.__name__, one.__defaults__, one.__closure__
@@ -74,8 +66,8 @@ class Kernel:
 
 
 class _KernelType(types.Dispatcher):
-    """Type of a kernel, which is compiled once for numbers of a type: numba compiles a call with a literal
-    number for that number alone.
+    """Type of a kernel, which is compiled once for numbers of a type, where numba would compile a call with a
+    literal number for that number alone.
     """
 
     def get_call_type(self, context: Any, args: Sequence[types.Type], kws: dict[str, types.Type]) -> Any:
@@ -103,10 +95,10 @@ def kernel(function: Callable[..., Any], follows: Sequence[str] = (), **options:
 
 
 def inlined_kernel(function: Callable[..., Any]) -> Any:
-    """A :func:`kernel` that is copied into each of its callers, whatever its size.
+    """Compile a :func:`kernel` that is copied into each of its callers, whatever its size.
 
-    For large kernels that the equations of motion call once a derivative: LLVM leaves them outside, and to
-    hand on arrays and tuples through the stack took 6 % of the time of a flight.
+    For large kernels that the equations of motion call once a derivative: LLVM does not inline them, and
+    arrays and tuples on the stack took 6 % of the time of a flight.
     """
     return kernel(function, forceinline=True)
 

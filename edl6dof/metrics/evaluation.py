@@ -1,5 +1,5 @@
-"""Figures of a flight: those that its telemetry and events give, as :mod:`edl6dof.metrics.figures` declares,
-those at any event that a scenario publishes, peaks, the miss of the aim point; and the limits on them.
+"""Figures of a flight from telemetry and events, at published events, of peaks and of the miss of the aim
+point; and the limits on figures.
 """
 
 from __future__ import annotations
@@ -12,31 +12,24 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.metrics.figure_forms import Flown
-from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Source, figure_of_merit
+from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Flown, Source, figure_of_merit
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import great_circle
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
-#: What is known at any event of a mission, each with the ending of a figure's name; ``s`` is the time of it:
+#: Quantities at any event of a mission, as endings of the names of figures; ``s`` is its time:
 #: ``bridle_cut_height_m`` is the height above the ground at the event ``bridle_cut``.
 AT_EVENTS = (
-    "s",
-    "mach",
-    "dynamic_pressure_pa",
-    "altitude_m",
-    "height_above_areoid_m",
-    "height_m",
-    "speed_m_s",
-    "total_alpha_deg",
+    *("s", "mach", "dynamic_pressure_pa", "altitude_m", "height_above_areoid_m", "height_m"),
+    *("speed_m_s", "total_alpha_deg"),
 )
 
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: figure by name and in words, this flight's value and the largest allowed, in ``unit``."""
+    """One limit: figure by name and in words, value of this flight and largest allowed value, in ``unit``."""
 
     figure: str
     label: str
@@ -46,29 +39,29 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """True if the limit is kept; a value that could not be formed does not keep it."""
+        """True if the limit is kept; NaN does not keep it."""
         return bool(self.value <= self.limit)
 
     @property
     def of_balance(self) -> bool:
-        """True if it judges the simulator and not the mission."""
+        """True if it tests the simulator and not the mission."""
         return figure_of_merit(self.figure).source == "balance"
 
     @property
     def told(self) -> str:
-        """Words for it in the outcome: a broken balance with its numbers."""
-        unit = f" {self.unit}" if self.unit else ""
-        return (
-            f"{self.label}: {self.value:.1e}, limit {self.limit:g}{unit}" if self.of_balance else self.label
-        )
+        """Words for it in the outcome; a broken balance with its numbers."""
+        if not self.of_balance:
+            return self.label
+        return f"{self.label}: {self.value:.1e}, limit {self.limit:g} {self.unit}".rstrip()
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     """Every limit that is set and was reached, and every balance that is not kept."""
     bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
+    bounds += [(figure, figure.allowed) for figure in BALANCES]
     found = [
         Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label)
-        for figure, bound in (*bounds, *((figure, figure.allowed) for figure in BALANCES))
+        for figure, bound in bounds
         if figure.name in figures and bound is not None
     ]
     return [check for check in found if not (check.of_balance and check.ok)]
@@ -76,16 +69,12 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
 
 def formed(flown: Flown, *sources: Source) -> dict[str, float]:
     """Figures from telemetry and events that have one of the sources, as far as the flight came."""
-    found = {
-        figure.name: figure.form(flown)
-        for figure in FIGURES
-        if figure.form is not None and figure.source in sources
-    }
-    return {name: value for name, value in found.items() if value is not None}
+    wanted = (figure for figure in FIGURES if figure.source in sources and figure.form is not None)
+    return {one.name: value for one in wanted if one.form and (value := one.form(flown)) is not None}
 
 
 def event_and_quantity(name: str, events: Collection[str]) -> tuple[str, str] | None:
-    """Event and quantity that the name of a figure is put together from; ``None`` where it is not."""
+    """Event and quantity of a figure whose name consists of them; ``None`` for other figures."""
     for quantity in AT_EVENTS:
         event = name.removesuffix(f"_{quantity}")
         if event != name and event in events:
@@ -94,12 +83,12 @@ def event_and_quantity(name: str, events: Collection[str]) -> tuple[str, str] | 
 
 
 def event_figures(telemetry: Telemetry, wanted: Iterable[str], done: Mapping[str, float]) -> dict[str, float]:
-    """Those of the ``wanted`` figures that are at events of the flight.
+    """Figures at events of the flight.
 
     Args:
-        telemetry: its rows.
-        wanted: names of figures; those that are declared are passed over.
-        done: time (s) of each event of the mission by its name, ``nan`` of one that did not come.
+        telemetry: rows of the flight.
+        wanted: names of figures; declared ones are ignored.
+        done: time (s) of each event of the mission by its name, ``nan`` if it did not happen.
     """
     found = {}
     for name in wanted:
@@ -143,11 +132,11 @@ def deployment_figures(
     """
     first, near = telemetry.rows(0, 1), telemetry.beside(mortar_fire_s)
     start, here = _place(first, float(first["t_s"][0])), _place(near, mortar_fire_s)
-    arc, azimuth = _arc(start, here)
-    goal, along = _arc(start, aim_point)
+    arc, azimuth = great_circle(start, here)
+    goal, along = great_circle(start, aim_point)
     turn = azimuth - along
     return {
-        "parachute_miss_m": radius_m * _arc(here, aim_point)[0],
+        "parachute_miss_m": radius_m * great_circle(here, aim_point)[0],
         "parachute_downrange_m": radius_m * (atan2(sin(arc) * cos(turn), cos(arc)) - goal),
         "parachute_crossrange_m": radius_m * asin(sin(arc) * sin(turn)),
     }
@@ -158,7 +147,3 @@ def _place(rows: Telemetry, t: float) -> tuple[float, float]:
     latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
     without_jump = np.unwrap(longitude) if np.ptp(longitude) > pi else longitude
     return float(interpolate(t, rows["t_s"], latitude)), float(interpolate(t, rows["t_s"], without_jump))
-
-
-def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
-    return great_circle(a, b)

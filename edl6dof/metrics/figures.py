@@ -1,41 +1,183 @@
-"""The figures of merit of a flight, declared once: name with unit suffix, what it is, where it comes from,
-how it is formed, and which limit bounds it.
+"""The figures of merit of a flight, declared once: name with unit suffix, meaning, source, the form that
+computes it from telemetry and events, and the limit that bounds it.
 
 From this table follow the figures of telemetry, the limits, the names of published values, and the labels of
-reports and campaigns.
+reports and campaigns.  A form is called with a :class:`Flown` and returns the figure in the unit of its
+channels, or ``None`` if the flight did not reach it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import inf
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
 
 from edl6dof.config.units import Unit, split_unit
-from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, begun
-from edl6dof.metrics.figure_forms import (
-    Form,
-    Part,
-    at,
-    bank_reversals,
-    bank_zero,
-    between,
-    largest,
-    limit_cycle,
-    longest,
-    nearest,
-    propellant,
-    swing,
-    trim_propellant,
-    value,
-)
+from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
 
-#: What a figure is formed from.
+if TYPE_CHECKING:
+    from edl6dof.telemetry.columns import Telemetry  # whose kernels a report need not load
+
+#: Last seconds of the trim phase, in which its limit cycle is measured.
+LIMIT_CYCLE_S = 30.0
+
+
+class Flown(NamedTuple):
+    """A flight: telemetry, time (s) of its events by key, and role of each phase."""
+
+    telemetry: Telemetry
+    when: Mapping[str, float]
+    roles: Sequence[str]
+
+
+Form = Callable[[Flown], float | None]
+
+
+def at(event: str) -> Form:
+    """Time of an event."""
+    return lambda flown: flown.when.get(event)
+
+
+def between(since: str, *until: str) -> Form:
+    """Time from one event to the first of others."""
+
+    def form(flown: Flown) -> float | None:
+        ends = [flown.when[event] for event in until if event in flown.when]
+        return min(ends) - flown.when[since] if ends and since in flown.when else None
+
+    return form
+
+
+def value(event: str, *channels: str, added: bool = False, before: bool = False) -> Form:
+    """A channel at an event; of several the length of their vector, or the sum of two (``added``).
+
+    ``before``: in the row before the event, in which the estimate contains no shock of the contact.
+    """
+
+    def form(flown: Flown) -> float | None:
+        t, telemetry = flown.when.get(event), flown.telemetry
+        if t is None:
+            return None
+        t = float(telemetry.beside(t)["t_s"][0]) if before else t
+        if len(channels) > 1 and not added:
+            return telemetry.length_at(t, *channels)
+        first, *others = telemetry.at(t, *channels)
+        return first + others[0] if added else first
+
+    return form
+
+
+class Part(NamedTuple):
+    """Rows of a flight: those of the phases of a role, from ``after_s`` seconds after an event (``later``:
+    after these), until another event.  Events go by their milestones.  The default is the whole flight; there
+    are no rows without the event ``needs``.
+    """
+
+    role: str = ""
+    since: str = ""
+    after_s: float = 0.0
+    later: bool = False
+    until: str = ""
+    needs: str = ""
+
+    def rows(self, flown: Flown) -> Telemetry:
+        """Return the rows."""
+        telemetry, when, _ = flown
+        if self.needs and self.needs not in when:
+            return telemetry.rows(0, 0)
+        if self.role:
+            telemetry = telemetry.rows(*role_rows(flown, self.role))
+        times = telemetry["t_s"]
+        first = 0
+        if self.since:
+            side: Literal["left", "right"] = "right" if self.later else "left"
+            first = int(np.searchsorted(times, when.get(self.since, inf) + self.after_s, side=side))
+        last = int(np.searchsorted(times, when.get(self.until, inf))) if self.until else None
+        return telemetry.rows(first, last)
+
+
+def over(part: Part, extreme: Literal["largest", "longest", "nearest"], *channels: Any) -> Form:
+    """Extreme of channels over rows, by a method of :class:`edl6dof.telemetry.columns.Telemetry`."""
+
+    def form(flown: Flown) -> float | None:
+        rows = part.rows(flown)
+        return getattr(rows, extreme)(*channels) if len(rows["t_s"]) else None
+
+    return form
+
+
+def swing(parts: Sequence[Part], rate: str, roll: str, angle: str) -> Form:
+    """Largest magnitude of a rate without its part that is banking, in the lift phases alone."""
+
+    def form(flown: Flown) -> float | None:
+        found = [part.rows(flown).fastest_swing(rate, roll, angle) for part in parts]
+        return float(np.fmax(*found)) if len(Part(LIFT).rows(flown)["t_s"]) else None
+
+    return form
+
+
+def role_rows(flown: Flown, role: str) -> tuple[int, int]:
+    """First row of the phases of a role, and the row after their last."""
+    first, end = np.searchsorted(flown.telemetry["guide.phase"], span(flown.roles, role)).tolist()
+    return first, end
+
+
+def _trim(flown: Flown) -> Telemetry | None:
+    """Rows of the trim phase; ``None`` if the flight did not complete it."""
+    first, last = role_rows(flown, TRIM)
+    whole = last - first > 1 and last < len(flown.telemetry["t_s"])
+    return flown.telemetry.rows(first, last) if whole else None
+
+
+def limit_cycle(flown: Flown) -> float | None:
+    """Largest attitude error at the end of the trim phase; S1 requires a deadband below 5 deg."""
+    if (phase := _trim(flown)) is None:
+        return None
+    times = phase["t_s"]
+    late = phase.rows(int(np.searchsorted(times, times[-1] - LIMIT_CYCLE_S, side="right")), None)
+    return late.largest(*(f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw")))
+
+
+def trim_propellant(flown: Flown) -> float | None:
+    """Propellant used in the trim phase."""
+    return None if (phase := _trim(flown)) is None else propellant(Flown(phase, flown.when, flown.roles))
+
+
+def propellant(flown: Flown) -> float:
+    """Propellant used."""
+    left = flown.telemetry["truth.propellant_kg"]
+    return float(left[0] - left[-1])
+
+
+def _bank(flown: Flown) -> tuple[np.ndarray, int]:
+    """Commanded bank of the lift phases with the row before them, and the number of rows before."""
+    first, last = role_rows(flown, LIFT)
+    before = min(first, 1)
+    rows = flown.telemetry.rows(first - before, last)
+    return rows["guide.bank_deg"] if last > first else np.empty(0), before
+
+
+def bank_reversals(flown: Flown) -> float | None:
+    """Return the number of sign changes of the commanded bank angle."""
+    bank, _ = _bank(flown)
+    return float(np.count_nonzero(bank[1:] * bank[:-1] < 0.0)) if len(bank) else None
+
+
+def bank_zero(flown: Flown) -> float | None:
+    """Time at which bank is first commanded to zero."""
+    bank, before = _bank(flown)
+    rows = np.flatnonzero(bank[before:] == 0.0)
+    return float(Part(LIFT).rows(flown)["t_s"][rows[0]]) if len(rows) else None
+
+
+#: Source of a figure, see :class:`FigureOfMerit`.
 Source = Literal[
     "events", "telemetry", "navigation", "peaks", "contact", "footing", "diagnosis", "exclusions", "balance"
 ]
-#: Seconds after the trim wing opens that count as its transient, after engine ignition as that of roll, and
-#: from which backshell and vehicle count as separated.
+#: Duration (s) of the transient after the trim wing opens and of that of roll after engine ignition, and time
+#: from ignition until backshell and vehicle count as separated.
 WING_TRANSIENT_S, ROLL_TRANSIENT_S, SEPARATED_S = 10.0, 8.0, 5.0
 
 
@@ -45,11 +187,11 @@ class FigureOfMerit(NamedTuple):
     Attributes:
         name: with unit suffix; figures of a flight, ``published`` values and columns of campaigns have it.
         meaning: its name in reports.
-        source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
-            of the flight, ``navigation`` for the error of the estimate, ``peaks`` for what the plant keeps at
-            every step, ``contact`` for the located first ground contact, ``footing`` for the rough ground
-            that it came to stand on, ``diagnosis`` for fault isolation, ``exclusions`` for instruments out of
-            use, ``balance`` for the change of the state compared with the sums of its causes.
+        source: ``events``: time of an event, or state at it; ``telemetry``: rows of a part of the flight;
+            ``navigation``: error of the estimate; ``peaks``: largest loads of all steps; ``contact``: located
+            first ground contact; ``footing``: rough ground under the landed vehicle; ``diagnosis``: fault
+            isolation; ``exclusions``: instruments out of use; ``balance``: change of the state compared with
+            the sum of its causes.
         limit: parameter of the scenario's ``limits`` that is its upper bound; empty for none.
         allowed: upper bound in every scenario, for a figure that tests the simulator and not the mission.
         form: form that computes it, if telemetry and events suffice.
@@ -71,7 +213,6 @@ class FigureOfMerit(NamedTuple):
 
 
 def _axes(channel: str, axes: str = "x y z") -> tuple[str, ...]:
-    """Channels of some axes, ``{}`` in the name."""
     return tuple(channel.format(axis) for axis in axes.split())
 
 
@@ -103,7 +244,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("trim_aoa_propellant_kg", "propellant used in trim", "telemetry", form=trim_propellant),
     _F("lift_start_s", "lift control begins", "events", form=at(begun(LIFT))),
     _F("bank_reversals", "bank reversals", "telemetry", form=bank_reversals),
-    _F("max_bank_rate_deg_s", "peak bank rate", "telemetry", form=largest(Part(LIFT), _RATES[0])),
+    _F("max_bank_rate_deg_s", "peak bank rate", "telemetry", form=over(Part(LIFT), "largest", _RATES[0])),
     _F("max_pitch_rate_lift_deg_s", "peak pitch rate in lift, less banking", "telemetry",
        form=swing(_CALM, _RATES[1], _RATES[0], "truth.beta_deg")),
     _F("max_yaw_rate_lift_deg_s", "peak yaw rate in lift, less banking", "telemetry",
@@ -131,7 +272,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("max_load_parachute_g0", "peak load under parachute", "peaks"),
     _F("max_riser_tension_n", "peak riser tension", "peaks"),
     _F("max_rate_parachute_deg_s", "peak body rate under parachute", "telemetry",
-       form=largest(Part(PARACHUTE, needs="mortar"), *_RATES)),
+       form=over(Part(PARACHUTE, needs="mortar"), "largest", *_RATES)),
     _F("heat_shield_s", "heat shield jettisoned", "events", form=at("heat_shield")),
     _F("parachute_duration_s", "time under parachute", "events", form=between("mortar", "backshell")),
     _F("backshell_s", "backshell released", "events", form=at("backshell")),
@@ -140,7 +281,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("backshell_height_m", "height above the ground at backshell release", "events",
        limit="backshell_height_m", form=value("backshell", "truth.height_m")),
     _F("min_backshell_distance_m", "least distance from the backshell", "telemetry",
-       form=nearest(_SEPARATED, _place("site"), _place("backshell")), clearance=True),
+       form=over(_SEPARATED, "nearest", _place("site"), _place("backshell")), clearance=True),
     _F("min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry",
        clearance=True),
     _F("min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry",
@@ -163,16 +304,17 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("powered_duration_s", "time in powered descent", "events", form=between("backshell", "touchdown")),
     _F("engine_burn_s", "engine lit", "events", form=between("ignition", "cut_off", "touchdown")),
     _F("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry",
-       form=longest(_POWERED, *_ERRORS[1:])),
-    _F("max_rate_powered_deg_s", "peak body rate under power", "telemetry", form=largest(_POWERED, *_RATES)),
+       form=over(_POWERED, "longest", *_ERRORS[1:])),
+    _F("max_rate_powered_deg_s", "peak body rate under power", "telemetry",
+       form=over(_POWERED, "largest", *_RATES)),
     _F("max_roll_error_powered_deg", "peak roll error under power", "telemetry",
-       form=largest(_SETTLED, _ERRORS[0])),
+       form=over(_SETTLED, "largest", _ERRORS[0])),
     _F("roll_error_at_ignition_deg", "roll error at ignition", "events",
        form=value("ignition", "control.error_roll_deg")),
     _F("max_disturbance_torque_nm", "peak disturbance torque, true", "telemetry",
-       form=largest(_POWERED, *_axes("truth.disturbance_{}_nm"))),
+       form=over(_POWERED, "largest", *_axes("truth.disturbance_{}_nm"))),
     _F("max_estimated_torque_nm", "peak disturbance torque, estimated", "telemetry",
-       form=largest(_POWERED, *_axes("estimate.torque_{}_nm"))),
+       form=over(_POWERED, "largest", *_axes("estimate.torque_{}_nm"))),
     _F("propellant_used_kg", "propellant used", "telemetry", form=propellant),
     _F("touchdown_s", "touchdown", "contact"),
     _F("touchdown_vertical_m_s", "vertical speed at touchdown", "contact", limit="touchdown_vertical_m_s"),

@@ -26,7 +26,7 @@ class IsolatedFault:
 
     @property
     def label(self) -> str:
-        """``D7 stuck off, confidence 0.9998``; never rounded up to certainty."""
+        """``D7 stuck off, confidence 0.9998``, rounded down."""
         shown = np.floor(self.confidence * 1e4) / 1e4
         return f"{self.thruster} {self.kind}, confidence {shown:.4f}"
 
@@ -62,16 +62,15 @@ def diagnosis_figures(
     branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
-    """Number of wrong isolations, of a healthy thruster or of a wrong kind of fault; where thrusters failed,
-    the number of those that were not isolated, used or not; and time from the first thruster fault to the
-    right isolation if there was one.  ``branches``: thrusters of each propellant branch.
+    """Number of isolations of a healthy thruster or of a wrong kind of fault, of failed thrusters that were
+    not isolated, and time from the first thruster fault to the right isolation; as far as they exist.
+    ``branches``: thrusters of each propellant branch.
     """
     since: dict[tuple[str, str], float] = {}
-    for fault, begun in zip(faults, plant["fault_since"], strict=False):
-        if begun != NOT_BEGUN:
-            for name in failed_thrusters(fault, components, branches):
-                what = name, str(about(fault.kind).failure).replace("_", " ")
-                since[what] = min(float(begun), since.get(what, np.inf))
+    for fault, t in _begun(faults, plant):
+        for name in failed_thrusters(fault, components, branches):
+            what = name, str(about(fault.kind).failure).replace("_", " ")
+            since[what] = min(t, since.get(what, np.inf))
     right = [one for one in isolated if one.t_s >= since.get((one.thruster, one.kind), np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}
     if since:
@@ -80,6 +79,12 @@ def diagnosis_figures(
     if right:
         figures["time_to_detect_s"] = right[0].t_s - since[right[0].thruster, right[0].kind]
     return figures
+
+
+def _begun(faults: Sequence[FaultParams], plant: np.void) -> list[tuple[FaultParams, float]]:
+    """Faults that have begun, and their times (s)."""
+    times = zip(faults, plant["fault_since"].tolist(), strict=False)
+    return [(fault, t) for fault, t in times if t != NOT_BEGUN]
 
 
 #: Number of the first instrument of each kind among all that navigation may take out of use, last kind first.
@@ -135,9 +140,9 @@ def exclusion_figures(
 ) -> dict[str, float]:
     """Healthy instruments excluded, and time from the first fault found to its exclusion, if any."""
     since = {
-        (fault.component, fault.acts_on(components)): float(begun)
-        for fault, begun in zip(faults, plant["fault_since"], strict=False)
-        if fault.component in INSTRUMENTS and begun != NOT_BEGUN
+        (fault.component, fault.acts_on(components)): t
+        for fault, t in _begun(faults, plant)
+        if fault.component in INSTRUMENTS
     }
     out = [one for one in found if not one.back]
     right = [one for one in out if one.t_s >= since.get((one.component, one.instrument), np.inf)]

@@ -1,13 +1,12 @@
 """Published figures of the real flight, compared with those of this flight.
 
-A flown value is compared on both sides: the difference, in standard deviations where its uncertainty is
-known.  Only what was required of the mission is a bound, and a bound is kept or broken.
+A flown value is compared on both sides, in standard deviations if its uncertainty is known.  A requirement on
+the mission is a bound, which is kept or broken.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from difflib import get_close_matches
 from math import copysign, inf
 from typing import Literal, NamedTuple, Self
 
@@ -15,19 +14,20 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.errors import Inconsistent
+from edl6dof.config.wording import did_you_mean
 from edl6dof.metrics.evaluation import AT_EVENTS, event_and_quantity
 from edl6dof.metrics.figures import DECLARED, FigureOfMerit, figure_of_merit
 from edl6dof.spatial.elementary import hypot
 
 _KINDS = ("value", "magnitude", "at_most", "at_least")
 _ONE = "one of value, magnitude, at_most and at_least"
-#: What a published number is evidence of.  Only ``flown`` counts when predictions are counted.
+#: Kind of evidence of a published number.  Only ``flown`` counts as a prediction.
 Evidence = Literal["flown", "planned", "commanded", "duplicate"]
 
 
 class PublishedFigure(Params):
-    """One published figure: exactly one of ``value``, ``magnitude``, ``at_most``, ``at_least``, in the unit
-    of the figure's name.  A plain number in its place is a ``value``.
+    """One published figure: one of ``value`` (or a plain number), ``magnitude``, ``at_most``, ``at_least``,
+    in the unit of the figure's name.
     """
 
     value: float | None = param(None, "as flown", record=False)
@@ -82,12 +82,12 @@ class PublishedFigure(Params):
 
     @property
     def explainable(self) -> bool:
-        """True if a calibration may explain it: a flown value that says how well it is known."""
+        """True if a calibration may explain it: a flown value with a standard deviation."""
         return self.sigma is not None and not self.planned
 
     @property
     def number(self) -> float:
-        """The published number, of whatever kind."""
+        """The published number of any kind."""
         return next(x for x in (self.value, self.magnitude, self.at_most, self.at_least) if x is not None)
 
     @property
@@ -103,20 +103,20 @@ class PublishedFigure(Params):
         return f"{self.bound} " if self.required else "+-" if self.magnitude is not None else ""
 
     def of(self, own: float) -> float:
-        """Figure of this flight to compare with it: without its sign where it was published so."""
+        """Figure of this flight to compare with it: a magnitude if one was published."""
         return abs(own) if self.magnitude is not None else own
 
     def sigmas(self, own: float, deviation: float = 0.0) -> float | None:
-        """Difference of a figure to the flown value in standard deviations: of the published value, and of
-        the figure where it is a mean and the real flight one more draw; ``None`` where the first is unknown.
+        """Difference of a figure to the flown value in standard deviations of the published value, and of the
+        figure (``deviation``) if it is a mean; ``None`` if the first is unknown.
         """
         if self.sigma is None:
             return None
         return (self.of(own) - self.number) / hypot(self.sigma, deviation)
 
     def away(self, mean: float, deviation: float) -> float:
-        """Difference of the mean of many flights to the flown value in standard deviations, of the published
-        value where it has one and of a single flight; infinite where neither has one and they differ.
+        """Difference of the mean of many flights to the flown value in standard deviations of the published
+        value, if known, and of a single flight; infinite for a difference without either.
         """
         difference = self.of(mean) - self.number
         width = hypot(self.sigma or 0.0, deviation)
@@ -129,7 +129,7 @@ class PublishedFigure(Params):
         return own >= self.at_least if self.at_least is not None else None
 
 
-#: An entry of ``published``, by the name of the figure; ``None`` takes back what an extended scenario says.
+#: Entries of ``published`` by the name of the figure; ``None`` removes that of an extended scenario.
 Published = Mapping[str, float | PublishedFigure | None]
 
 
@@ -142,25 +142,19 @@ class Beside(NamedTuple):
 
 def published_figures(entries: Published) -> list[Beside]:
     """Every published figure with its declaration, in the order of the file."""
+    given = ((name, entry) for name, entry in entries.items() if entry is not None)
     return [
-        Beside(
-            figure_of_merit(name),
-            entry if isinstance(entry, PublishedFigure) else PublishedFigure(value=entry),
-        )
-        for name, entry in entries.items()
-        if entry is not None
+        Beside(figure_of_merit(name), one if isinstance(one, PublishedFigure) else PublishedFigure(value=one))
+        for name, one in given
     ]
 
 
 def published_problems(names: Iterable[str], events: Collection[str]) -> dict[str, str]:
-    """Dotted path to message of published values of what is no figure of a flight with these ``events``."""
-    problems = {}
-    for name in names:
-        if name not in DECLARED and event_and_quantity(name, events) is None:
-            near = get_close_matches(name, sorted(DECLARED), n=1)
-            problems[f"published.{name}"] = (
-                "no figure of a flight has this name, nor is it an event of the mission with one of "
-                + ", ".join(f"_{quantity}" for quantity in AT_EVENTS)
-                + (f"; did you mean {near[0]!r}?" if near else "")
-            )
-    return problems
+    """Messages by dotted path for published values that are no figure of a flight with these ``events``."""
+    endings = ", ".join(f"_{quantity}" for quantity in AT_EVENTS)
+    words = f"no figure of a flight has this name, nor is it an event of the mission with one of {endings}"
+    return {
+        f"published.{name}": words + did_you_mean(name, DECLARED)
+        for name in names
+        if name not in DECLARED and event_and_quantity(name, events) is None
+    }

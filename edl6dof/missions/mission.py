@@ -1,4 +1,5 @@
-"""A mission: its campaign, its published values with their sources, and its flights.
+"""A mission: a scenario with ``published`` values of a real flight and a file that disperses it
+(``campaign``).
 
 The comparison gives mean and standard deviation of a figure over dispersed flights, and the difference of the
 flown value in standard deviations.  These combine the standard deviation of a single flight, because the real
@@ -38,18 +39,12 @@ _KEYS = ("", ".value", ".magnitude", ".at_most", ".at_least")
 
 @dataclass(frozen=True)
 class Mission:
-    """A real flight and the flights that predict it.
+    """A real flight and the flights that predict it."""
 
-    Attributes:
-        plan: the dispersed flights.
-        beside: published values, in the order of the file.
-        status: mark of each published figure by its name, such as ``published`` or ``recalled``.
-        fitted: published figures that were used to calibrate the scenario, so that it does not predict them.
-    """
-
-    plan: Plan
-    beside: tuple[Beside, ...]
-    status: dict[str, str]
+    plan: Plan  # the dispersed flights
+    beside: tuple[Beside, ...]  # published values, in the order of the file
+    status: dict[str, str]  # mark of each published figure by its name, such as ``published`` or ``recalled``
+    #: published figures that were used to calibrate the scenario, which it therefore does not predict
     fitted: frozenset[str]
 
     @property
@@ -72,8 +67,8 @@ def shipped_missions() -> list[str]:
 
 
 def _is_mission(name: str) -> bool:
-    """Return whether a shipped file disperses what is published of a flight; a variant that only inherits
-    both is another flight than the published one.
+    """Return whether a shipped file has both sections; a variant that inherits its campaign is another flight
+    than the published one.
     """
     path = find_shipped("scenarios", name)
     if path is None or CAMPAIGN not in parse_document(path.read_text(encoding="utf-8"), name).data:
@@ -82,20 +77,20 @@ def _is_mission(name: str) -> bool:
 
 
 def _says(document: Document, section: str) -> bool:
-    """Return whether a section is there and says something: what is published may have been taken back."""
+    """Return whether a section has a value; an extending file may have set published values to null."""
     value = document.data.get(section)
     return any(one is not None for one in value.values()) if isinstance(value, dict) else bool(value)
 
 
 def load_mission(name: str, flights: int | None = None) -> Mission:
-    """Read and check a mission: nothing flies before all of it is right.
+    """Read and check a mission.
 
     Args:
         name: file, or name of a shipped scenario.
-        flights: dispersed flights; as many as its campaign says if not given.
+        flights: number of dispersed flights, by default that of its campaign.
 
     Raises:
-        ConfigError: every problem, with file and line; nothing is published in it, or nothing dispersed.
+        ConfigError: every problem, with file and line; a section is missing.
     """
     document = read_document(resolve_scenario(name))
     missing = [key for key in (PUBLISHED, CAMPAIGN) if not _says(document, key)]
@@ -119,7 +114,7 @@ def _status(document: Document, figures: Sequence[Beside]) -> dict[str, str]:
 
 
 def _fitted(document: Document, figures: Sequence[Beside]) -> frozenset[str]:
-    """Published figures that the scenario's calibration explains."""
+    """Published figures on which the scenario was calibrated."""
     section = document.data.get(CALIBRATION)
     if section is None:
         return frozenset()
@@ -134,35 +129,25 @@ def figure_values(rows: Sequence[Row], name: str, published: PublishedFigure) ->
     return [nan if value is None else published.of(float(value)) for value in values]
 
 
-#: Standard deviations within which a flown value is predicted, and the share of them that is to be.
+#: Standard deviations within which a flown value is predicted, and the required share of predicted values.
 WITHIN, GOAL = 3.0, 0.9
 
 
 class Predicted(NamedTuple):
-    """A figure of a mission: what dispersed flights make of it, and what is published.
+    """A figure of a mission, predicted by dispersed flights, and its published value."""
 
-    Attributes:
-        figure: its declaration.
-        published: flown value or requirement.
-        status: mark of the published value.
-        fitted: whether the scenario was calibrated on it.
-        mean, deviation: over the flights that reached it.
-        flights: how many did.
-        below: share of them below the flown value; of a requirement, that keep it.
-    """
-
-    figure: FigureOfMerit
-    published: PublishedFigure
-    status: str
-    fitted: bool
-    mean: float
-    deviation: float
-    flights: int
-    below: float
+    figure: FigureOfMerit  # its declaration
+    published: PublishedFigure  # flown value or requirement
+    status: str  # mark of the published value
+    fitted: bool  # whether the scenario was calibrated on it
+    mean: float  # over the flights that reached it
+    deviation: float  # standard deviation over them
+    flights: int  # number of these flights
+    below: float  # share of them below the flown value, or that meet the requirement
 
     @property
     def counted(self) -> bool:
-        """True if it is a flown value that the flights can predict."""
+        """True if the published value is a flown one that flights can predict."""
         return self.published.counted
 
     @property
@@ -172,26 +157,18 @@ class Predicted(NamedTuple):
 
     @property
     def inside(self) -> bool:
-        """True if the flown value is predicted; one that no flight reached is not."""
+        """True if the flown value is predicted, which requires a flight that reached it."""
         return bool(abs(self.sigmas) <= WITHIN)
 
 
 class Compared(NamedTuple):
-    """Comparison of a mission with its real flight.
+    """Comparison of a mission with its real flight."""
 
-    Attributes:
-        name: name of the mission.
-        flights: number of dispersed flights.
-        successes: number of them within all limits.
-        causes: causes of the other outcomes, with their numbers.
-        predicted: every published figure with its prediction.
-    """
-
-    name: str
-    flights: int
-    successes: int
-    causes: dict[str, int]
-    predicted: tuple[Predicted, ...]
+    name: str  # name of the mission
+    flights: int  # number of dispersed flights
+    successes: int  # number of them within all limits
+    causes: dict[str, int]  # causes of the other outcomes, with their numbers
+    predicted: tuple[Predicted, ...]  # every published figure with its prediction
 
     @property
     def counted(self) -> list[Predicted]:
@@ -229,6 +206,6 @@ def inside(predicted: Sequence[Predicted]) -> Proportion:
 
 
 def reached_goal(missions: Sequence[Compared]) -> bool:
-    """Return whether the share of predicted flown values of all missions together is what it is to be."""
+    """Return whether the share of predicted flown values of all missions together is at least the goal."""
     share = inside([one for mission in missions for one in mission.predicted]).value
     return isfinite(share) and share >= GOAL

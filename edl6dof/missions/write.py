@@ -1,5 +1,5 @@
-"""The table of missions in words, the same on the terminal, on the page and in files, and the folder of a
-validation: the table as Markdown, CSV and JSON, every flight as Parquet, one picture.
+"""The table of missions, the same on the terminal, on the page and in files, and the folder of a validation:
+the table as Markdown, CSV and JSON, every flight as Parquet, one picture.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from edl6dof.report.palette import BLUE, PHASES, SKY, VERMILION
 
 HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "")
 _LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}
-#: What stands in the last column: not predicted; no prediction, as the scenario was calibrated on it.
+#: Remarks in the last column: not predicted; no prediction, as the scenario was calibrated on it.
 OUTSIDE, FITTED = "outside", "fitted"
 
 
@@ -57,42 +57,36 @@ def predicted(one: Predicted) -> str:
 
 
 def published(one: Predicted) -> str:
-    """The published value with what it is known to."""
+    """The published value with its uncertainty."""
     known = "" if one.published.sigma is None else f" +- {one.published.sigma:g}"
     return f"{one.published.bound} {one.published.number:.10g}{known}".strip()
 
 
 def sigmas(one: Predicted) -> str:
-    """The difference in standard deviations; of a requirement and of a plan nothing."""
+    """The difference in standard deviations; empty for a requirement or a planned value."""
     if one.published.required or one.published.planned or not one.flights:
         return ""
     return ("-inf" if one.sigmas < 0.0 else "+inf") if isinf(one.sigmas) else f"{one.sigmas:+.1f}"
 
 
 def remark(one: Predicted) -> str:
-    """Say if the flown value is predicted, or why it does not count; how many meet a requirement."""
+    """Say whether the flown value is predicted, or why it does not count; for a requirement the share that
+    meets it.
+    """
     if one.published.required:
         return f"{100.0 * one.below:.3g} % meet" if isfinite(one.below) else "not reached"
-    if one.counted:
-        words = [] if one.inside else [OUTSIDE]
-    else:
-        words = [one.published.evidence]
-    return ", ".join(words + ([FITTED] if one.fitted else []))
+    verdict = ("" if one.inside else OUTSIDE) if one.counted else one.published.evidence
+    return ", ".join(filter(None, (verdict, FITTED if one.fitted else "")))
 
 
 def heading(mission: Compared) -> tuple[str, ...]:
-    """The row of a mission above those of its figures: how many flights, and how much of it is predicted."""
+    """The row of a mission above those of its figures: numbers of flights and of predicted values."""
     share = inside(mission.predicted)
-    return (
-        mission.name,
-        counted(mission.flights, "flight"),
-        *("", "", "", ""),
-        f"{share.successes} of {share.trials}",
-    )
+    return mission.name, counted(mission.flights, "flight"), *[""] * 4, f"{share.successes} of {share.trials}"
 
 
 def failures(mission: Compared) -> list[str]:
-    """Why flights did not end within limits, and how many."""
+    """Causes of flights that did not end within limits, and their numbers."""
     return [
         f"{mission.name}: {counted(number, 'flight')}: {cause}" for cause, number in mission.causes.items()
     ]
@@ -123,23 +117,18 @@ def outcome(missions: Sequence[Compared]) -> str:
 def _not_counted(predicted: Sequence[Predicted]) -> str:
     """Return the numbers of values that are not counted, by reason; empty if there are none."""
     found = Counter(one.published.evidence for one in predicted if not one.published.required)
-    told = ", ".join(f"{found[kind]} {kind}" for kind in get_args(Evidence)[1:] if found[kind])
-    return f"; not counted: {told}" if told else ""
+    words = ", ".join(f"{found[kind]} {kind}" for kind in get_args(Evidence)[1:] if found[kind])
+    return f"; not counted: {words}" if words else ""
 
 
-#: Columns of the CSV, a row for each published figure.
-COLUMNS = (
-    *("mission", "figure", "unit", "mean", "deviation", "flights", "published", "kind", "published_sigma"),
-    *("status", "evidence", "calibrated_on", "sigmas", "share_below", "inside", "because"),
-)
-#: Standard deviations at the edge of the picture; what lies beyond stands there, with its number.
+#: Standard deviations at the edge of the picture; larger ones are drawn there, with their number.
 EDGE = 10.0
 #: Px of a row, one for each figure.
 _ROW = 18.0
 
 
 def write_validation(missions: Sequence[Compared], rows: Mapping[str, Sequence[Row]], folder: Path) -> None:
-    """Write every file into ``folder``, which exists; ``rows`` are the flights of each by its name."""
+    """Write every file into the existing ``folder``; ``rows`` are the flights of each mission by its name."""
     (folder / "validation.md").write_text(to_markdown(missions), encoding="utf-8")
     (folder / "validation.csv").write_text(to_csv(missions), encoding="utf-8")
     (folder / "validation.json").write_text(to_json(missions), encoding="utf-8")
@@ -149,7 +138,7 @@ def write_validation(missions: Sequence[Compared], rows: Mapping[str, Sequence[R
 
 
 def to_markdown(missions: Sequence[Compared]) -> str:
-    """One table of all missions, under it what misses and why."""
+    """One table of all missions, and below it the values that are not predicted, with causes."""
     lines = [
         "| " + " | ".join(head.rstrip(">") for head in HEADS) + " |",
         "|" + "|".join("---:" if head.endswith(">") else "---" for head in HEADS) + "|",
@@ -166,16 +155,16 @@ def to_markdown(missions: Sequence[Compared]) -> str:
 
 def to_csv(missions: Sequence[Compared]) -> str:
     """A row for each published figure of each mission."""
+    rows = [{"mission": mission.name, **_plain(one)} for mission in missions for one in mission.predicted]
     text = io.StringIO()
-    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    table = csv.DictWriter(text, rows[0], lineterminator="\n")
     table.writeheader()
-    for mission in missions:
-        table.writerows({"mission": mission.name, **_plain(one)} for one in mission.predicted)
+    table.writerows(rows)
     return text.getvalue()
 
 
 def to_json(missions: Sequence[Compared]) -> str:
-    """The same with the outcome of each mission's flights; what could not be formed is null."""
+    """The table with the outcome of each mission's flights; a figure without a value is null."""
     share = inside([one for mission in missions for one in mission.predicted])
     found = {
         "edl6dof_version": __version__,
@@ -234,7 +223,7 @@ def drawing(missions: Sequence[Compared]) -> Figure:
 
 
 def _known(mission: Compared) -> list[Predicted]:
-    """Figures that have a place in the picture."""
+    """Figures that are drawn."""
     return [one for one in mission.counted if one.flights]
 
 

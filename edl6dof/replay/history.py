@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from edl6dof.telemetry.instrument_states import columns_of, instruments
+from edl6dof.telemetry.columns import columns_of, instruments
 from edl6dof.telemetry.timeline import first_times
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.mesh import RGB
 from edl6dof.report.catalogue import STATES
 from edl6dof.report.palette import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
-from edl6dof.telemetry.instrument_states import EXCLUDED
+from edl6dof.telemetry.columns import EXCLUDED
 
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)

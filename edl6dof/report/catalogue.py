@@ -12,13 +12,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from edl6dof.config.errors import refusal
-from edl6dof.config.wording import nearest
+from edl6dof.config.errors import nearest, refusal
 from edl6dof.report.document import printed
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
-from edl6dof.telemetry.columns import describe
-from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
+from edl6dof.telemetry.columns import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED, describe
 
 #: Claimed standard deviations at which bounds are drawn.
 BOUND = 3.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich import box
 from rich.console import Console
@@ -160,14 +160,28 @@ def headline(flight: Flight) -> Text:
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 
-def open_table(title: str, *columns: str) -> Table:
-    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers."""
-    heading = Text(title, style="bold") if title else None
-    table = Table(title=heading, title_justify="left", header_style="", box=box.SIMPLE_HEAD, pad_edge=False)
+def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
+    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers.
+
+    A ``narrow`` one has smaller gaps, and breaks no cell.
+    """
+    table = Table(
+        title=Text(title, style="bold") if title else None,
+        title_justify="left",
+        header_style="",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0) if narrow else (0, 1),
+    )
     for column in columns:
         numbers = column.endswith(">")
-        side: Literal["right", "left"] = "right" if numbers else "left"
-        table.add_column(column.rstrip(">"), justify=side, no_wrap=numbers, overflow="fold")
+        table.add_column(
+            column.rstrip(">"),
+            justify="right" if numbers else "left",
+            no_wrap=narrow or numbers,
+            overflow="fold",
+            vertical="bottom" if narrow else "top",
+        )
     return table
 
 

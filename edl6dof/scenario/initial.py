@@ -1,12 +1,13 @@
 """The initial state: where the vehicle is, how it moves and how it points at t = 0.
 
-The height is given above the ellipsoid or above the areoid.  Velocity is given either by speed, flight-path
-angle and azimuth or by its north, east and down components; attitude either by angle of attack, sideslip and
-bank or by yaw, pitch and roll.  Two ways at once are refused.
+Height is given above the ellipsoid or above the areoid; velocity by speed, flight-path angle and azimuth, or
+by its north, east and down components; attitude by angle of attack, sideslip and bank, or by yaw, pitch and
+roll.  Both ways at once are refused.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from math import radians, sqrt
 from typing import Literal, Self
 
@@ -16,8 +17,6 @@ from edl6dof.config.base import REQUIRED, Params, Vec3, param, stated
 from edl6dof.config.errors import Inconsistent
 from edl6dof.spatial.elementary import atan2, cos, hypot, sin
 
-_PATH = ("speed_m_s", "flight_path_angle_deg", "azimuth_deg")
-_WIND = ("alpha_deg", "beta_deg", "bank_deg")
 _MISSING = {
     "speed_m_s": "required key is missing: speed relative to the rotating planet, in m/s",
     "flight_path_angle_deg": "required key is missing: flight-path angle, negative downwards, in deg",
@@ -27,6 +26,9 @@ _NO_HEIGHT = (
     "required key is missing: height above the ellipsoid, in m (or give the height as height_above_areoid_m)"
 )
 _OR_COMPONENTS = " (or give the velocity as velocity_ned_m_s)"
+_CAPSULES = (-40, 40, "capsules and lifting bodies")
+#: One of two ways to give the state: left out of the record, which has neither.
+_either = partial(param, None, record=False)
 
 
 class InitialState(Params):
@@ -37,75 +39,49 @@ class InitialState(Params):
         "date and time of t = 0: season and hour of air of model seasonal, and for the record",
         record=False,
     )
-    altitude_m: float | None = param(
-        None,
+    altitude_m: float | None = _either(
         "height above the ellipsoid; needed without height_above_areoid_m",
-        record=False,
         ge=-10e3,
         le=1e7,
         usual=(0, 2e6, "drop tests to entry at Titan"),
     )
-    height_above_areoid_m: float | None = param(
-        None, "height above the areoid, instead of altitude_m", record=False, ge=-10e3, le=1e7
+    height_above_areoid_m: float | None = _either(
+        "height above the areoid, instead of altitude_m", ge=-10e3, le=1e7
     )
     latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
     longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
-    speed_m_s: float | None = param(
-        None,
+    speed_m_s: float | None = _either(
         "speed relative to the rotating planet; needed without velocity_ned_m_s",
-        record=False,
         ge=0.0,
         le=20000.0,
         usual=(0, 20000, "drop tests to returns from the outer solar system"),
     )
-    flight_path_angle_deg: float | None = param(
-        None,
-        "flight-path angle, negative downwards; needed without velocity_ned_m_s",
-        record=False,
-        ge=-90.0,
-        le=90.0,
+    flight_path_angle_deg: float | None = _either(
+        "flight-path angle, negative downwards; needed without velocity_ned_m_s", ge=-90.0, le=90.0
     )
-    azimuth_deg: float | None = param(
-        None,
+    azimuth_deg: float | None = _either(
         "azimuth of the velocity, from north through east; needed without velocity_ned_m_s",
-        record=False,
         ge=-360.0,
         le=360.0,
     )
-    velocity_ned_m_s: Vec3 | None = param(
-        None,
-        (
-            "velocity relative to the rotating planet: north, east, down; instead of speed, flight-path "
-            "angle and azimuth"
-        ),
-        record=False,
+    velocity_ned_m_s: Vec3 | None = _either(
+        "planet-relative velocity north, east, down; instead of speed, flight-path angle and azimuth"
     )
     vertical: Literal["geodetic", "geocentric"] = param(
         "geodetic", "which vertical the velocity refers to", record=False
     )
-    alpha_deg: float | None = param(
-        None,
+    alpha_deg: float | None = _either(
         "angle of attack; 0 when neither it nor yaw_pitch_roll_deg is given",
-        record=False,
         ge=-180.0,
         le=180.0,
-        usual=(-40, 40, "capsules and lifting bodies"),
+        usual=_CAPSULES,
     )
-    beta_deg: float | None = param(
-        None,
-        "sideslip angle; 0 when not given, as alpha_deg",
-        record=False,
-        ge=-90.0,
-        le=90.0,
-        usual=(-40, 40, "capsules and lifting bodies"),
+    beta_deg: float | None = _either(
+        "sideslip angle; 0 when not given, as alpha_deg", ge=-90.0, le=90.0, usual=_CAPSULES
     )
-    bank_deg: float | None = param(
-        None, "bank angle; 0 when not given, as alpha_deg", record=False, ge=-180.0, le=180.0
-    )
-    yaw_pitch_roll_deg: Vec3 | None = param(
-        None,
-        "3-2-1 Euler angles of the body from geodetic north-east-down; instead of alpha, beta and bank",
-        record=False,
+    bank_deg: float | None = _either("bank angle; 0 when not given, as alpha_deg", ge=-180.0, le=180.0)
+    yaw_pitch_roll_deg: Vec3 | None = _either(
+        "3-2-1 Euler angles of the body from geodetic north-east-down; instead of alpha, beta and bank"
     )
     rate_deg_s: Vec3 = param((0.0, 0.0, 0.0), "inertial body rate p, q, r", record=False)
 
@@ -121,10 +97,10 @@ class InitialState(Params):
         return self
 
     def _velocity_problems(self) -> dict[str, str]:
-        given = [name for name in _PATH if getattr(self, name) is not None]
+        given = [name for name in _MISSING if getattr(self, name) is not None]
         if self.velocity_ned_m_s is None:
             hint = "" if given else _OR_COMPONENTS
-            return {name: _MISSING[name] + hint for name in _PATH if name not in given}
+            return {name: words + hint for name, words in _MISSING.items() if name not in given}
         message = "must not stand beside velocity_ned_m_s: the velocity is given twice"
         problems = dict.fromkeys(given, message)
         if self.speed > 20000.0:
@@ -135,12 +111,18 @@ class InitialState(Params):
         if self.yaw_pitch_roll_deg is None:
             return {}
         message = "must not stand beside yaw_pitch_roll_deg: the attitude is given twice"
-        problems = {name: message for name in _WIND if getattr(self, name) is not None}
+        angles = ("alpha_deg", "beta_deg", "bank_deg")
+        problems = {name: message for name in angles if getattr(self, name) is not None}
         yaw, pitch, roll = self.yaw_pitch_roll_deg
         if abs(pitch) > 90.0 or abs(yaw) > 360.0 or abs(roll) > 360.0:
             words = "must be yaw and roll within -360 and 360, pitch within -90 and 90"
             problems["yaw_pitch_roll_deg"] = f"{words} (got [{yaw:g}, {pitch:g}, {roll:g}])"
         return problems
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Geodetic latitude and east longitude, rad."""
+        return radians(self.latitude_deg), radians(self.longitude_deg)
 
     @property
     def velocity_ned(self) -> Vec3:
@@ -176,6 +158,4 @@ class InitialState(Params):
     @property
     def wind_angles(self) -> Vec3:
         """Bank, angle of attack and sideslip, rad."""
-        given = (self.bank_deg, self.alpha_deg, self.beta_deg)
-        bank, alpha, beta = (radians(value or 0.0) for value in given)
-        return bank, alpha, beta
+        return radians(self.bank_deg or 0.0), radians(self.alpha_deg or 0.0), radians(self.beta_deg or 0.0)

@@ -1,9 +1,9 @@
-"""A validated scenario, the files it was read from, and its warnings: values that are allowed and unusual,
+"""A validated scenario, the files it was read from, and warnings of values that are allowed and unusual,
 alone or for a vehicle of this size.
 
-Nozzles lie within two radii of the centre of mass, the radii of gyration between a tenth and the whole of the
-radius, and the ballistic coefficient at a drag coefficient of 1.5 between 10 and 1,000 kg/m2 (Stardust 60,
-Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
+Usually nozzles lie within two radii of the centre of mass, the radii of gyration are between a tenth and the
+whole of the radius, and the ballistic coefficient at a drag coefficient of 1.5 is between 10 and 1,000 kg/m2
+(Stardust 60, Tianwen-1 90, Galileo's probe 240: Davies and Arcadi, NASA/TM-2006-213401).
 """
 
 from __future__ import annotations
@@ -12,8 +12,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import dist, pi, sqrt
 
+from pydantic.fields import FieldInfo
+
 from edl6dof.config.document.document import Document
-from edl6dof.config.usual import unusual
+from edl6dof.config.document.yamltree import dotted
+from edl6dof.config.model_paths import leaves, numbers, usual_range
+from edl6dof.config.units import split_unit
 from edl6dof.config.validate import steps
 from edl6dof.scenario.entry_range import out_of_range
 from edl6dof.scenario.schema import Scenario
@@ -46,21 +50,39 @@ class LoadedScenario:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Unusual values, one line each with file, line and key: allowed, and perhaps a mistake."""
+        """Unusual values, one line each with file, line and key: allowed, perhaps by mistake."""
         found = unusual_in(self.scenario) | unusual_in(self.truth)
         return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 
 
 def unusual_in(scenario: Scenario) -> dict[str, str]:
-    """Return what is unusual in a validated scenario: dotted path to one line."""
+    """Unusual values of a validated scenario: dotted path to one line."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
+    alone = {
+        dotted(keys): words
+        for _, keys, info, value in leaves(scenario)
+        if (words := _why_unusual(str(keys[-1]), info, numbers(value)))
+    }
     far = out_of_range(scenario, radius_m(scenario.vehicle))
-    found = unusual(scenario) | {f"vehicle.{path}": words for path, words in proportions.items()}
+    found = alone | {f"vehicle.{path}": words for path, words in proportions.items()}
     return found | ({"terrain.site_latitude_deg": far} if far else {})
 
 
+def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:
+    usual = usual_range(info) if values else None
+    if usual is None:
+        return ""
+    if usual.of_magnitude:
+        values = [largest] if (largest := max(map(abs, values))) else []
+    odd = [value for value in values if not usual.low <= value <= usual.high]
+    if not odd:
+        return ""
+    unit = f" {label}" if (label := split_unit(name)[1].label) else ""
+    return f"{odd[0]:g}{unit} is unusual: {usual.low:g} to {usual.high:g}{unit} ({usual.reason})"
+
+
 def radius_m(vehicle: VehicleParams) -> float:
-    """Radius of the vehicle at entry, from its aerodynamic shape; 0 where that says nothing of its size."""
+    """Radius of the vehicle at entry, from its aerodynamic shape; 0 if that has no size."""
     aero = vehicle.aero
     if aero.model == "capsule":
         return 0.5 * aero.capsule.diameter_m

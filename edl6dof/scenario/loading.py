@@ -1,8 +1,7 @@
-"""Scenario files read and checked: to be flown, or only to be shown.
+"""Reading and checking of scenario files, to fly them or only to show them.
 
-The scenario of a result is shown without loading its plugins: what only a plugin brings (its section, and the
-choice of its law or controller) is left out; vehicle, planet, ground, phases and the controllers of the
-package are what pictures and exports need.
+The scenario of a result is shown without its plugins: their sections and choices are left out, since pictures
+and exports need vehicle, planet, ground, phases and the controllers of the package only.
 """
 
 from __future__ import annotations
@@ -17,23 +16,21 @@ from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.introspect import Slot, literal_names, root_slot
+from edl6dof.config.model_paths import Slot, literal_names, root_slot
 from edl6dof.config.validate import refuse, validate
 from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
-from edl6dof.scenario.cross_checks import section_problems
-from edl6dof.scenario.data_files import file_problems, with_whole_paths
+from edl6dof.scenario.checks import file_problems, section_problems, with_whole_paths
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.scenario.schema import Scenario
 
-#: Sections whose true values may differ from the belief of the flight computer: the world, the vehicle and
-#: its faults.
+#: Sections whose true values may differ from the belief of the flight computer: world, vehicle and faults.
 TRUE_SECTIONS = (
     *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
     *("point_mass", "sensors", "faults", "seed", "profile"),
 )
-#: Parameters in them that no flight depends on.
+#: Parameters in them that have no effect on a flight.
 _LABELS = re.compile(
     r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.daveml_inputs.*|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
 )
@@ -41,7 +38,7 @@ _LABELS = re.compile(
 
 @cache
 def truth_problem(path: str) -> str:
-    """Say why ``truth`` cannot hold a dotted path; empty where it can, or where there is no such path."""
+    """Why ``truth`` cannot hold a dotted path; empty if it can, or if there is no such path."""
     section = path.strip().partition(".")[0]
     if section not in Scenario.model_fields:
         return ""
@@ -54,7 +51,7 @@ def truth_problem(path: str) -> str:
 
 
 def check_document(document: Document) -> LoadedScenario:
-    """Validate a document, and its truth where that differs.
+    """Validate a document, and its truth if that differs.
 
     Raises:
         ConfigError: with every problem found.
@@ -78,8 +75,7 @@ def _checked(document: Document) -> Scenario:
     return scenario
 
 
-#: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
-#: the one that says what is uncertain in it.
+#: Sections of a scenario file for many flights and for calibration, which a single flight does not read.
 CAMPAIGN_SECTIONS = ("campaign", "sweep", "fault_matrix")
 CALIBRATION = "calibration"
 
@@ -113,12 +109,12 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
     return check_document(with_whole_paths(expand_daveml(changed)))
 
 
-#: Models of the air and wind in the place of those that only a plugin has: they need no table.
+#: Models of air and wind that replace those of plugins: they need no table.
 _STAND_INS = {"atmosphere": "us76", "wind": "none"}
 
 
 def viewed_scenario(text: str, file: str) -> LoadedScenario:
-    """Read the scenario of a resolved file, as far as the package itself knows it.
+    """Read the scenario of a resolved file without what only plugins declare.
 
     Args:
         text: its content.
@@ -137,7 +133,7 @@ def viewed_scenario(text: str, file: str) -> LoadedScenario:
 
 
 def _known(value: Any, slot: Slot) -> Any:
-    """Return plain data without the keys that the models do not declare, and the names that no choice has."""
+    """Plain data without keys that the models do not declare and names that are no choice of them."""
     if isinstance(value, dict):
         inside = {key: (item, slot.child(key)) for key, item in value.items()}
         return {

@@ -9,10 +9,10 @@ import numpy as np
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.mission import Condition, Event, MissionParams, Phase, Transition, Trigger
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_TRANSITIONS
-from edl6dof.interface.events import ACTIONS, LANDING_GEAR, group_of
+from edl6dof.interface.effectors import ACTIONS, LANDING_GEAR, group_of
 from edl6dof.vehicle.vehicle import VehicleParams
 
-#: Quantities that guidance works out, and which guidance does; navigation always gives the others.
+#: Quantities that guidance computes, and the guidance of each; navigation always gives the others.
 WORKED_OUT_BY = {
     "downrange_to_go_m": ("hold_bank", "entry"),
     "time_to_go_s": ("powered", "held_thrust"),
@@ -22,7 +22,7 @@ WORKED_OUT_BY = {
 
 
 def components(vehicle: VehicleParams, action: str) -> dict[str, int]:
-    """Index by name of what an action can be done to."""
+    """Index of the possible components of an action by name."""
     if action == "jettison":
         return {part.name: index for index, part in enumerate(vehicle.parts)}
     if action in ("deploy", "release"):
@@ -42,7 +42,7 @@ def event_number(mission: MissionParams, name: str | None) -> int:
 
 
 def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[tuple[str, str]]:
-    """Things that do not exist, names with two meanings and events too many: dotted key and message."""
+    """Unknown components, names with two meanings and too many events: dotted key and message."""
     numbered = mission.events
     for i, phase in enumerate(mission.phases):
         for k, event in enumerate(phase.events):
@@ -85,7 +85,7 @@ def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
 
 
 def quantity_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
-    """Quantities that the phase's guidance does not work out, or not yet in the first cycle."""
+    """Quantities that the phase's guidance does not compute, or not in the first cycle."""
     for i, phase in enumerate(mission.phases):
         for below, condition, earliest_s in _conditions(phase):
             here, name = f"mission.phases.{i}.{below}.quantity", condition.quantity
@@ -99,7 +99,7 @@ def quantity_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
 
 
 def _conditions(phase: Phase) -> Iterator[tuple[str, Condition, float]]:
-    """Every condition of a phase with its dotted key and the time before which it is not looked at, s."""
+    """Every condition of a phase with its dotted key and its earliest time, s."""
     for k, event in enumerate(phase.events):
         yield f"events.{k}.when", event.when, event.when.earliest_s
     for k, way in enumerate(phase.transitions):

@@ -1,12 +1,11 @@
-"""Belief of the flight computer: filled from the nominal scenario, blind to dispersions and faults.
+"""Belief of the flight computer: filled from the nominal scenario, without dispersions and faults.
 
-Of the instruments it knows the nominal places and axes, and the standard deviations that the errors of each
-case are drawn from.
+It contains the nominal places and axes of the instruments, and the standard deviations of their errors.
 """
 
 from __future__ import annotations
 
-from math import radians, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -17,25 +16,23 @@ from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.fsw.onboard import NODES, ONBOARD
-from edl6dof.scenario.entry_target import plan
-from edl6dof.scenario.expected_descent import wind_at, wind_of
+from edl6dof.scenario.entry_target import plan, wind_at, wind_of
 from edl6dof.scenario.mission_events import event_number, fill_mission
 from edl6dof.scenario.onboard_vehicle import believe_drifter, believe_vehicle
-from edl6dof.scenario.places import fill_site
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, fill_site
 from edl6dof.sensors.registry import SENSOR_FAMILY
 from edl6dof.spatial.arrays import product
 from edl6dof.spatial.elementary import cos, hypot, log, sin, tan
 from edl6dof.spatial.frames import ned_to_fixed
 
-#: Sections of the flight software that stand in the record as they are.
+#: Sections of the flight software that are copied to the record.
 FILLED = (
-    *("rates", "navigation", "hazard", "guidance", "control", "estimation", "diagnosis", "allocation"),
-    "modulation",
+    *("rates", "navigation", "hazard", "guidance", "control"),
+    *("estimation", "diagnosis", "allocation", "modulation"),
 )
-#: How far (m) the believed atmosphere reaches at least below the site and above the initial state.
+#: Least extent (m) of the believed atmosphere below the site and above the initial state.
 BEYOND = 1000.0
-#: Share of a branch's full flow by which the flow computed from commands differs from the true one at best.
+#: Least error of the flow computed from commands, as a share of the full flow of a branch.
 LEAST_FLOW_SHARE = 1e-3
 
 
@@ -75,7 +72,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
 
 
 def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
-    """Tabulate against altitude: the areoid is believed to be everywhere as at the landing site."""
+    """Tabulate air and wind against altitude, with the height of the areoid at the landing site."""
     nominal = np.zeros(1, ATMOSPHERE)
     fill_atmosphere(nominal[0], scenario.atmosphere.undispersed, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
@@ -104,17 +101,12 @@ def _span_of_air(scenario: Scenario) -> tuple[float, float]:
 
 def _set_site(record: np.void, scenario: Scenario) -> None:
     fill_site(record["frame"], scenario)
-    terrain = scenario.terrain
-    record["latitude"], record["longitude"] = (
-        radians(terrain.site_latitude_deg),
-        radians(terrain.site_longitude_deg),
-    )
+    record["latitude"], record["longitude"], record["altitude"] = scenario.site
     record["aim_latitude"], record["aim_longitude"] = record["latitude"], record["longitude"]
-    record["altitude"] = scenario.site_areoid_m + terrain.site_elevation_m
 
 
 def _believe_instruments(record: np.void, scenario: Scenario) -> None:
-    """Fill an ``INSTRUMENTS`` record of zeros; what does not fly stays zero."""
+    """Fill an ``INSTRUMENTS`` record of zeros; instruments that do not fly stay zero."""
     sensors = scenario.sensors_in_flight
     if "inertial_unit" in sensors.flown:
         unit = in_si(sensors.inertial_unit)
@@ -146,9 +138,9 @@ def _believe_instruments(record: np.void, scenario: Scenario) -> None:
 
 
 def _believe_radar(record: np.void, radar: np.void) -> None:
-    """Antenna, beams, and the errors of one beam: noise, and what the copy that flies has for good.
+    """Fill antenna, beams, and the errors of one beam: noise, and errors that are constant in a flight.
 
-    A beam that looks elsewhere than it should has another scale: of its own at usual angles to the vertical.
+    A misaligned beam has another scale, half its angle at usual angles to the vertical.
     """
     beams = radar["n_beams"]
     record["antenna_position"], record["n_beams"] = radar["position"], beams
@@ -168,14 +160,14 @@ def _believe_eye(record: np.void, given: np.void) -> None:
 
 
 def _believe_stereo(record: np.void, stereo: np.void) -> None:
-    """Place, field of view, and noise as it grows with the square of the range."""
+    """Place, field of view, and noise, which increases with the square of the range."""
     _believe_eye(record, stereo)
     focal_px = 0.5 * stereo["pixels"] / record["tangent"]
     record["sigma_square"] = stereo["disparity_noise_px"] / (focal_px * stereo["baseline"])
 
 
 def _believe_flow_meters(record: np.void, meters: np.void | None) -> None:
-    """Ideal meters, too, are not trusted beyond ``LEAST_FLOW_SHARE``."""
+    """Fill the errors of the meters, of ideal ones at least ``LEAST_FLOW_SHARE``."""
     for field, name in (("scale_sigma", "scale"), ("bias_share", "bias"), ("noise_share", "noise")):
         given = 0.0 if meters is None else float(meters[name])
         record[f"flow_{field}"] = max(given, LEAST_FLOW_SHARE)
@@ -194,10 +186,9 @@ def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
 
 def _orbit_axes(scenario: Scenario) -> np.ndarray:
     """Up, along the ground track and across it, at the initial state, as rows in I (as F at t = 0)."""
-    initial = scenario.initial
-    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    lat, lon = scenario.initial.place
     place = (sin(lat), cos(lat), sin(lon), cos(lon))
-    north, east, _ = initial.velocity_ned
+    north, east, _ = scenario.initial.velocity_ned
     ahead = np.array([north, east]) / (hypot(north, east) or 1.0)
     in_ned = ((0.0, 0.0, -1.0), (*ahead, 0.0), (-ahead[1], ahead[0], 0.0))
     return np.array([ned_to_fixed(*place, row) for row in in_ned])

@@ -32,7 +32,7 @@ from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 BELIEF_MACH = 15.0
 #: Density (kg/m3) dense enough for continuum flow.
 CONTINUUM = 1e-3
-#: How far from the commanded angle of attack (rad) the trim is sought.
+#: Largest difference (rad) of the trim from the commanded angle of attack.
 SEARCH = radians(12.0)
 
 
@@ -75,7 +75,7 @@ def _configurations(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank
 
 
 def _hang(configurations: np.ndarray, hung: np.ndarray, vehicle: VehicleParams) -> None:
-    """Where the riser pulls, in the configurations in which a pack is gone and what carries it is not."""
+    """Set the point of the riser in the configurations without a pack and with its carrier."""
     configurations["hung_at"] = configurations["centre"]
     gone = np.arange(len(configurations))
     for chute, slot in zip(vehicle.parachutes, hung, strict=False):
@@ -160,9 +160,7 @@ def _drag_and_lift(vehicle, table, gas, mach, alpha, wing):
 
 @kernel
 def _trim(vehicle, table, gas, mach, goal, search):
-    """Angle of attack (rad) without pitching moment within ``search`` of the commanded one; that itself where
-    there is none.
-    """
+    """Angle of attack (rad) without pitching moment within ``search`` of ``goal``, or ``goal``."""
     low, high = goal - search, goal + search
     at_low = _force_and_moment(vehicle, table, gas, mach, alpha=low, wing=0.0)[2]
     at_high = _force_and_moment(vehicle, table, gas, mach, alpha=high, wing=0.0)[2]
@@ -195,7 +193,7 @@ def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
 
 
 def believe_drifter(record: np.void, vehicle: VehicleParams) -> None:
-    """Fill a ``DRIFTER`` record of zeros from the nominal backshell and its parachute, if there is one."""
+    """Fill a ``DRIFTER`` record of zeros from the nominal backshell and its parachute, if it has one."""
     masses = {part.name: part.mass_kg for part in vehicle.parts}
     shells = [part for part in vehicle.parts if part.shape == "backshell"]
     for chute in vehicle.parachutes:

@@ -1,12 +1,11 @@
-"""The entry as it is planned before the flight: the reference trajectory.
+"""The entry as planned before the flight: the reference trajectory.
 
-A point mass over the rotating ellipsoid in the believed air and the expected wind.  The flight computer's own
-sequencer runs its own mission from the first phase, and its own steering makes the
-commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
-alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
-angle, brings the end, at the final speed or Mach number whatever opens the parachute, to the aim point.
-Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.predictor`.  Left out: the time the
-vehicle takes to follow the commanded bank angle, about 1 s.
+A point mass flies over the rotating ellipsoid in the believed air and the expected wind.  The sequencer and
+the steering of the flight computer run its mission from the first phase and command the bank angle: preset
+bank, limits, sides, reversals at the bank rate, heading alignment and level wings are those of the flight.
+One number, added to the cosine of the open-loop bank angle, brings the end, at the final speed or Mach
+number, to the aim point.  The delay of the bank angle after its command, about 1 s, is left out.
+Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.predictor`.
 """
 
 from __future__ import annotations
@@ -29,23 +28,21 @@ from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.kernels import kernel
-from edl6dof.scenario.places import Start, start_of
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, Start, start_of
 from edl6dof.spatial.elementary import asin, atan2
 from edl6dof.spatial.frames import fixed_to_ned, geodetic
 from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, unit
 
-#: Guidance cycles are not followed more often than this, s.
+#: Shortest step from one row of the plan to the next, s.
 SHORTEST_STEP = 0.1
-#: Rows of a plan at most, and how far (m) below the site one is followed.
+#: Most rows of a plan, and depth (m) below the site at which it ends.
 MAX_ROWS, TOO_LOW = 8000, 4000.0
-#: Miss (m) that is close enough, change of cos(bank) that is not sought any finer (about 1 m of range), and
-#: how many flights are made to find it.
+#: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and most flights to find it.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
 #: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
 AS_BELIEVED = (1.0, 1.0)
-#: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
+#: State in F, and inputs, memory and outputs of the flight computer.
 SCRATCH = np.dtype(
     [
         ("r", "f8", (3,)),
@@ -63,16 +60,16 @@ SCRATCH = np.dtype(
 
 
 def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = None) -> np.ndarray:
-    """Fly the reference, to the aim point if that is to be met, and write its shift into
+    """Fly the reference, fitted to the aim point if the profile asks for it, and write its shift into
     ``onboard[0]["reference"]``.
 
     Args:
         onboard: onboard record array of length one, its models, mission and aim point filled.
         scenario: the nominal one.
-        about: shift of cos(bank) near which the solution is looked for first.
+        about: shift of cos(bank) near which the solution is searched first.
 
     Returns:
-        the rows of the plan, ``PLANNED``.  Where no bank angle reaches the aim point, those of the nearest.
+        the rows of the plan, ``PLANNED``; if no bank angle reaches the aim point, those of the nearest.
     """
     record, start = onboard[0], start_of(scenario)
     shift = 0.0
@@ -100,7 +97,7 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
 
 
 def _met(miss: Callable[[float], float], about: float | None) -> float:
-    """Zero of ``miss`` within all shifts that change anything, or the end nearest to one."""
+    """Zero of ``miss`` within all shifts that have an effect, or the end nearest to one."""
     widest = (-2.0, 2.0)
     spans = [widest] if about is None else [(about - 0.05, about + 0.05), widest]
     for low, high in spans:
@@ -131,8 +128,7 @@ def _false_position(
 
 @kernel
 def fly_plan(bank_side, onboard, start, shift, cycle, stride, history, scratch):
-    """Fly from ``start`` to the speed or Mach number at which the range is to be met; returns the count of
-    rows written.
+    """Fly from ``start`` to the final speed or Mach number; return the count of rows written.
 
     Args:
         bank_side: that of the reversal logic.
@@ -171,9 +167,7 @@ def fly_plan(bank_side, onboard, start, shift, cycle, stride, history, scratch):
 
 @kernel
 def decide(bank_side, onboard, t, shift, s):
-    """Let the flight computer look at the state, run its mission and steer; whether the planned end is still
-    to come.
-    """
+    """Let the flight computer read the state, run its mission and steer; return False at the end."""
     mission, entry = onboard.mission, onboard.guidance.entry
     look(onboard, t, s)
     s.request[:] = 0
@@ -193,7 +187,7 @@ def decide(bank_side, onboard, t, shift, s):
 
 @kernel
 def look(onboard, t, s):
-    """Write what mission, steering and reversal logics watch."""
+    """Write the inputs of mission, steering and reversal logics."""
     planet, nav = onboard.planet, s.nav
     r, v = take3(s.r, 0), take3(s.v, 0)
     _, nav.drag, _ = acceleration(onboard, AS_BELIEVED, r, v, (1.0, 0.0))
@@ -216,7 +210,7 @@ def look(onboard, t, s):
 
 @kernel
 def advance(onboard, s, dt):
-    """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
+    """Propagate the state by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
     r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
     s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
     shares = up, right

@@ -1,13 +1,12 @@
-"""The records one flight is made of, built from a validated scenario.
+"""The records of one flight, built from a validated scenario.
 
-``CASE`` is the truth, ``TABLES`` the large arrays all cases share, ``ONBOARD`` the belief.  Truth and belief
-are filled from the same nominal configuration and never touch again.
+``CASE`` is the truth, ``TABLES`` the large arrays that all cases share, ``ONBOARD`` the belief.  Truth and
+belief are filled from the same nominal configuration and are independent from then on.
 """
 
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from math import radians
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +23,7 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.onboard import believe
-from edl6dof.scenario.places import start_of, vertical_axes
-from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.schema import Scenario, start_of, vertical_axes
 from edl6dof.scenario.truth import build_case
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.elementary import cos, sin
@@ -59,7 +57,7 @@ class TableInputs(NamedTuple):
 
 
 def table_inputs(scenario: Scenario) -> TableInputs:
-    """Return the inputs of the tables, with the content of the files as it is now.
+    """Inputs of the tables, with the present content of the files.
 
     Raises:
         ValueError: a file is not named or is no table.
@@ -98,24 +96,15 @@ def _tables(inputs: TableInputs) -> np.ndarray:
     return tables
 
 
-#: Sections of a scenario that the flight computer's belief follows from.
+#: Sections of a scenario that the belief of the flight computer depends on.
 BELIEVED = frozenset(
-    [
-        "planet",
-        "atmosphere",
-        "terrain",
-        "vehicle",
-        "initial",
-        "dynamics",
-        "sensors",
-        "flight_software",
-        "mission",
-    ]
+    ("planet", "atmosphere", "terrain", "vehicle", "initial", "dynamics")
+    + ("sensors", "flight_software", "mission")
 )
 
 
 def build_onboard(scenario: Scenario) -> np.ndarray:
-    """Build the belief of the flight computer, shape (1,); planned once for all scenarios that share it.
+    """Build the belief of the flight computer, shape (1,); scenarios with the same belief share the plan.
 
     Raises:
         ValueError, OSError: as :func:`table_inputs`.
@@ -151,8 +140,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     """The state of the plant at t = 0, shape (1,)."""
     plant = duplicate(_new_plant())
     record = plant[0]
-    initial, planet = scenario.initial, scenario.planet
-    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    initial, planet, (lat, lon) = scenario.initial, scenario.planet, scenario.initial.place
     axes, start = vertical_axes(scenario), np.array(start_of(scenario))
     r, v_relative = start[:3], start[3:]
     place = (sin(lat), cos(lat), sin(lon), cos(lon))
@@ -174,7 +162,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 
 @cache
 def _new_plant() -> np.ndarray:
-    """Return the state that every plant begins with: nothing has left it, and nothing has happened."""
+    """State of every plant at the begin: all parts attached, no event past."""
     plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
@@ -208,7 +196,7 @@ def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
 
 @cache
 def _new_fsw(layout: np.dtype) -> np.ndarray:
-    """Return the memory that every flight computer begins with."""
+    """Memory of every flight computer at the begin."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in INSTRUMENT_HEALTH.names or ():
@@ -222,7 +210,7 @@ def _new_fsw(layout: np.dtype) -> np.ndarray:
 
 
 def initial_peaks() -> np.ndarray:
-    """The largest loads met so far at t = 0, shape (1,)."""
+    """The largest loads at t = 0, shape (1,)."""
     return np.zeros(1, PEAKS)
 
 

@@ -1,10 +1,14 @@
-"""The scenario file: planet, environment, vehicle, initial state, flight software, mission, limits."""
+"""The scenario file: planet, environment, vehicle, initial state, flight software, mission, limits; its
+landing site and initial state in planet-fixed axes.
+"""
 
 from __future__ import annotations
 
+from functools import partial
 from math import radians
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section, stated
@@ -21,6 +25,8 @@ from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.metrics.published import PublishedFigure
 from edl6dof.scenario.initial import InitialState
 from edl6dof.sensors.registry import SensorParams, instrument_names
+from edl6dof.spatial.elementary import atan2, cos, hypot, sin
+from edl6dof.spatial.frames import fill_local_frame, from_geodetic, ned_to_fixed
 from edl6dof.vehicle.faults.component import Component, vehicle_components
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.motion.point_mass import PointMassParams
@@ -49,9 +55,8 @@ class SimulationParams(Params):
     )
 
 
-def _limit(meaning: str) -> Any:
-    """A limit that a mission may set."""
-    return param(None, meaning, record=False, gt=0.0)
+#: A limit that a mission may set.
+_limit = partial(param, None, record=False, gt=0.0)
 
 
 class LimitParams(Params):
@@ -140,26 +145,20 @@ class Scenario(Params):
     limits: LimitParams = group(LimitParams, "limits that a success keeps")
     faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
         None,
-        "what breaks; the flight computer is not told",
+        "faults, unknown to the flight computer",
         record=False,
         factory=list,
         max_length=MAX_FAULTS,
     )
     truth: dict[str, Any] = param(
         None,
-        (
-            "dotted paths whose true value differs from what the flight computer was told, such as "
-            "'vehicle.mass.entry_kg: 1300'"
-        ),
+        "dotted paths whose true value differs from the belief, such as 'vehicle.mass.entry_kg: 1300'",
         record=False,
         factory=dict,
     )
     published: dict[str, float | PublishedFigure | None] = param(
         None,
-        (
-            "figures of the real flight, shown beside this one's: a flown value, or what is required; null "
-            "takes back that of an extended scenario"
-        ),
+        "figures of the real flight: a flown value, or a requirement; null removes that of the extended file",
         status="published",
         record=False,
         factory=dict,
@@ -178,26 +177,24 @@ class Scenario(Params):
         initial = self.initial
         if initial.altitude_m is not None:
             return initial.altitude_m
-        place = radians(initial.latitude_deg), radians(initial.longitude_deg)
-        return stated(initial.height_above_areoid_m) + areoid_height(self.planet, *place)
+        return stated(initial.height_above_areoid_m) + areoid_height(self.planet, *initial.place)
+
+    @property
+    def site(self) -> tuple[float, float, float]:
+        """Geodetic latitude and east longitude (rad) of the landing site, and its altitude (m)."""
+        terrain = self.terrain
+        place = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+        return *place, areoid_height(self.planet, *place) + terrain.site_elevation_m
 
     @property
     def site_areoid_m(self) -> float:
         """Height of the areoid at the landing site above the ellipsoid."""
-        terrain = self.terrain
-        place = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
-        return areoid_height(self.planet, *place)
+        return areoid_height(self.planet, *self.site[:2])
 
     @property
     def place(self) -> Place:
-        """The landing site and the moment of t = 0, which the air may follow."""
-        ground = self.terrain
-        return Place(
-            self.initial.epoch_utc,
-            radians(ground.site_latitude_deg),
-            radians(ground.site_longitude_deg),
-            ground.site_elevation_m,
-        )
+        """The landing site and the moment of t = 0, on which the air may depend."""
+        return Place(self.initial.epoch_utc, *self.site[:2], self.terrain.site_elevation_m)
 
     @property
     def thruster_names(self) -> list[str]:
@@ -247,3 +244,32 @@ class Scenario(Params):
     def steps_per_cycle(self) -> int:
         """Integration steps in one base cycle of the flight software."""
         return round(1.0 / self.flight_software.rates.base_hz / self.simulation.step_s)
+
+
+#: Position (m) and velocity relative to the planet (m/s), in F.
+Start = tuple[float, float, float, float, float, float]
+
+
+def start_of(scenario: Scenario) -> Start:
+    """Position and velocity of the initial state of a scenario."""
+    planet, place = scenario.planet, scenario.initial.place
+    r = from_geodetic(planet.equatorial_radius_m, planet.flattening, *place, scenario.initial_altitude_m)
+    return *r, *ned_to_fixed(*vertical_axes(scenario), scenario.initial.velocity_ned)
+
+
+def vertical_axes(scenario: Scenario) -> tuple[float, float, float, float]:
+    """Sines and cosines of latitude and longitude of the vertical that the initial velocity refers to."""
+    planet, (lat, lon) = scenario.planet, scenario.initial.place
+    vertical = lat
+    if scenario.initial.vertical == "geocentric":
+        x, y, z = from_geodetic(
+            planet.equatorial_radius_m, planet.flattening, lat, lon, scenario.initial_altitude_m
+        )
+        vertical = atan2(z, hypot(x, y))
+    return sin(vertical), cos(vertical), sin(lon), cos(lon)
+
+
+def fill_site(frame: np.void, scenario: Scenario) -> None:
+    """Fill the ``LOCAL_FRAME`` record of the landing site."""
+    planet = scenario.planet
+    fill_local_frame(frame, planet.equatorial_radius_m, planet.flattening, *scenario.site)

@@ -23,7 +23,7 @@ from edl6dof.spatial.elementary import cos, sin
 
 
 class TerrainPreview:
-    """Height of the ground as the simulation has it."""
+    """The ground of a simulation."""
 
     def __init__(self, params: TerrainParams, planet: PlanetParams, seed: int, case: int) -> None:
         self._terrain = np.zeros(1, TERRAIN)
@@ -49,7 +49,7 @@ class TerrainPreview:
 
     @property
     def detailed(self) -> bool:
-        """True if the ground has relief that is finer than the map."""
+        """True if the ground has relief finer than the map."""
         return int(self._terrain["landing_area"]["model"][0]) != NO_RELIEF
 
     def rocks(self, latitude: float, longitude: float, side: float, smallest: float) -> np.ndarray:

@@ -10,13 +10,11 @@ from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_PARACHUTES, MAX_SURFACES
-from edl6dof.interface.effectors import BRANCHES
-from edl6dof.interface.events import EVENT_TABLE
+from edl6dof.interface.effectors import BRANCHES, EVENT_TABLE
 from edl6dof.records import FLAG
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.mission_events import event_number, fill_events
-from edl6dof.scenario.places import fill_site
-from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
+from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams, fill_site
 from edl6dof.sensors.registry import SENSOR_UNITS, draw_sensor_units, fill_sensor_params
 from edl6dof.spatial.frames import LOCAL_FRAME
 from edl6dof.vehicle.faults.fault import FAULTS, fill_faults

@@ -1,46 +1,156 @@
-"""The server: a flight for each connection, to this machine alone."""
+"""The server: a flight for each connection of this machine, and its messages.
+
+A message is four bytes that count those that follow, the highest first, and as many of MessagePack.  Anybody
+who can connect may have written it: it is bounded in size, in what it unpacks to, in depth and in time.
+"""
 
 from __future__ import annotations
 
 import gc
 import os
 import socketserver
+import struct
 import sys
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from hmac import compare_digest
 from secrets import token_hex
+from socket import socket
 from threading import BoundedSemaphore
+from time import monotonic
 from typing import Any
 
+import numpy as np
+
+from edl6dof.api.arguments import library
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.serve.session import Session, refused
-from edl6dof.serve.wire import Unreadable, Wire, exactly
 
 HOST = "127.0.0.1"
 #: Clients that fly at a time; each has some megabytes of records.
 MOST_CLIENTS = 8
 #: Connections at a time that have not sent the token, and how long (s) each may take to send it.
 _MOST_STRANGERS, _GREETING_S = 64, 5.0
-#: Longest time (s) between the requests of a client.
-IDLE_S = 900.0
+#: Longest time (s) between the requests of a client, and for a message to be complete once it has begun.
+IDLE_S, _MESSAGE_S = 900.0, 30.0
+#: Bytes of a message; the largest saved state fits.
+LARGEST = 16 * 1024 * 1024
+#: Lists and maps of a message, nested or not, and the entries of each: an empty one takes a byte on the wire
+#: and a hundred in memory.
+_CONTAINERS, _LONGEST = 256, 1024
+_LENGTH = struct.Struct(">I")
+
+
+class Unreadable(ValueError):
+    """The rest of the stream cannot be read: the start of the next message is unknown."""
+
+
+class Wire:
+    """Packs and unpacks messages.
+
+    Raises:
+        ImportError: msgpack is not installed.
+    """
+
+    def __init__(self) -> None:
+        self._msgpack = library("msgpack", "edl6dof serve", extra="serve")
+
+    def receive(self, line: socket, idle_s: float) -> bytes | None:
+        """Return the next message, which begins within ``idle_s`` (s); ``None`` if its sender is gone.
+
+        Raises:
+            Unreadable: it would be too long.
+            TimeoutError: it does not begin, or is not complete, in time.
+        """
+        head = exactly(line, _LENGTH.size, idle_s)
+        if head is None:
+            return None
+        (size,) = _LENGTH.unpack(head)
+        if size > LARGEST:
+            raise Unreadable(
+                f"a message has at most {LARGEST} bytes (this one says {size}: does it begin with its "
+                "length, four bytes, the highest first?)"
+            )
+        return exactly(line, size, _MESSAGE_S)
+
+    def unpack(self, body: bytes) -> Any:
+        """Unpack the content of a message.
+
+        Raises:
+            ValueError: it is no MessagePack, or not what a request may be made of.
+        """
+        left = iter(range(_CONTAINERS))
+
+        def count(container: Any) -> Any:
+            if next(left, None) is None:
+                raise _TooMany(f"a request holds at most {_CONTAINERS} lists and maps")
+            return container
+
+        try:
+            return self._msgpack.unpackb(
+                body,
+                list_hook=count,
+                object_hook=count,
+                max_array_len=_LONGEST,
+                max_map_len=_LONGEST,
+                max_ext_len=0,
+            )
+        except UnicodeDecodeError as error:
+            raise ValueError(f"a text is not UTF-8 ({error.reason})") from None
+        except _TooMany as error:
+            raise ValueError(str(error)) from None
+        except Exception as error:  # a dozen kinds, some without a word
+            reason = str(error) or type(error).__name__
+            raise ValueError(f"the message is no MessagePack that a request is made of ({reason})") from None
+
+    def pack(self, message: dict[str, Any]) -> bytes:
+        """Return a message with its length."""
+        body = self._msgpack.packb(message, default=_listed)
+        return _LENGTH.pack(len(body)) + body
+
+
+def exactly(line: socket, size: int, within_s: float) -> bytes | None:
+    """Receive so many bytes; ``None`` if the sender is gone before.
+
+    Raises:
+        TimeoutError: they are not complete within a time (s), however slowly they come.
+    """
+    found, until = bytearray(), monotonic() + within_s
+    while len(found) < size:
+        if (left := until - monotonic()) <= 0.0:
+            raise TimeoutError
+        line.settimeout(left)
+        part = line.recv(min(size - len(found), 65536))
+        if not part:
+            return None
+        found += part
+    return bytes(found)
+
+
+class _TooMany(Exception):
+    """A message unpacks to more than any request holds."""
+
+
+def _listed(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    raise TypeError(f"{value!r} cannot be sent")
 
 
 class FlightServer(socketserver.ThreadingTCPServer):
     """Answers the requests of each client in a thread of its own, in the order in which they come.
 
-    A client first sends the token, as it stands in the token file; whoever cannot read that file is told so
-    and takes nobody's place.
+    A client first sends the token of the token file; one that does not gets an answer and takes no place.
 
     Args:
         begin: makes the flight of a client.
-        port: 0: any that is free.
-        idle_s: longest time between the requests of a client.
+        port: port to listen on; any that is free if 0.
+        idle_s: longest time between the requests of a client, s.
 
     Attributes:
-        port: where it listens.
-        token: what a client sends first: 32 letters and digits.
+        port: port that it listens on.
+        token: 32 letters and digits that a client sends first.
 
     Raises:
         ImportError: msgpack is not installed.
@@ -71,7 +181,7 @@ class _Client(socketserver.StreamRequestHandler):
     disable_nagle_algorithm = True
 
     def handle(self) -> None:
-        """Answer until the client closes, is gone, falls silent, or cannot be made out any more."""
+        """Answer until the client closes, is gone, or sends nothing, or nothing readable, any more."""
         if not self._let_in():
             return
         if not self.server.places.acquire(blocking=False):

@@ -1,7 +1,6 @@
 """Requests of a client to its flight, and the answers.
 
-Everything in a request was written by somebody else: each field is looked at before the flight goes on, and
-an answer says what is wrong and what was probably meant.
+Each field of a request is checked before the flight goes on; an answer names the mistake and a correction.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from edl6dof.api.simulation import Simulation, described
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.wording import got, unknown
 
-#: Version of the protocol: it goes up where a program that was written for the one before would fail.
+#: Version of the protocol; it increases if a program that was written for the last one would fail.
 PROTOCOL = 2
 #: Base cycles of a step, and seeds, at most.
 MOST_CYCLES, LARGEST_SEED = 10_000_000, 2**31 - 1
-#: What a change names, and the texts that it may set: words, so that nobody has this program read a file.
+#: Path and text of a change of the scenario: a text is a word, so that a client can name no file.
 _PATH, _WORD = re.compile(r"[A-Za-z0-9_.]{1,200}"), re.compile(r"[A-Za-z0-9_]{1,64}")
 
 Answer = dict[str, Any]
@@ -35,7 +34,7 @@ class Session:
 
     Attributes:
         simulation: the flight.
-        open: whether the client has not taken its leave.
+        open: False once the client has closed it.
 
     Raises:
         ConfigError: the scenario is wrong.
@@ -48,7 +47,7 @@ class Session:
         self.open = True
 
     def answer(self, request: Any) -> Answer:
-        """The answer to a request: ``ok`` says whether it was done, ``error`` why not."""
+        """Answer a request: ``ok`` is true if it was done, otherwise ``error`` has the reason."""
         try:
             with naming_arguments():
                 return {"ok": True, **self._done(request)}
@@ -71,7 +70,7 @@ class Session:
         return act(self, **request)
 
     def _reset(self, seed: Any = None, overrides: Any = None) -> Answer:
-        """Begin anew, with these changes and no others; what fails leaves the flight as it is."""
+        """Begin anew, with these changes and no others; an error leaves the flight as it is."""
         number = None if seed is None else _whole("seed", seed, LARGEST_SEED, 0)
         changes = () if overrides is None else _as_texts(overrides)
         simulation = self.simulation if changes == self._changes else self._changed(changes)
@@ -109,7 +108,7 @@ class Session:
         return {}
 
     def _standing(self) -> Answer:
-        """Where the flight stands; how it ended once it has."""
+        """State of the flight, and its outcome once it has ended."""
         now = self.simulation
         found: Answer = {"flying": now.flying, "cycle": now.cycle, "time_s": now.time_s}
         return found if now.flying else {**found, "outcome": now.outcome}
@@ -132,7 +131,7 @@ _REQUESTS: dict[str, tuple[Callable[..., Answer], tuple[str, ...]]] = {
 
 
 def refused(reason: str) -> Answer:
-    """The answer to what cannot be done: one line, of at most 500 characters."""
+    """Answer that a request is refused: one line of at most 500 characters."""
     line = " ".join(reason.split())[:500]
     return {"ok": False, "error": "".join(ch if ch.isprintable() else "?" for ch in line)}
 
@@ -144,7 +143,7 @@ def _whole(name: str, value: Any, most: int, least: int = 1) -> int:
 
 
 def _as_texts(overrides: Any) -> tuple[str, ...]:
-    """Changes of the scenario, as of ``--set``."""
+    """Return changes of the scenario as texts ``path=value``."""
     if not isinstance(overrides, dict):
         raise ValueError(f"overrides must be a map of values by dotted path (got {got(overrides)})")
     for path, value in overrides.items():

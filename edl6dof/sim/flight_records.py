@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from edl6dof.metrics.balance_figures import balance_figures
 from edl6dof.metrics.evaluation import (
     deployment_figures,
     event_figures,
@@ -17,8 +16,7 @@ from edl6dof.metrics.evaluation import (
     peak_figures,
     relaxation_figures,
 )
-from edl6dof.metrics.figure_forms import Flown
-from edl6dof.metrics.hazard import drift_figures, hazard_figures
+from edl6dof.metrics.figures import Flown
 from edl6dof.metrics.out_of_use import (
     Exclusion,
     IsolatedFault,
@@ -27,7 +25,13 @@ from edl6dof.metrics.out_of_use import (
     exclusions,
     isolated_faults,
 )
-from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
+from edl6dof.metrics.record_figures import (
+    balance_figures,
+    drift_figures,
+    hazard_figures,
+    touchdown_state,
+    touchdown_terrain_figures,
+)
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State

@@ -23,7 +23,7 @@ from numba.extending import typeof_impl
 from pydantic import BaseModel
 
 from edl6dof.child import python
-from edl6dof.config.plugin_scan import VARIABLE
+from edl6dof.config.plugin_files import VARIABLE
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.functions import CYCLE, SOFTWARE, software_functions
 from edl6dof.fsw.functions import PLACES as OF_SOFTWARE

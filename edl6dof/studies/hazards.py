@@ -20,7 +20,7 @@ from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import Row
 from edl6dof.config.wording import counted
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
-from edl6dof.metrics.touchdown import COUNTED, FOOTPRINT
+from edl6dof.metrics.record_figures import COUNTED, FOOTPRINT
 from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
 from edl6dof.studies.samples import (
     column,

@@ -16,7 +16,7 @@ from edl6dof.interface.capacities import MAX_BEAMS, MAX_BRANCHES, MAX_THRUSTERS
 
 
 class Channel(NamedTuple):
-    """One telemetry column: name with unit suffix, meaning, and if campaigns record it too (``brief``)."""
+    """One telemetry column: name with unit suffix, meaning, and True if campaigns record it (``brief``)."""
 
     name: str
     meaning: str
@@ -50,6 +50,7 @@ def _vector(stem: str, suffix: str, axes: str, meaning: str, brief: bool = False
     ]
 
 
+_SUM = "the sum of 2 to the power of their numbers from 0"
 # fmt: off
 CHANNELS: tuple[Channel, ...] = (
     Channel("truth.altitude_m", "height above the reference ellipsoid", brief=True),
@@ -97,9 +98,8 @@ CHANNELS: tuple[Channel, ...] = (
              "released backshell relative to the landing site", brief=True),
     Channel("truth.trim_wing", "trim-wing opening, 0 to 1"),
     Channel("truth.footpads", "footpads on the ground"),
-    Channel("sensed.gyros_saturated",
-            "gyros at the end of their range: the sum of 2 to the power of their numbers from 0"),
-    Channel("sensed.accelerometers_saturated", "accelerometers at the end of their range, likewise"),
+    Channel("sensed.gyros_saturated", f"gyros at the end of their range: {_SUM}"),
+    Channel("sensed.accelerometers_saturated", f"accelerometers at the end of their range: {_SUM}"),
     Channel("nav.mach", "navigated Mach number (no wind)"),
     Channel("nav.alpha_deg", "navigated angle of attack (no wind)"),
     Channel("nav.beta_deg", "navigated sideslip angle (no wind)"),
@@ -119,10 +119,10 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("nav.sigma_height_m", "claimed standard deviation of the height above the ground"),
     Channel("nav.range_innovation", "largest range innovation of a beam over its standard deviation"),
     Channel("nav.speed_innovation", "largest speed innovation of a beam over its standard deviation"),
-    Channel("nav.beams_used", "radar beams used last: the sum of 2 to the power of their numbers"),
-    Channel("nav.gyros_in_use", "gyros not excluded, likewise"),
-    Channel("nav.accelerometers_in_use", "accelerometers not excluded, likewise"),
-    Channel("nav.beams_in_use", "radar beams not excluded, likewise"),
+    Channel("nav.beams_used", f"radar beams used last: {_SUM}"),
+    Channel("nav.gyros_in_use", f"gyros not excluded: {_SUM}"),
+    Channel("nav.accelerometers_in_use", f"accelerometers not excluded: {_SUM}"),
+    Channel("nav.beams_in_use", f"radar beams not excluded: {_SUM}"),
     Channel("guide.phase", "mission phase, index into the phase table", brief=True),
     Channel("guide.bank_deg", "commanded bank angle", brief=True),
     Channel("guide.reference_drag_m_s2", "reference drag acceleration"),
@@ -141,9 +141,9 @@ CHANNELS: tuple[Channel, ...] = (
         "guide.hazard_stage",
         "hazard detection: 0 not begun, 1 image asked for, 2 coarse point chosen, 3 scanning, 4 spot chosen"),
     Channel("guide.coarse_east_m", "coarse point to land at, from the landing site as navigated, east"),
-    Channel("guide.coarse_north_m", "coarse point to land at, likewise, north"),
+    Channel("guide.coarse_north_m", "coarse point to land at, from the landing site as navigated, north"),
     Channel("guide.spot_east_m", "spot to land on, from the landing site as navigated, east"),
-    Channel("guide.spot_north_m", "spot to land on, likewise, north"),
+    Channel("guide.spot_north_m", "spot to land on, from the landing site as navigated, north"),
     *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller", brief=True),
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
     *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B", brief=True),
@@ -153,8 +153,7 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("diagnosis.leaking", "branch whose leak is looked into, by number from 0; -1 for none"),
     Channel("diagnosis.common_loss", "share of its flow that every propellant branch is thought to lose"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
-    Channel("diagnosis.in_use",
-            "thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
+    Channel("diagnosis.in_use", f"thrusters that the flight computer may use: {_SUM}"),
     *_vector("control.unallocated", "nm", "x y z", "demanded torque that stays unallocated"),
 )
 # fmt: on

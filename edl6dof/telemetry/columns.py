@@ -1,4 +1,4 @@
-"""From the log record to named columns in the units of their names."""
+"""From the log record to named columns in the units of their names, and to the states of instruments."""
 
 from __future__ import annotations
 
@@ -14,17 +14,14 @@ from edl6dof.config.units import UNITS
 from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.spatial.arrays import lengths, tan
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
+from edl6dof.vehicle.faults.component import Component, Components
 
 
 class Telemetry(Mapping[str, np.ndarray]):
-    """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1),
-    ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded), for each radar beam
-    ``range.<name>_m`` (0 without an echo), and for each propellant branch ``used.<name>_kg`` (what went
-    through it since the start), ``metered.<name>_kg`` (what its flow meter counted of it) and
-    ``expected.<name>_kg_s`` (the flow that commands call for); of a brief log ``t_s`` and its channels.
+    """``t_s``, every channel, and the columns of each thruster, radar beam and propellant branch, which
+    :func:`describe` explains; of a brief log ``t_s`` and its channels.
 
-    A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of
-    it where no unit changes, else a copy.
+    A column, shape (rows,), is made at each access: a view of the log if no unit changes, otherwise a copy.
     """
 
     def __init__(
@@ -49,6 +46,14 @@ class Telemetry(Mapping[str, np.ndarray]):
         group, field, from_si = place
         values = self._log[group][field] if field else self._log[group]
         return values if from_si == 1.0 else values * from_si
+
+    def unit(self, name: str) -> str:
+        """Return the printed unit of a column."""
+        return describe(name)[0]
+
+    def meaning(self, name: str) -> str:
+        """Return the meaning of a column."""
+        return describe(name)[1]
 
     def rows(self, start: int, stop: int | None) -> Telemetry:
         """Some rows of all columns."""
@@ -183,3 +188,66 @@ def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
 
 # looked up many times for every flight
 _PLACES, _BRIEF_PLACES = _places(CHANNELS), _places(BRIEF_CHANNELS)
+
+IN_USE, SATURATED, EXCLUDED = "in use", "saturated", "excluded"
+NO_ECHO, USED, NOT_USED = "no echo", "used", "locked, not used"
+#: States of an inertial instrument, and of a radar beam, from telemetry that has a bit of a number for each.
+INERTIAL_STATES, BEAM_STATES = (IN_USE, SATURATED, EXCLUDED), (NO_ECHO, USED, NOT_USED, EXCLUDED)
+
+#: Channels of the kinds of instruments: those that are not excluded, and those that are saturated, or used.
+CHANNELS_OF: dict[Component, tuple[str, str]] = {
+    "gyro": ("nav.gyros_in_use", "sensed.gyros_saturated"),
+    "accelerometer": ("nav.accelerometers_in_use", "sensed.accelerometers_saturated"),
+    "beam": ("nav.beams_in_use", "nav.beams_used"),
+}
+
+
+class Instrument(NamedTuple):
+    """One instrument: kind, name, and the index into ``states`` at each row, shape (rows,)."""
+
+    kind: Component
+    name: str
+    states: Sequence[str]
+    state: np.ndarray
+
+    def holds(self, state: str) -> np.ndarray:
+        """Rows in which it is in a state, shape (rows,), bool."""
+        return self.state == self.states.index(state)
+
+
+def instruments(table: Mapping[str, np.ndarray], names: Components) -> list[Instrument]:
+    """The instruments of a flight, except those whose columns are missing.
+
+    Args:
+        table: columns of telemetry by name.
+        names: names of the instruments by kind, in their order.
+    """
+    return [
+        _beam(table, index, name) if kind == "beam" else _inertial(table, kind, index, name)
+        for kind, channels in CHANNELS_OF.items()
+        for index, name in enumerate(names.get(kind, ()))
+        if set(channels) <= set(table) and (kind != "beam" or range_of(name) in table)
+    ]
+
+
+def columns_of(names: Components) -> tuple[str, ...]:
+    """Columns that :func:`instruments` needs."""
+    every = (channel for kind, channels in CHANNELS_OF.items() if names.get(kind) for channel in channels)
+    return (*every, *(range_of(beam) for beam in names.get("beam", ())))
+
+
+def _inertial(table: Mapping[str, np.ndarray], kind: Component, index: int, name: str) -> Instrument:
+    in_use, saturated = (_bit(table[channel], index) for channel in CHANNELS_OF[kind])
+    state = np.where(~in_use, INERTIAL_STATES.index(EXCLUDED), np.where(saturated, 1, 0))
+    return Instrument(kind, name, INERTIAL_STATES, state)
+
+
+def _beam(table: Mapping[str, np.ndarray], index: int, name: str) -> Instrument:
+    in_use, used = (_bit(table[channel], index) for channel in CHANNELS_OF["beam"])
+    locked = table[range_of(name)] > 0.0
+    state = np.where(~locked, 0, np.where(used, BEAM_STATES.index(USED), BEAM_STATES.index(NOT_USED)))
+    return Instrument("beam", name, BEAM_STATES, np.where(in_use, state, BEAM_STATES.index(EXCLUDED)))
+
+
+def _bit(numbers: np.ndarray, index: int) -> np.ndarray:
+    return np.nan_to_num(numbers).astype(np.int64) >> index & 1 != 0

@@ -32,8 +32,8 @@ from edl6dof.vehicle.surroundings import planet_rotation
 
 @kernel
 def record_errors(plant, outputs, estimate, spin, c, s, nav):
-    """Write the errors of the ``estimate`` (``ESTIMATE``) into ``nav``, a group of a row of telemetry;
-    ``spin``: the planet's rate of rotation (rad/s), ``c``, ``s``: cosine and sine of its angle.
+    """Write the errors of the ``estimate`` (``ESTIMATE``) into the group ``nav`` of a row of telemetry;
+    ``spin``: rotation rate of the planet (rad/s), ``c``, ``s``: cosine and sine of its angle.
     """
     y, out = plant.y, outputs
     sl, cl, so, co = out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon
@@ -53,7 +53,7 @@ def record_errors(plant, outputs, estimate, spin, c, s, nav):
 
 @kernel
 def mask(flags):
-    """Flags as one whole number: the sum of 2 to the power of the indices of those that are set."""
+    """Flags as one whole number: the sum of 2 to the power of the indices of the set ones."""
     total = 0
     for i in range(len(flags)):
         if flags[i] != 0:
@@ -63,9 +63,8 @@ def mask(flags):
 
 @kernel
 def record_readings(sensed, branches, tick):
-    """Write which instruments of ``sensed`` (``SENSED``) are at the end of their range, the range (m) of each
-    radar beam, 0 without an echo, and the count (kg) of the flow meter of each of some ``branches``, into a
-    row of telemetry.
+    """Write into a row of telemetry which instruments of ``sensed`` (``SENSED``) are at the end of their
+    range, the range (m) of each radar beam, 0 without an echo, and the count (kg) of each flow meter.
     """
     inertial, radar = sensed.inertial, sensed.radar
     tick.sensed.gyros_saturated = mask(inertial.gyro_saturated)
@@ -78,7 +77,7 @@ def record_readings(sensed, branches, tick):
 
 @kernel
 def farthest(values):
-    """Largest magnitude of some numbers."""
+    """Largest magnitude of numbers."""
     largest = 0.0
     for i in range(len(values)):
         largest = max(largest, abs(values[i]))
@@ -87,9 +86,7 @@ def farthest(values):
 
 @kernel
 def record_claims(navigation, nav):
-    """Write what navigation (``NAVIGATION``) says of itself and of its instruments into ``nav``, a group of a
-    row of telemetry.
-    """
+    """Write standard deviations, innovations and instruments in use of navigation (``NAVIGATION``)."""
     solution, health = navigation.solution, navigation.health
     nav.sigma_north, nav.sigma_east, nav.sigma_down = take3(solution.sigma_r, 0)
     nav.sigma_v_north, nav.sigma_v_east, nav.sigma_v_down = take3(solution.sigma_v, 0)
@@ -106,23 +103,17 @@ def record_claims(navigation, nav):
 
 @kernel
 def record_brief(case, plant, outputs, fsw, tick):
-    """Write what is in a ``BRIEF`` row, into that or into a ``TICK`` row; returns what the other channels
-    need as well.
-    """
-    y, out, truth, guide = plant.y, outputs, tick.truth, tick.guide
-    t = plant.t
-    tick.t = t
+    """Write the channels of a ``BRIEF`` row into it or into a ``TICK`` row; return values for the others."""
+    y, out, truth, guide, control = plant.y, outputs, tick.truth, tick.guide, tick.control
+    tick.t = t = plant.t
     spin = case.planet.rotation_rate
     c, s = planet_rotation(case.planet, t)
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
     v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel_I))
 
-    truth.altitude, truth.height_above_areoid, truth.height = (
-        out.altitude,
-        out.height_above_areoid,
-        out.height,
-    )
+    truth.altitude, truth.height = out.altitude, out.height
+    truth.height_above_areoid = out.height_above_areoid
     truth.latitude, truth.longitude = out.latitude, out.longitude
     truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
     truth.speed = norm(v_N)
@@ -139,18 +130,16 @@ def record_brief(case, plant, outputs, fsw, tick):
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shell].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
     guide.phase, guide.bank = fsw.mission.phase, fsw.guide.bank
-    tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
-        fsw.demand.attitude_error, 0
-    )
+    control.error_roll, control.error_pitch, control.error_yaw = take3(fsw.demand.attitude_error, 0)
     record_errors(plant, outputs, fsw.navigation.estimate, spin, c, s=s, nav=tick.nav)
-    torque = take3(fsw.disturbance.torque, 0)
-    tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = torque
+    estimate = tick.estimate
+    estimate.torque_x, estimate.torque_y, estimate.torque_z = take3(fsw.disturbance.torque, 0)
     return c, s, v_rel_I, v_N, airspeed
 
 
 @kernel
 def record_choice(hazard, point, guide):
-    """Write how far hazard detection is, and the points that it has chosen; ``nan`` until then."""
+    """Write the stage of hazard detection, and the points that it has chosen; ``nan`` until then."""
     guide.coarse_east = guide.coarse_north = guide.spot_east = guide.spot_north = nan
     guide.hazard_stage = hazard.exposed
     if point.coarse_known != 0:
@@ -207,30 +196,25 @@ def record(case, plant, outputs, sensed, fsw, tick):
     truth.trim_wing = out.wing_opening
 
     record_readings(sensed, case.branches.count, tick)
-    nav, guide = fsw.nav, fsw.guide
+    nav, guide, shown, control = fsw.nav, fsw.guide, tick.guide, tick.control
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.total_alpha = nav.total_alpha
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass
     record_claims(fsw.navigation, tick.nav)
-    tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go
-    tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = (
-        guide.crossrange,
-        guide.time_to_go,
-        guide.thrust,
-    )
-    tick.guide.surface, tick.guide.virtual = guide.surface, guide.virtual
-    tick.guide.drag_estimate, tick.guide.drag_rate = guide.drag_estimate, guide.drag_rate
-    tick.guide.drag_disturbance, tick.guide.path_disturbance = guide.drag_disturbance, guide.path_disturbance
-    direction = take3(guide.thrust_direction_N, 0)
-    tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = (
-        direction
-    )
-    record_choice(fsw.hazard, fsw.landing_point, tick.guide)
-    torque, unallocated = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
-    tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
-    tick.control.unallocated_x, tick.control.unallocated_y, tick.control.unallocated_z = unallocated
-    estimated = fsw.disturbance
-    tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
+    shown.reference_drag, shown.range_to_go = guide.reference_drag, guide.range_to_go
+    shown.crossrange, shown.time_to_go, shown.thrust = guide.crossrange, guide.time_to_go, guide.thrust
+    shown.surface, shown.virtual = guide.surface, guide.virtual
+    shown.drag_estimate, shown.drag_rate = guide.drag_estimate, guide.drag_rate
+    shown.drag_disturbance, shown.path_disturbance = guide.drag_disturbance, guide.path_disturbance
+    north, east, down = take3(guide.thrust_direction_N, 0)
+    shown.thrust_direction_north, shown.thrust_direction_east = north, east
+    shown.thrust_direction_down = down
+    record_choice(fsw.hazard, fsw.landing_point, shown)
+    control.torque_x, control.torque_y, control.torque_z = take3(fsw.demand.wrench, 3)
+    unallocated = take3(fsw.allocation.unallocated, 3)
+    control.unallocated_x, control.unallocated_y, control.unallocated_z = unallocated
+    estimate = tick.estimate
+    estimate.force_x, estimate.force_y, estimate.force_z = take3(fsw.disturbance.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
     tick.diagnosis.common_loss = diagnosis.flow.common

@@ -15,8 +15,7 @@ from edl6dof.interface.roles import NO_ROLE, begun
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
-#: What an action did to its component, in plain words; of what is extended, the command: that it is open is
-#: another event.
+#: Effect of an action on its component in words; of an extension, the command.
 DONE = {
     "jettison": "{} jettisoned",
     "deploy": "{} parachute deployed",
@@ -26,15 +25,14 @@ DONE = {
     "cut_off": "{} engine cut-off",
 }
 
-#: What figures, reports and pictures call the first event of a kind, by its action, whatever its own name; of
-#: a jettison by the shape that the part showed to the air, of what is extended see :func:`milestone`.
+#: Milestones by action, and of a jettison by the shape of the part; see :func:`milestone`.
 MILESTONES = {"deploy": "mortar", "ignite": "ignition", "cut_off": "cut_off"}
 UNCOVERED = {"capsule": "heat_shield", "backshell": "backshell"}
-#: Milestone of an event that is none: the ballast's jettison, the drogue's release.
+#: Milestone of an event that is none, such as the jettison of ballast or the release of a drogue.
 NO_MILESTONE = ""
 
-#: Something that happened: ``t_s``, ``key``, plain ``name``, and what it is about, such as ``phase`` and
-#: ``role``, ``milestone`` or ``thruster``.
+#: An event: ``t_s``, ``key``, ``name`` in words, and more, such as ``phase`` and ``role``, ``milestone`` or
+#: ``thruster``.
 Moment = dict[str, Any]
 
 
@@ -47,9 +45,9 @@ def timeline(
     outcome: str,
     others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
-    """Events in order of time: moments, each with the state of the vehicle then.
+    """Events in order of time, each with the state of the vehicle then.
 
-    ``others`` are more of them: the trim wing open, faults and what was found out about them.
+    ``others``: more events, such as the trim wing open, faults and isolations.
     """
     reversals = [
         moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)
@@ -59,12 +57,12 @@ def timeline(
 
 
 def moment(t: float, key: str, name: str, **about: Any) -> Moment:
-    """An entry of the timeline at time ``t`` (s)."""
+    """An event at time ``t`` (s)."""
     return {"t_s": float(t), "key": key, "name": name, **about}
 
 
 def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: VehicleParams) -> list[Moment]:
-    """Collect what plant and flight computer note themselves, each at most once; it needs no telemetry."""
+    """Events that plant and flight computer record, each at most once; no telemetry is needed."""
     found = [
         moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
         for phase, t in zip(mission.phases, fsw["mission"]["entered"], strict=False)
@@ -109,18 +107,18 @@ def hazard_moments(hazard: np.void) -> list[Moment]:
 
 
 def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:
-    """Name of the event that a tank is empty: ``propellant exhausted`` where there is no other."""
+    """Name of the event that a tank is empty: ``propellant exhausted`` if it is the only one."""
     return "propellant exhausted" if len(vehicle.tanks) == 1 else f"tank {tank.name} empty"
 
 
 def in_words(event: Event) -> str:
-    """Describe an event: ``heat shield jettisoned``; landing gear goes by the event's own name."""
+    """Describe an event: ``heat shield jettisoned``; landing gear by the event's own name."""
     component = event.name if event.component == "landing_gear" else event.component
     return DONE[event.action].format(component.replace("_", " "))
 
 
 def milestone(event: Event, vehicle: VehicleParams) -> str:
-    """Milestone that figures, reports and pictures take an event for, from its action and its object."""
+    """Name of an event in figures, reports and pictures, from its action and its component."""
     if event.action == "jettison":
         shapes = {part.name: part.shape for part in vehicle.parts}
         return UNCOVERED.get(shapes[event.component], NO_MILESTONE)
@@ -150,12 +148,7 @@ def bank_reversals(telemetry: Mapping[str, np.ndarray]) -> list[tuple[float, str
 def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, Any]:
     t = one["t_s"]
     i = min(int(np.searchsorted(telemetry["t_s"], t - 1e-9)), len(telemetry["t_s"]) - 1)
-    row = {
-        "altitude_m": telemetry["truth.altitude_m"][i],
-        "height_m": telemetry["truth.height_m"][i],
-        "speed_m_s": telemetry["truth.speed_m_s"][i],
-        "mach": telemetry["truth.mach"][i],
-    }
+    row = {name: telemetry[f"truth.{name}"][i] for name in ("altitude_m", "height_m", "speed_m_s", "mach")}
     # a flight continued from a saved state has no telemetry of what was before
     known = t >= telemetry["t_s"][0] - 1e-9
     values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
@@ -164,11 +157,5 @@ def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, A
 
 def _in_words(values: Mapping[str, float | None]) -> str:
     """Height, speed and Mach number, as far as they are known."""
-    forms = (
-        ("height_m", 1.0, "{:z,.0f} m above the ground"),
-        ("speed_m_s", 1.0, "{:.0f} m/s"),
-        ("mach", 1.0, "Mach {:.2f}"),
-    )
-    return ", ".join(
-        form.format(factor * value) for name, factor, form in forms if (value := values[name]) is not None
-    )
+    forms = {"height_m": "{:z,.0f} m above the ground", "speed_m_s": "{:.0f} m/s", "mach": "Mach {:.2f}"}
+    return ", ".join(form.format(values[name]) for name, form in forms.items() if values[name] is not None)

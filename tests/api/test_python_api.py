@@ -261,6 +261,10 @@ def test_a_campaign_in_a_folder_is_opened_and_gone_on_with(result, tmp_path, mon
     assert edl6dof.campaign(place, resume=True).table.equals(result.table)
     with pytest.raises(edl6dof.ConfigError, match="exists"):
         edl6dof.campaign("tianwen1_mc", SHORT, cases=6, out=place)
+    with pytest.raises(edl6dof.ConfigError, match="was begun with another plan"):
+        edl6dof.campaign("tianwen1_mc", SHORT, cases=5, out=place, resume=True)
+    with pytest.raises(edl6dof.ConfigError, match="accepts no other values"):
+        edl6dof.campaign(place, cases=5, resume=True)
     monkeypatch.setattr(edl6dof, "__version__", "9.9")
     opened = edl6dof.open_run(place)  # what another version flew is looked at, and not flown again
     assert opened.table.equals(result.table) and repr(opened) == repr(result)

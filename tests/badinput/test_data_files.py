@@ -12,7 +12,7 @@ import pytest
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.xmlfile import read_xml
+from edl6dof.interchange.daveml_model import read_xml
 from edl6dof.sim.checkpoint import State
 
 ATMOSPHERE = "h_km,rho,T_K\n0.0,1.5e-2,210.0\n1.0,1.4e-2,209.0\n2.0,1.3e-2,208.0\n"

@@ -10,7 +10,7 @@ from in_process import PROGRAM
 from edl6dof import cli
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import CaseRunner
-from edl6dof.cli import campaign_flight, progress  # noqa: F401  what a campaign asks for
+from edl6dof.cli import campaign_flight  # noqa: F401  what a campaign asks for
 
 cli.app = PROGRAM
 with suppress(ImportError):

@@ -148,6 +148,7 @@ def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
     assert (
         status == 2 and "not the folder of a campaign" in err and (tmp_path / "mine" / "thesis.txt").is_file()
     )
+    assert edl6dof("campaign", "mine", "--resume")[2].startswith("mine: is not the folder of a campaign")
 
 
 @pytest.mark.parametrize(

@@ -17,12 +17,12 @@ from forked import Forked
 
 import edl6dof
 from edl6dof.api import fault_choice
+from edl6dof.api.campaign import require_no_values
 from edl6dof.api.fault_choice import FaultRequest, matrix_of, moments_at
 from edl6dof.campaign import executor
 from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.campaign.faults import matrix_plan
 from edl6dof.campaign.store import Store
-from edl6dof.cli.campaign_flight import require_no_values
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario
 
@@ -185,9 +185,9 @@ def test_what_flies_another_matrix_does_not_join_a_folder(here):
 
 @pytest.mark.parametrize("given", [0, 0.0, "D7", ("seed=3",), True])
 def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
-    require_no_values(Path("m"), None, (), "", False)
+    require_no_values("m", None, (), "", False)
     with pytest.raises(ConfigError, match="m: has its plan; it accepts no other values"):
-        require_no_values(Path("m"), None, given)
+        require_no_values("m", None, given)
 
 
 @pytest.mark.parametrize("owner, name", [(fault_choice, "matrix_of"), (executor.CaseRunner, "prepared")])

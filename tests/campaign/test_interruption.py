@@ -12,8 +12,8 @@ import in_process
 import pytest
 from campaign_run import write_drop
 
+from edl6dof.api import campaign as campaign_api
 from edl6dof.campaign import executor, run, store
-from edl6dof.campaign.design import plan as plans
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.store import Store
 from edl6dof.cli import campaign_flight
@@ -81,7 +81,7 @@ def test_resume_is_interrupted_while_the_program_loads(file, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "owner, name", [(plans, "load_plan"), (store.Store, "check_new"), (store, "write_sealed")]
+    "owner, name", [(campaign_api, "load_plan"), (store.Store, "check_new"), (store, "write_sealed")]
 )
 def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, name):
     monkeypatch.setattr(owner, name, interrupt)
@@ -90,7 +90,7 @@ def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, 
 
 
 def test_new_campaign_is_interrupted_when_it_has_begun(file, monkeypatch):
-    monkeypatch.setattr(campaign_flight, "count_runs", interrupt)
+    monkeypatch.setattr(run, "fly", interrupt)
     assert command("campaign", file) == (130, GO_ON)
     assert Store(Path("runs/drops")).plan_text == load_plan(file).text
 

@@ -21,7 +21,7 @@ from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.plugin_scan import files_naming_plugins
+from edl6dof.config.plugin_files import files_naming_plugins
 
 FOLDER = Path("runs/drops")
 

@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from edl6dof.cli.check_cases import run_cases
+from edl6dof.cli.evidence_tables import run_cases
 from edl6dof.verify import check
 from edl6dof.verify.case import NotInstalledError, Report, Result
 

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 import edl6dof
 from edl6dof.campaign.design.sections import CampaignParams, SweepParams
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.introspect import Slot, bounds, field_slot, is_model
+from edl6dof.config.model_paths import Slot, bounds, field_slot, is_model
 from edl6dof.config.units import DIMENSIONLESS, UNITS
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams

@@ -3,8 +3,7 @@
 import pytest
 from source_rules import breaches, fields_without_meaning, imports, lists_of, modules, whole_number_names
 
-from edl6dof.interface.effectors import THRUSTER_GROUPS
-from edl6dof.interface.events import ACTIONS
+from edl6dof.interface.effectors import ACTIONS, THRUSTER_GROUPS
 
 INTERFACE = modules("interface")
 ELSEWHERE = [(name, source) for name, source in modules() if name not in dict(INTERFACE)]
@@ -30,7 +29,7 @@ def test_there_is_something_to_check():
 @pytest.mark.parametrize("folder", ["vehicle", "fsw"])
 def test_both_sides_read_it(folder):
     read = {target for name, source in modules(folder) for _, target in imports(source, name)}
-    assert {f"edl6dof.interface.{name}" for name in ("capacities", "effectors", "events")} <= read
+    assert {f"edl6dof.interface.{name}" for name in ("capacities", "effectors")} <= read
 
 
 def test_it_knows_neither_side():

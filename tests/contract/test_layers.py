@@ -44,7 +44,7 @@ def test_planted_upward_imports_are_found():
         assert upward_imports(module, planted) != []
         assert upward_imports(f"edl6dof.{high[0]}.a", f"from edl6dof.{low[0]}.b import c") == []
     assert upward_imports("edl6dof.vehicle.mass", "from ..fsw import onboard") != []
-    assert upward_imports("edl6dof.interface.events", "from ..vehicle import plant") != []
+    assert upward_imports("edl6dof.interface.effectors", "from ..vehicle import plant") != []
 
 
 def test_no_modules_import_each_other_in_a_ring():

@@ -10,7 +10,7 @@ from source_rules import modules
 
 from edl6dof.campaign.design.sections import DISTRIBUTIONS
 from edl6dof.config.base import Params
-from edl6dof.config.introspect import bounds, field_slot
+from edl6dof.config.model_paths import bounds, field_slot
 from edl6dof.environment.atmosphere_models import ATMOSPHERES
 from edl6dof.environment.wind_models import WINDS
 from edl6dof.fsw.allocation.registry import ALLOCATORS

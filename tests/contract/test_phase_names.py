@@ -23,7 +23,7 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.guidance.entry.laws.etpc": {"lift"},
     "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.onboard_vehicle": {"lift"},
-    "edl6dof.gym.powered_descent": {"slow_descent", "landed"},  # of the flight that its task is made of
+    "edl6dof.gym.tasks": {"slow_descent", "landed"},  # of the flight that its task is made of
     "edl6dof.sim.commands": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
     "edl6dof.report.catalogue": {"parachute"},  # key of a figure

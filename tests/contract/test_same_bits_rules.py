@@ -43,7 +43,7 @@ ALLOWED = {
     "vehicle/aerodynamics/newtonian.py:ConvexHull": "a warning; no record holds it",
     "campaign/design/sampling.py:default_rng": "starts the scrambling of Sobol numbers, integers",
     "campaign/design/sampling.py:qmc": "Sobol numbers: integers, scaled by a power of two",
-    "interface/events.py:sum": "integers",
+    "interface/effectors.py:sum": "integers",
     "campaign/design/dispersions.py:sum": "integers",
     "campaign/design/sampling.py:sum": "integers",
     "campaign/design/distributions.py:sum": "truth values, and compared with zero",

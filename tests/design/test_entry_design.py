@@ -9,9 +9,9 @@ from edl6dof.cli.designs import design_entry as design_entry_command
 from edl6dof.config.errors import ConfigError
 from edl6dof.design.entry_profile import CLOSE, design_entry, figures, with_points
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import fly_shifted, planned_again
 from edl6dof.scenario.records import build_onboard
+from edl6dof.scenario.schema import start_of
 
 LIMITS = "flight_software.guidance.entry.limits"
 

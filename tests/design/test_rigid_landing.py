@@ -14,12 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from edl6dof.design.convex_step import Nodes, linearise, propagate
 from edl6dof.design.rigid_landing import LandingFigures, RigidLanding, excesses, figures_of
+from edl6dof.design.successive import Nodes, first_guess, land, linearise, propagate
 
 pytest.importorskip("cvxpy")
 from edl6dof.design import successive
-from edl6dof.design.successive import first_guess, land
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 from point_mass_landing import Landing, held_controls, solve

@@ -12,7 +12,7 @@ from unittest.mock import patch
 import numpy as np
 from plain_python import LAYOUT, Records, Setting, fly_cycles
 
-from edl6dof.metrics.balance_figures import balance_figures
+from edl6dof.metrics.record_figures import balance_figures
 from edl6dof.spatial.vector import put3, scale, take3
 from edl6dof.vehicle.motion import body, runge_kutta, staging
 from edl6dof.vehicle.plant import VELOCITY

@@ -30,15 +30,15 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "campaign"))
 
 from campaign_run import write_drop
 
+from edl6dof.api import campaign as campaign_api
 from edl6dof.api.campaign import EngineChoice
 from edl6dof.api.reports import report_of
-from edl6dof.campaign.design import plan as plans
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import CaseRunner, table_of
 from edl6dof.campaign.identity import source_hash
 from edl6dof.campaign.store import Store
 from edl6dof.cli import campaigns
-from edl6dof.cli.exit_status import INTERRUPTED
+from edl6dof.cli.group import INTERRUPTED
 from edl6dof.config.errors import ConfigError
 from edl6dof.report.campaign import campaign_report  # noqa: F401  loaded once, not in every child
 
@@ -174,7 +174,7 @@ class Harness:
         flown = {seed: CaseRunner(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
         for plan in self.plans.values():
             table_of(flown[plan.campaign.seed]), source_hash(), plan.text  # there for all children
-        plans.load_plan = lambda file, sets, cases, seed, sampling: self.plans[seed or SEEDS[0]]
+        campaign_api.load_plan = lambda file, sets, cases, seed, sampling: self.plans[seed or SEEDS[0]]
         self._use(Recorded(flown, stops=True))
         for seed in SEEDS:
             assert (

@@ -10,7 +10,7 @@ import pytest
 from command import PROGRAM, ROOT, SHORT
 from in_process import called
 
-from edl6dof.cli import exit_status
+from edl6dof.cli import group
 
 
 def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
@@ -26,7 +26,7 @@ def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
         env={"PYTHONPATH": str(ROOT)},
         timeout=60,
     )
-    assert done.returncode == exit_status.DEFECT == 70
+    assert done.returncode == group.DEFECT == 70
     assert "ZeroDivisionError" in done.stderr and done.stderr.rstrip().endswith(
         "please report it with these lines"
     )
@@ -35,7 +35,7 @@ def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
 def test_status_1_is_a_flight_outside_its_limits(tmp_path):
     assert (
         called("fly", *SHORT, "--out", tmp_path / "run", "-q", "--no-replay").returncode
-        == exit_status.NOT_WITHIN_LIMITS
+        == group.NOT_WITHIN_LIMITS
         == 1
     )
 
@@ -53,7 +53,7 @@ def test_reader_that_stops_reading_is_no_failure(tmp_path):
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         timeout=60,
     )
-    assert piped.returncode == exit_status.BROKEN_PIPE == 141
+    assert piped.returncode == group.BROKEN_PIPE == 141
     assert piped.stderr == ""
 
 

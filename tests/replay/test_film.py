@@ -12,7 +12,7 @@ import pytest
 from made_up import END
 
 from edl6dof.api.arguments import naming_options
-from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.group import UNAVAILABLE
 from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.replay import viewer

@@ -20,7 +20,7 @@ from made_up import (
 from edl6dof.replay.pages import NAVIGATION, PAGES
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.sensing import RAYS
-from edl6dof.telemetry.instrument_states import EXCLUDED, NOT_USED, USED
+from edl6dof.telemetry.columns import EXCLUDED, NOT_USED, USED
 
 pytest.importorskip("rerun")
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.group import UNAVAILABLE
 from edl6dof.cli.run_outputs import replay
 from edl6dof.replay import viewer
 from edl6dof.replay.viewer import HOST, NoViewer, ViewerFailed, free_port, running

@@ -11,7 +11,7 @@ import edl6dof
 from edl6dof.api import replays
 from edl6dof.api.arguments import naming_options
 from edl6dof.api.flight import RecordedFlight
-from edl6dof.cli.exit_status import UNAVAILABLE
+from edl6dof.cli.group import UNAVAILABLE
 from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal

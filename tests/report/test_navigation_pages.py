@@ -16,7 +16,7 @@ from edl6dof.report.flight import common, navigation_errors
 from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.runs.run import Run, write_run
 from edl6dof.telemetry.channels import CHANNELS
-from edl6dof.telemetry.instrument_states import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
+from edl6dof.telemetry.columns import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED
 
 FLOWN_WITH = (
     "sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",

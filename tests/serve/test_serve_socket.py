@@ -14,7 +14,7 @@ import pytest
 from serving import Client, serving
 
 import edl6dof
-from edl6dof.serve import wire
+from edl6dof.serve import flight_server
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
 
@@ -271,7 +271,7 @@ def test_client_that_falls_silent_loses_its_place():
 
 
 def test_message_that_drips_is_not_waited_for(monkeypatch):
-    monkeypatch.setattr(wire, "_MESSAGE_S", 0.5)
+    monkeypatch.setattr(flight_server, "_MESSAGE_S", 0.5)
     with serving("tianwen1") as server, greeted(server) as raw:
         raw.sendall(struct.pack(">I", 1000))
         began = time.monotonic()

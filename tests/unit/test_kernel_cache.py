@@ -179,6 +179,18 @@ def test_damaged_code_is_compiled_again(package, kind, damage):
     assert call(package) == (6.0, 1)
 
 
+def test_code_for_types_that_are_gone_is_compiled_again(package):
+    """As after an update that renames the module of a named tuple: the sources of the helper are the same."""
+    write(package, "spatial/helper.py", HELPER.format("pair.a").replace("factor()", "factor(pair)"))
+    for name in ("kinds", "sorts"):
+        caller = CALLER.replace("factor()", "factor(Pair(3.0))")
+        write(package, "fsw/caller.py", f"from probe.fsw.{name} import Pair\n{caller}")
+        write(package, f"fsw/{name}.py", "import typing\nclass Pair(typing.NamedTuple):\n    a: float\n")
+        assert call(package) == (6.0, 0)
+        assert call(package) == (6.0, 1)
+        (package / "probe" / "fsw" / f"{name}.py").unlink()
+
+
 def test_a_full_disk_costs_a_line_and_nothing_else(package):
     full = "import probe.kernels.cache as c; c.NEEDED_B = 1 << 62\nfrom probe.fsw.caller"
     ran = small_programs.run(

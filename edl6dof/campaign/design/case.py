@@ -22,7 +22,7 @@ from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Mark
 from edl6dof.config.errors import Inconsistent
 from edl6dof.config.model_paths import Keys, overridden, value_at, walk
-from edl6dof.scenario.cross_checks import section_problems
+from edl6dof.scenario.checks import section_problems
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import check_document, truth_problem
 from edl6dof.scenario.records import Records, build_records

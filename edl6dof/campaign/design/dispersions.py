@@ -28,8 +28,7 @@ from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import ensure_path
 from edl6dof.config.document.yamltree import Keys
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.introspect import Slot, bounds, root_slot
-from edl6dof.config.model_paths import value_at
+from edl6dof.config.model_paths import Slot, bounds, root_slot, value_at
 from edl6dof.config.wording import counted, in_bounds
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import truth_problem

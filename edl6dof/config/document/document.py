@@ -1,4 +1,4 @@
-"""The data of a scenario with the file, line and claim of every value, and files that extend it."""
+"""The data of a scenario with the file, line and claim of every value, and the merging of extending files."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Document:
     replacing: set[Keys] = field(default_factory=set)
 
     def copy(self) -> Document:
-        """One that may be changed without changing this."""
+        """An independent copy."""
         places = dict(self.marks), dict(self.status), dict(self.sources)
         return Document(_copied(self.data), *places, self.files, set(self.replacing))
 
@@ -48,7 +48,7 @@ class Document:
         return ConfigError([self.problem(path, message)])
 
     def forget(self, path: Keys) -> None:
-        """Drop places and provenance of a value that is being replaced, and of everything inside it."""
+        """Drop places and provenance of a value that is replaced, and of everything inside it."""
         self.marks = {known: mark for known, mark in self.marks.items() if known[: len(path)] != path}
         inside = dotted(path) + "."
         for claims in (self.status, self.sources):
@@ -67,13 +67,13 @@ EXTENDS = "extends"
 
 
 def lay_over(base: Document, top: Document) -> None:
-    """Put everything that ``top`` says into ``base``: mappings and lists of named items are merged, other
-    lists and single values replaced.
+    """Put the content of ``top`` into ``base``: merge mappings and lists of named items, replace other lists
+    and single values.
 
     A list over a list, both of items with names, changes the items of the same names and appends the
     others: ``parachutes: [{name: main, drag_coefficient: 0.7}]``.  A mapping changes the items that it names:
-    ``parachutes: {main: {drag_coefficient: 0.7}}``.  An empty list, or one tagged ``!replace``, stands in the
-    place of the whole list.
+    ``parachutes: {main: {drag_coefficient: 0.7}}``.  An empty list, or one tagged ``!replace``, replaces the
+    whole list.
 
     Raises:
         ConfigError: a name is given twice in a list that is merged, or a ``!replace`` has no list to replace.
@@ -135,7 +135,7 @@ def _require_single_names(top: Document, path: Keys, items: list[Any]) -> None:
 
 
 def _takes(below: Any, above: Any) -> bool:
-    """Return whether a mapping or list changes what stands below, in place of replacing it."""
+    """Return whether a mapping or list changes the value below rather than replaces it."""
     if isinstance(above, list):
         return _all_named(above) and _all_named(below)
     if not isinstance(above, dict):
@@ -146,7 +146,7 @@ def _takes(below: Any, above: Any) -> bool:
 
 def _all_named(items: Any) -> bool:
     """Return whether a value is a list of items that all have a name."""
-    return isinstance(items, list) and bool(items) and all(_has_name(item) for item in items)
+    return isinstance(items, list) and bool(items) and all(map(_has_name, items))
 
 
 def _has_name(item: Any) -> bool:
@@ -159,7 +159,7 @@ def _named(items: list[Any]) -> dict[Any, int]:
 
 
 def _copy_claims(base: Document, top: Document, path: Keys, above_path: Keys) -> None:
-    """Places and provenance of a value that was taken over."""
+    """Copy places and provenance of a value that was taken over."""
     depth, inside = len(above_path), dotted(above_path) + "."
     inner = {known: mark for known, mark in top.marks.items() if known[:depth] == above_path}
     base.marks |= {(*path, *known[depth:]): mark for known, mark in inner.items()}

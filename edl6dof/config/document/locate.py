@@ -1,4 +1,4 @@
-"""Where scenarios, vehicles and planets are found, and which names can be those of folders."""
+"""Places of scenarios, vehicles and planets, and names that are valid for folders."""
 
 from __future__ import annotations
 
@@ -16,13 +16,12 @@ KINDS = ("scenarios", "vehicles", "planets")
 SUFFIX = ".yaml"
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
-#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark
-#: of what is unfinished.
+#: Bytes: file systems allow 255, and programs append the number of a case, an ending and other marks.
 _LONGEST_NAME = 150
 
 
 def shipped_folders(kind: str) -> list[Path]:
-    """Folders that may hold the shipped files of one kind, whether or not they exist."""
+    """Possible folders of the shipped files of one kind, existing or not."""
     if kind not in KINDS:
         raise ValueError(f"unknown kind {kind!r}: {', '.join(KINDS)}")
     repository = PACKAGE.parent
@@ -49,8 +48,7 @@ def find_shipped(kind: str, name: str) -> Path | None:
 def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list[Path]]:
     """The file that an include key names, and the places searched.
 
-    A bare name is looked for among the files of its kind first, so that scenario and vehicle may share a
-    name.
+    A bare name is searched among the files of its kind first, so that scenario and vehicle may share a name.
 
     Args:
         value: name or path as written in the YAML file.
@@ -69,7 +67,7 @@ def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list
 
 
 def near_names(value: str, kind: str, folders: list[Path]) -> list[str]:
-    """Names of existing files of one kind that resemble ``value``."""
+    """Names of existing files of one kind that are similar to ``value``."""
     names = set(shipped_names(kind))
     for folder in folders:
         names.update(file.stem for file in folder.glob("*" + SUFFIX))
@@ -77,10 +75,10 @@ def near_names(value: str, kind: str, folders: list[Path]) -> list[str]:
 
 
 def resolve_scenario(name_or_path: str | Path) -> Path:
-    """The scenario file meant by a path, by ``scenarios/NAME.yaml`` from any directory, or by a shipped name.
+    """The scenario file of a path, of ``scenarios/NAME.yaml`` from any directory, or of a shipped name.
 
     Raises:
-        ConfigError: no such file; names the shipped scenarios that resemble it.
+        ConfigError: no such file; with the names of similar shipped scenarios.
     """
     text = str(name_or_path)
     path = Path(text)
@@ -96,9 +94,7 @@ def resolve_scenario(name_or_path: str | Path) -> Path:
 def _no_scenario(path: Path) -> str:
     if isdir(path) and str(path) != ".":
         inside = path / "scenario.yaml"
-        return (
-            f"is a folder; did you mean {inside}?" if isfile(inside) else "is a folder, not a scenario file"
-        )
+        return "is a folder" + (f"; did you mean {inside}?" if isfile(inside) else ", not a scenario file")
     if exists(path) and not isdir(path):
         return "is not a regular file"
     names = shipped_names("scenarios")
@@ -108,7 +104,7 @@ def _no_scenario(path: Path) -> str:
 
 
 def shown(path: Path) -> str:
-    """A path as it is printed: relative when it lies below the current directory."""
+    """A path for messages: relative if it is below the current directory."""
     try:
         return str(path.resolve().relative_to(Path.cwd()))
     except (ValueError, OSError):
@@ -116,7 +112,7 @@ def shown(path: Path) -> str:
 
 
 def why_no_folder(name: str) -> str | None:
-    """Say why a name cannot be that of a folder; ``None`` when it can."""
+    """Reason why a name is not valid for a folder, or ``None``."""
     if not _FOLDER_NAME.fullmatch(name):
         return (
             "must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the "

@@ -13,26 +13,25 @@ from edl6dof.config.base import Params
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import INCLUDES, Mark, include
 from edl6dof.config.document.yamltree import REPLACE, Keys, dotted, parse_yaml
-from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.introspect import Slot, root_slot
-from edl6dof.config.wording import did_you_mean, got, unknown_key
+from edl6dof.config.errors import ConfigError, Problem, did_you_mean
+from edl6dof.config.model_paths import Slot, root_slot
+from edl6dof.config.wording import got, unknown_key
 
 _FORM = "must have the form path.to.key=value"
 
 
 class _Refused(ValueError):
-    """An override cannot be applied; the text says why."""
+    """An override cannot be applied, for the reason in its text."""
 
 
 def apply_overrides(document: Document, overrides: Iterable[str], model: type[BaseModel]) -> Document:
     """A copy of ``document`` with every ``dotted.path=value`` applied, in the order given.
 
     Args:
-        document: what was read from the files.
+        document: the files as read.
         overrides: texts ``path=value``; a list item is chosen by its index (from 0) or by its ``name``; the
             value is YAML.
-        model: root parameter model; it decides which paths exist, so a default that the file leaves out can
-            be set too.
+        model: root parameter model, which defines the paths; so defaults that the file omits can be set.
 
     Raises:
         ConfigError: every override that is malformed or names a path that does not exist.
@@ -53,7 +52,7 @@ def with_values(
     """A copy of ``document`` with plain data put at dotted paths, as by :func:`apply_overrides`.
 
     Args:
-        document: what was read from the files.
+        document: the files as read.
         values: dotted path to value, in the order in which they are put.
         model: root parameter model.
         mark: the place where a value is given, by its path.
@@ -70,11 +69,11 @@ def _with(
     model: type[BaseModel],
     read: Callable[[Any], Any],
 ) -> Document:
-    """A copy with changes: path, value as ``read`` understands it, and the place where it was given."""
+    """A copy with changes: path, value before ``read``, and the place where it was given."""
     result, problems = document.copy(), list[Problem]()
     for path, given, mark in changes:
         try:
-            _set(result, _parts(path.strip()), read(given), mark, model)
+            _set(result, path.strip().split("."), read(given), mark, model)
         except _Refused as error:
             problems.append(Problem(*mark, path.strip(), str(error)))
         except ConfigError as error:
@@ -82,13 +81,6 @@ def _with(
     if problems:
         raise ConfigError(problems)
     return result
-
-
-def _parts(path: str) -> list[str]:
-    parts = path.split(".")
-    if not all(parts):
-        raise _Refused(_FORM)
-    return parts
 
 
 def _parse(text: str | None) -> Any:
@@ -125,10 +117,12 @@ def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: ty
 def _reach(
     document: Document, parts: list[str], mark: Mark, model: type[BaseModel]
 ) -> tuple[Any, Slot, Keys]:
-    """Container that holds the value at a path, its place in the model, and the path as keys and indices.
+    """Container of the value at a path, its place in the model, and the path as keys and indices.
 
-    Containers on the way that the file leaves out are filled with their defaults.
+    Containers that the file omits are filled with their defaults.
     """
+    if not all(parts):
+        raise _Refused(_FORM)
     node: Any = document.data
     slot = root_slot(model)
     path: Keys = ()
@@ -144,12 +138,12 @@ def _reach(
 
 
 def ensure_path(document: Document, dotted_path: str, model: type[BaseModel]) -> Keys:
-    """Write into ``document`` the containers on a dotted path that it leaves out; returns keys and indices.
+    """Write the containers of a dotted path that ``document`` omits; return its keys and indices.
 
     Raises:
-        ValueError: no such path; the text says why, without a place.
+        ValueError: no such path; the text gives the reason without a place.
     """
-    return _reach(document, _parts(dotted_path), Mark("(default)"), model)[2]
+    return _reach(document, dotted_path.split("."), Mark("(default)"), model)[2]
 
 
 def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:
@@ -164,7 +158,7 @@ def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:
         raise _Refused(f"{slot.name} is a single value: it has no {part!r} inside")
     child = slot.child(key)
     if child is None:
-        raise _Refused(unknown_key(part, slot) + ("" if not slot.name else f" (in {slot.name})"))
+        raise _Refused(unknown_key(part, slot) + (f" (in {slot.name})" if slot.name else ""))
     return key, child
 
 
@@ -182,7 +176,7 @@ def _index(items: list[Any], part: str) -> int:
 
 
 def _default(slot: Slot) -> Any:
-    """Plain data of what the model would put where the file says nothing."""
+    """Plain data of the default of a place."""
     default = slot.info.get_default(call_default_factory=True) if slot.info is not None else None
     if default is None or default is PydanticUndefined:
         if not slot.models and not any(
@@ -203,7 +197,7 @@ def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> Non
 
 
 def _forget(document: Document, path: Keys) -> None:
-    """Drop the provenance of a value, and of a list of numbers that it is part of."""
+    """Drop the provenance of a value, and of a list of numbers that contains it."""
     document.forget(path)
     for length in range(1, len(path)):
         document.status.pop(dotted(path[:length]), None)

@@ -17,8 +17,7 @@ def read_regular(path: Path, largest: int = LARGEST_TABLE) -> bytes:
     """Content of a regular file of at most ``largest`` bytes.
 
     Raises:
-        OSError: there is none, it is a folder, a device, a pipe or a socket, or it is too large; ``strerror``
-            says which.
+        OSError: it is missing, a folder, a device, a pipe or a socket, or too large (see ``strerror``).
     """
     found = os.stat(path)  # before it is opened: opening some devices does something
     if not stat.S_ISREG(found.st_mode) and not stat.S_ISDIR(found.st_mode):

@@ -1,5 +1,5 @@
-"""A configuration document: YAML files, with the vehicle and planet files they name, read into plain data
-with places.
+"""Reading of a configuration document: YAML files, with the vehicle and planet files that they name, as plain
+data with places.
 
 >>> document = read_document(resolve_scenario("tianwen1"))
 >>> document.data["vehicle"]["mass"]["entry_kg"], document.marks["vehicle", "mass", "entry_kg"].line
@@ -23,7 +23,7 @@ from edl6dof.config.document.locate import (
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.document.yamltree import Mark, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem, refusal
-from edl6dof.config.plugin_scan import LARGEST
+from edl6dof.config.plugin_files import LARGEST
 from edl6dof.config.wording import got
 
 __all__ = [
@@ -41,8 +41,7 @@ NAME = "name"
 #: Scenarios that may extend one another.
 LONGEST_CHAIN = 20
 
-#: Keys at the top of a scenario whose value may be the name or path of another file, and the kind of that
-#: file.
+#: Keys of a scenario whose value may be the name or path of another file, and the kind of that file.
 INCLUDES: dict[str, str] = {"vehicle": "vehicles", "planet": "planets"}
 
 
@@ -50,7 +49,7 @@ def read_document(path: str | Path, includes: Mapping[str, str] = INCLUDES) -> D
     """Read a YAML file, the files it includes, and the scenario it extends.
 
     Raises:
-        ConfigError: every mistake of all files that can be seen without knowing the parameters.
+        ConfigError: every mistake of all files, except those of parameters.
     """
     return _read(Path(path), includes, ())
 
@@ -80,7 +79,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
 
 
 def _name_after(path: Path, scenario: Document, top: Document) -> None:
-    """Name a scenario that extends another and gives no name after its file."""
+    """Name a scenario without a name of its own that extends another after its file."""
     if NAME in scenario.data and NAME not in top.data and why_no_folder(path.stem) is None:
         scenario.forget((NAME,))
         scenario.data[NAME] = path.stem
@@ -111,14 +110,13 @@ def parse_document(text: str, file: str) -> Document:
 
 @lru_cache(maxsize=16)
 def _parsed(text: str, file: str) -> Document:
-    """The document that a text is, read once: a vehicle serves many scenarios, a scenario many flights."""
+    """The document of a text, read once: many scenarios share a vehicle, many flights a scenario."""
     tree = parse_yaml(text, file)
     if tree.data is None:
         raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])
     if not isinstance(tree.data, dict):
-        raise ConfigError(
-            [Problem(file, 1, 1, "", "must be a mapping of keys (lines of the form 'key: value')")]
-        )
+        words = "must be a mapping of keys (lines of the form 'key: value')"
+        raise ConfigError([Problem(file, 1, 1, "", words)])
     return Document(tree.data, tree.marks, tree.status, tree.sources, replacing=tree.replacing)
 
 

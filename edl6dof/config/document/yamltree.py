@@ -1,11 +1,14 @@
 """YAML text to plain data plus the place and the provenance mark of every key.
 
 The parser's events are walked here instead of loading a dict, because only they know lines, duplicate keys,
-aliases and tags.
+aliases and tags.  Plain scalars are those of the YAML 1.2 core schema: PyYAML follows YAML 1.1, where ``1e5``
+is text, ``on`` a boolean and ``1_000`` a number.
 """
 
 from __future__ import annotations
 
+import json
+import math
 import re
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -13,19 +16,34 @@ from typing import Any, NamedTuple
 import yaml
 
 from edl6dof.config.base import STATUS_MARKS
-from edl6dof.config.document.scalars import read_scalar
 from edl6dof.config.errors import ConfigError, Problem
 
 Keys = tuple[str | int, ...]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 40
-#: Tag of a list that stands in the place of the one in the base of its file.
+#: Tag of a list that replaces the one in the base of its file.
 REPLACE = "!replace"
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _CLAIM = re.compile(r"[^#]*?\s#\s*\[([A-Z])\]\s*(.*?)\s*")
+
+Scalar = str | int | float | bool | None
+
+_NULL = {"", "~", "null", "Null", "NULL"}
+_BOOL = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INT = re.compile(r"[-+]?[0-9]+")
+_BASED = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*( [A-Za-z0-9_(][A-Za-z0-9_./+()-]*)*")
+_LONGEST_NUMBER = 300
+#: Words that YAML 1.1, and many programs, take for true and false.
+BOOLEAN_WORDS = {
+    **dict.fromkeys(("y", "yes", "on"), True),
+    **dict.fromkeys(("n", "no", "off"), False),
+}
 
 
 class Mark(NamedTuple):
@@ -56,8 +74,8 @@ def parse_yaml(text: str, file: str) -> Tree:
     """Read one YAML document; an empty one gives ``None``.
 
     Raises:
-        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags other than
-            ``!replace``, several documents, NaN, ...).
+        ConfigError: the text is not YAML, or has unsupported parts (aliases, tags other than ``!replace``,
+            several documents, NaN, ...).
     """
     if bad := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, bad.start()) + 1
@@ -91,7 +109,7 @@ def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Proble
 
 
 class _TooDeep(Exception):
-    """Nesting that no configuration needs; ends the walk before the stack does."""
+    """Nesting beyond any configuration; ends the walk before the stack overflows."""
 
 
 class _Builder:
@@ -131,7 +149,7 @@ class _Builder:
         self.problems.append(Problem(self.file, mark.line + 1, mark.column + 1, dotted(path), message))
 
     def _value(self, path: Keys, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
-        """Value that begins with ``event``; ``key_lines`` is the line of its key, where a mark may stand."""
+        """Value that begins with ``event``; ``key_lines`` has the line of its key, which may have a mark."""
         if len(path) > DEEPEST:
             self._problem(event, path[:4], f"nested more than {DEEPEST} levels deep")
             raise _TooDeep
@@ -218,3 +236,59 @@ class _Builder:
         if match is None or match[1] not in STATUS_MARKS:
             return None
         return STATUS_MARKS[match[1]], match[2]
+
+
+def read_scalar(text: str) -> Scalar:
+    """Value of a plain (unquoted) scalar.
+
+    Raises:
+        ValueError: the number is infinite, not a number or absurdly long.
+    """
+    if text in _NULL:
+        return None
+    if text in _BOOL:
+        return _BOOL[text]
+    if _NOT_FINITE.fullmatch(text):
+        raise ValueError("must be a finite number")
+    is_number = _FLOAT.fullmatch(text) or _BASED.fullmatch(text)
+    if is_number and len(text) > _LONGEST_NUMBER:
+        raise ValueError(f"number with more than {_LONGEST_NUMBER} characters")
+    if _INT.fullmatch(text):
+        return int(text)
+    if _BASED.fullmatch(text):
+        return int(text, 0)
+    if _FLOAT.fullmatch(text):
+        value = float(text)
+        if not math.isfinite(value):
+            raise ValueError("must be a finite number; this one is too large")
+        return value
+    return text
+
+
+def write_scalar(value: Scalar) -> str:
+    """Text that reads back as exactly ``value``, in YAML 1.1 too: ``'off'`` in quotes, ``1.0e-05``."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        text = repr(value)
+        return text.replace("e", ".0e") if "e" in text and "." not in text else text
+    if _PLAIN.fullmatch(value) and read_scalar(value) == value and value.lower() not in BOOLEAN_WORDS:
+        return value
+    return "".join(ch if ch.isprintable() else _escape(ch) for ch in json.dumps(value, ensure_ascii=False))
+
+
+def write_flow(value: Any) -> str:
+    """A scalar, or nested lists and mappings of scalars, on one line."""
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(write_flow(item) for item in value) + "]"
+    if isinstance(value, dict):
+        pairs = (f"{write_scalar(str(key))}: {write_flow(item)}" for key, item in value.items())
+        return "{" + ", ".join(pairs) + "}"
+    return write_scalar(value)
+
+
+def _escape(ch: str) -> str:
+    code = ord(ch)
+    return f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}"

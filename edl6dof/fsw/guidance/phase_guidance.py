@@ -18,8 +18,7 @@ from edl6dof.fsw.guidance.powered.terminal_descent import (
     start_or_throttle,
 )
 from edl6dof.fsw.mission import G_AVOID, G_DESCEND, G_ENTRY, G_HELD_THRUST, G_HOLD_BANK, G_HOVER, G_POWERED
-from edl6dof.interface.effectors import ENGINE_FULL, ENGINE_OFF
-from edl6dof.interface.events import CUT_OFF, IGNITE
+from edl6dof.interface.effectors import CUT_OFF, ENGINE_FULL, ENGINE_OFF, IGNITE
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.quaternion import from_frame

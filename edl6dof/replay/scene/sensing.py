@@ -14,8 +14,7 @@ from edl6dof.report.catalogue import CELLS, STATES
 from edl6dof.report.flight.common import circle
 from edl6dof.report.palette import rgb
 from edl6dof.spatial import rotations as turns
-from edl6dof.telemetry.columns import range_of
-from edl6dof.telemetry.instrument_states import EXCLUDED, NOT_USED, USED
+from edl6dof.telemetry.columns import EXCLUDED, NOT_USED, USED, range_of
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
 #: Columns by which a map that was navigated comes to lie where it is.

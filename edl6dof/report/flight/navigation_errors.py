@@ -17,8 +17,7 @@ from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.flight.common import figure_of, has_signal, over_flight, stacked, time_panel
 from edl6dof.report.palette import BAD
 from edl6dof.runs.run import Run
-from edl6dof.telemetry.columns import describe
-from edl6dof.telemetry.instrument_states import Instrument, instruments
+from edl6dof.telemetry.columns import Instrument, describe, instruments
 from edl6dof.telemetry.thinning import spans
 from edl6dof.vehicle.faults.component import Component, Components
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import cycle
 from typing import Any, get_args
 
-from edl6dof.config.document.scalars import write_flow
+from edl6dof.config.document.yamltree import write_flow
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace

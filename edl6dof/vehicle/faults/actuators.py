@@ -8,8 +8,16 @@ from __future__ import annotations
 from typing import ClassVar
 
 from edl6dof.config.base import param
-from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, ThrusterFailure
-from edl6dof.interface.events import DEPLOY, IGNITE, Action, is_done_to
+from edl6dof.interface.effectors import (
+    DEGRADED,
+    DEPLOY,
+    IGNITE,
+    STUCK_OFF,
+    STUCK_ON,
+    Action,
+    ThrusterFailure,
+    is_done_to,
+)
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.aerodynamics.surfaces import wing_opening

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
-from edl6dof.interface.effectors import ThrusterFailure
-from edl6dof.interface.events import Action
+from edl6dof.interface.effectors import Action, ThrusterFailure
 from edl6dof.interface.roles import Role
 from edl6dof.vehicle.vehicle import VehicleParams
 

@@ -4,7 +4,7 @@ The sums do not use the derivatives that the integrator sums up.  Over a step fo
 the trapezoidal rule from the states at both ends, thrusters and engines with their mean thrust of the step,
 which pulses change much within one; at an event the vehicle loses the mass and the momentum that canopy and
 parts that have left gain.  What the state has become since the start is compared with them after the flight
-(:mod:`edl6dof.metrics.balance_figures`).
+(:mod:`edl6dof.metrics.record_figures`).
 
 The vehicle is the body that is balanced: the pull of a riser and the push of the ground are forces on it.
 All is per kilogramme of the vehicle but its mass, so that propellant that leaves takes nothing else along.

@@ -5,7 +5,7 @@ the parts that have left fall: point masses with drag, until they reach the grou
 from __future__ import annotations
 
 from edl6dof.environment.gravity import central
-from edl6dof.interface.events import (
+from edl6dof.interface.effectors import (
     CUT_OFF,
     DEPLOY,
     EXTEND,

@@ -10,8 +10,8 @@ from cli_run import run
 from in_process import called
 from rich.console import Console
 
-from edl6dof.cli.exit_status import NOT_WITHIN_LIMITS
-from edl6dof.cli.fault_tables import _LEGEND, _shares, _times
+from edl6dof.cli.campaign_flight import _LEGEND, _shares, _times
+from edl6dof.cli.group import NOT_WITHIN_LIMITS
 from edl6dof.vehicle.faults.fault import FAULT_KINDS
 
 

@@ -12,7 +12,7 @@ from cli_run import run, spawn
 
 import edl6dof
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.config.accepted import is_accepted
+from edl6dof.config.plugin_files import is_accepted
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import pytest
 from test_plugins import cli
 
 import edl6dof
-from edl6dof.config.accepted import accept
+from edl6dof.config.plugin_files import accept
 from edl6dof.scenario.loading import viewed_scenario
 
 PACKAGE = Path(edl6dof.__file__).parent

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from edl6dof import plugins
-from edl6dof.config.accepted import accept
 from edl6dof.config.document.locate import find_shipped
 from edl6dof.config.errors import ConfigError
+from edl6dof.config.plugin_files import accept
 from edl6dof.kernels import cache
 
 EXAMPLE = Path(__file__).parents[3] / "scenarios" / "plugin" / "energy_law.py"

@@ -7,8 +7,8 @@ import yaml
 from config_toy import GOOD, document, write
 
 from edl6dof.config.document import yamltree
-from edl6dof.config.document.scalars import read_scalar, write_flow
 from edl6dof.config.document.source import read_document
+from edl6dof.config.document.yamltree import read_scalar, write_flow
 from edl6dof.config.errors import ConfigError
 
 

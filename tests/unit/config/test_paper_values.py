@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
-from edl6dof.config.base import Params, group, param
+from edl6dof.config.base import Params, PrintedParams, group, param
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.dump import dump_resolved
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.paper_values import PrintedParams
 from edl6dof.config.parameter_table import rows
 from edl6dof.config.validate import validate
 

@@ -10,8 +10,7 @@ import yaml
 jsonschema = pytest.importorskip("jsonschema")
 
 from edl6dof.api.schema_files import SCHEMAS  # noqa: E402
-from edl6dof.config.document.scalars import read_scalar, write_scalar  # noqa: E402
-from edl6dof.config.document.yamltree import parse_yaml  # noqa: E402
+from edl6dof.config.document.yamltree import parse_yaml, read_scalar, write_scalar  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 FILES = {

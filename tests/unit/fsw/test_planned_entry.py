@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.scenario.places import start_of
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
+from edl6dof.scenario.schema import start_of
 
 ENTRY = "flight_software.guidance.entry"
 FITTED = f"{ENTRY}.reference_bank.fit_range=true"

@@ -7,7 +7,7 @@ from edl6dof.fsw.mission import MISSION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events, share_thrust
 from edl6dof.interface.capacities import MAX_ENGINES
-from edl6dof.interface.events import ACTIONS, group_of
+from edl6dof.interface.effectors import ACTIONS, group_of
 
 #: Full thrust, ends of the throttle band (N), specific impulse (s), shares by thrusters and along the axis of
 #: two unlike engines.

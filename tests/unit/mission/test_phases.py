@@ -7,7 +7,7 @@ import pytest
 from sequencing import DT, VEHICLE, Sequencer, last, plan, trigger
 
 from edl6dof.fsw.mission import GUIDANCE, Event, MissionParams, Phase
-from edl6dof.interface.events import ACTIONS
+from edl6dof.interface.effectors import ACTIONS
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.mission_events import event_problems
 

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 import edl6dof
-from edl6dof.config.introspect import is_model, type_slot
-from edl6dof.config.usual import numbers, usual_range
+from edl6dof.config.model_paths import is_model, numbers, type_slot, usual_range
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 from tests.in_process import called

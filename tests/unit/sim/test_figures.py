@@ -14,12 +14,11 @@ from rich.console import Console
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
-from edl6dof.metrics.balance_figures import balance_figures
 from edl6dof.metrics.evaluation import checks, peak_figures
 from edl6dof.metrics.figures import BALANCES, FIGURES, LIMITS, figure_of_merit
 from edl6dof.metrics.out_of_use import IsolatedFault, diagnosis_figures, failed_thrusters
 from edl6dof.metrics.published import PublishedFigure, published_problems
-from edl6dof.metrics.touchdown import touchdown_state, touchdown_terrain_figures
+from edl6dof.metrics.record_figures import balance_figures, touchdown_state, touchdown_terrain_figures
 from edl6dof.report.document import Cell
 from edl6dof.report.flight.flight_report import limits_and_published, mood
 from edl6dof.report.terminal import LIMIT_STATUS, comparison, headline, published_table, show_flight

@@ -10,7 +10,7 @@ import edl6dof
 from edl6dof.fsw.navigation.update import NAVIGATION
 from edl6dof.interface.sensed import SENSED
 from edl6dof.metrics.evaluation import formed
-from edl6dof.metrics.figure_forms import Flown
+from edl6dof.metrics.figures import Flown
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.telemetry.channels import TICK
 from edl6dof.telemetry.columns import Telemetry, describe

@@ -10,7 +10,7 @@ from given_functions import actuate
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.capacities import MAX_ENGINES
-from edl6dof.interface.events import DEPLOY
+from edl6dof.interface.effectors import DEPLOY
 from edl6dof.vehicle.motion.balance import engines
 from edl6dof.vehicle.plant import THRUST
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from edl6dof.metrics.hazard import drift_figures, least_length
+from edl6dof.metrics.record_figures import drift_figures, least_length
 
 
 def test_least_length_of_a_straight_way_is_between_its_rows():

@@ -28,8 +28,7 @@ from typing import Self
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import param
-from edl6dof.config.paper_values import PrintedParams
+from edl6dof.config.base import PrintedParams, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics, uncertain_drag
 from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,

@@ -18,8 +18,7 @@ b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
 
 from __future__ import annotations
 
-from edl6dof.config.base import param
-from edl6dof.config.paper_values import PrintedParams
+from edl6dof.config.base import PrintedParams, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank

@@ -17,8 +17,7 @@ peaking.
 
 from __future__ import annotations
 
-from edl6dof.config.base import group, param
-from edl6dof.config.paper_values import PrintedParams
+from edl6dof.config.base import PrintedParams, group, param
 from edl6dof.fsw.guidance.entry.disturbance_observers import OBSERVER, observe
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal

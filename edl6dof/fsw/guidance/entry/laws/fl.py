@@ -10,8 +10,7 @@ defaults are slower, for a rigid body.
 
 from __future__ import annotations
 
-from edl6dof.config.base import group, param
-from edl6dof.config.paper_values import PrintedParams
+from edl6dof.config.base import PrintedParams, group, param
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.range_update import tracking

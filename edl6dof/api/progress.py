@@ -23,7 +23,7 @@ from edl6dof.sim.flight import Progress as FlightProgress
 
 @contextmanager
 def flight_progress(talk: bool) -> Iterator[FlightProgress | None]:
-    """Show a progress line with time, phase, altitude and Mach number on stderr, if that is a terminal."""
+    """Show time, phase, altitude and Mach number of a flight; yield the function to call with them."""
     console = Console(stderr=True)
     if not (talk and console.is_terminal):
         yield None
@@ -53,11 +53,12 @@ class _Rate(ProgressColumn):
 
 
 @contextmanager
-def count_runs(name: str, quiet: bool, rate: ProgressColumn | None = None) -> Iterator[Callable[..., None]]:
+def count_runs(
+    name: str, quiet: bool = False, rate: ProgressColumn | None = None
+) -> Iterator[Callable[..., None]]:
     """Count runs, with rate and time left.
 
-    Yields what is to be called with the runs done, the runs in all, and the words of a column that stands for
-    the rate.
+    Yields a function to call with the numbers of runs done and in total, and the words of a ``rate`` column.
     """
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), MofNCompleteColumn())

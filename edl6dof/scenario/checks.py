@@ -1,25 +1,51 @@
-"""Checks of what must fit together between the sections of a scenario."""
+"""Checks of a scenario beyond single values: sections that must fit together, and the data files it names.
+
+The builders of the models report mistakes in a file; here each is called before a flight begins, and its
+message is put at the key that names the file.  They cache their results, which the flight uses.
+"""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from edl6dof.config.document.document import Document
+from edl6dof.config.document.locate import shown
+from edl6dof.config.document.regular import read_regular
+from edl6dof.config.errors import Inconsistent
+from edl6dof.environment.areoid import areoid_path, require_areoid_of
+from edl6dof.environment.atmosphere import air_inputs
+from edl6dof.environment.atmosphere_table import build_table, profile_path, read_profile
+from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
 from edl6dof.environment.landing_area.relief import landing_area_problems
+from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
+from edl6dof.environment.wind import require_winds
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
 from edl6dof.fsw.hazard.elevation_map import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
+from edl6dof.interchange.meshes import read_mesh_file
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.mission_events import event_problems, quantity_problems, way_problems
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.spatial.arrays import lengths
+from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
+from edl6dof.vehicle.aerodynamics.capsule_table import (
+    aero_inputs,
+    build_aero_table,
+    read_static_table,
+    static_table_path,
+)
 from edl6dof.vehicle.faults.fault import fault_problems
 from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
 
-#: Dotted path of a value, and what is wrong with it.
+#: Dotted path of a value, and its problem.
 Found = tuple[str, str]
 
 
@@ -53,7 +79,7 @@ def _lag_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _heed_problems(scenario: Scenario) -> Iterator[Found]:
-    """Refuse what a phase asks of a controller that ignores it."""
+    """Refuse settings of a phase that its controller ignores."""
     for k, phase in enumerate(scenario.mission.phases):
         asked = {"hold_alpha": phase.hold_alpha, "bandwidth": phase.bandwidth != 1.0}
         for key in (key for key, is_asked in asked.items() if is_asked):
@@ -179,3 +205,117 @@ CROSS_CHECKS: tuple[Callable[[Scenario], Iterable[Found]], ...] = (
     lambda s: check_out_problems(s.flight_software.check_out, s.thruster_names).items(),
     lambda s: fault_problems(s.faults, s.components, s.phase_names).items(),
 )
+
+
+#: Keys of a scenario that name a table, and the file that such a name means.
+TABLES: dict[str, Callable[[str], Path]] = {
+    "atmosphere.table": profile_path,
+    "planet.areoid": areoid_path,
+    "terrain.landing_area.dtm.file": Path,
+    "planet.gravity.coefficients": coefficients_path,
+    "vehicle.aero.capsule.static_table": static_table_path,
+    "vehicle.aero.body.file": Path,
+}
+
+#: Section of names for tables of the air.
+PROFILES = "atmosphere.profiles"
+#: Where a scenario names the meshes of its vehicle, and the file of a body of any shape.
+MESHES = ("vehicle", "appearance", "meshes")
+BODY = ("vehicle", "aero", "body")
+
+#: Beginnings of the messages of Python and numpy for text that is no number, and for rows of unequal length.
+_NUMPY_WORDS = (
+    *("could not convert", "invalid literal", "setting an array", "zero-size array", "need at least"),
+)
+_UNREADABLE = (OSError, ValueError, LookupError, ModuleNotFoundError, ArithmeticError, MemoryError, csv.Error)
+
+
+def file_problems(scenario: Scenario) -> dict[str, str]:
+    """Dotted path to message of every table that cannot be built."""
+    problems: dict[str, str] = {}
+    with _collected(problems, "planet.areoid"):
+        require_areoid_of(scenario.planet)
+    with _collected(problems, "atmosphere.table"):
+        without_map = scenario.planet.model_copy(update={"areoid": ""})  # its mistakes have their own key
+        of_air = air_inputs(scenario.atmosphere, without_map, scenario.place)
+        air = build_table(of_air._replace(climate=None))  # the column of a climate is made of the same rows
+        with _collected(problems, "wind.model"):
+            require_winds(scenario.wind, air[0])
+    for name, file in scenario.atmosphere.profiles.items():
+        with _collected(problems, f"{PROFILES}.{name}"):
+            read_profile(file, read_regular(profile_path(file)), scenario.planet.gas.gas_constant_j_kg_k)
+    if scenario.terrain.model == "mola":
+        with _collected(problems, "terrain.model"):
+            require_topography_of(scenario.planet.mean_radius_m)
+    if scenario.terrain.landing_area.dtm.file:
+        with _collected(problems, "terrain.landing_area.dtm.file"):
+            ground_arrays(ground_inputs(scenario.terrain, scenario.planet)._replace(map=None, hurst=None))
+    with _collected(problems, "planet.gravity.coefficients"):
+        fill_gravity(np.zeros(1, GRAVITY)[0], scenario.planet.gravity)
+    if scenario.vehicle.aero.model == "capsule":
+        capsule = scenario.vehicle.aero.capsule
+        with _collected(problems, "vehicle.aero.capsule.static_table"):
+            inputs = aero_inputs(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)
+            if capsule.coefficients == "table":
+                read_static_table(capsule.static_table)
+            with _collected(problems, "vehicle.aero.capsule"):
+                build_aero_table(inputs)
+    if scenario.vehicle.aero.model == "body":
+        with _collected(problems, "vehicle.aero.body.file"):
+            ratio = scenario.planet.gas.shock_layer_heat_capacity_ratio
+            sheds = scenario.vehicle.showing("capsule") is not None
+            build_body_table(body_inputs(scenario.vehicle.aero.body, ratio, sheds))
+    for k, mesh in enumerate(scenario.vehicle.appearance.meshes):
+        with _collected(problems, f"{'.'.join(MESHES)}.{k}.file"):
+            read_mesh_file(Path(mesh.file))
+    return problems
+
+
+@contextmanager
+def _collected(problems: dict[str, str], key: str) -> Iterator[None]:
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except Inconsistent as error:
+        problems.update(error.problems)
+    except _UNREADABLE as error:
+        problems[key] = _words(error)
+
+
+def _words(error: Exception) -> str:
+    if isinstance(error, OSError):
+        file = f" ({shown(Path(error.filename))})" if error.filename else ""
+        return f"cannot be read: {error.strerror or error}{file}"
+    if isinstance(error, ModuleNotFoundError):
+        return str(error)
+    if isinstance(error, UnicodeDecodeError):
+        return "is not a text file"
+    if isinstance(error, LookupError):
+        return "is not a complete table: a heading, a row or a column is missing"
+    if isinstance(error, ValueError) and not str(error).startswith(_NUMPY_WORDS):
+        return str(error)
+    return f"is not a table of numbers ({error})"
+
+
+def with_whole_paths(document: Document) -> Document:
+    """Make the paths of mesh and body files whole; values of another form are left to validation."""
+    found = _at(document, MESHES)
+    for k, mesh in enumerate(found if isinstance(found, list) else ()):
+        _make_whole(document, (*MESHES, k), mesh)
+    _make_whole(document, BODY, _at(document, BODY))
+    return document
+
+
+def _at(document: Document, keys: tuple[str, ...]) -> Any:
+    found: Any = document.data
+    for key in keys:
+        found = found.get(key) if isinstance(found, dict) else None
+    return found
+
+
+def _make_whole(document: Document, keys: tuple[str | int, ...], named: Any) -> None:
+    """Make whole the path of the ``file`` of ``named``, the value at ``keys``."""
+    if isinstance(named, dict) and isinstance(name := named.get("file"), str) and name:
+        named_in = Path(document.mark((*keys, "file")).file)
+        folder = named_in.parent if named_in.is_file() else Path.cwd()
+        named["file"] = str((folder / name).resolve())
