@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from edl6dof.api.arguments import naming_options
+from edl6dof.cli.completion import COMPLETIONS
 from edl6dof.config.errors import ConfigError, refusal
 
 #: The flight, or the result of flights, is not within its limits.
@@ -33,7 +34,9 @@ BROKEN_PIPE = 141
 
 def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
     """Declare an option with a value; ``names`` where they do not follow from the parameter."""
-    return typer.Option(*names, metavar=metavar, help=meaning, **bounds)
+    return typer.Option(
+        *names, metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar), **bounds
+    )
 
 
 def flag(meaning: str, *names: str) -> Any:
@@ -43,7 +46,7 @@ def flag(meaning: str, *names: str) -> Any:
 
 def argument(metavar: str, meaning: str) -> Any:
     """Declare an argument."""
-    return typer.Argument(metavar=metavar, help=meaning)
+    return typer.Argument(metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar))
 
 
 Sets = Annotated[
@@ -264,7 +267,6 @@ missing on this machine; 70 a defect of the program; 130 interrupted."""
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -156,7 +156,7 @@ def _figure(
     taken = Heat(x, y, times, "time (s)", 0.0, _LONGEST_S, _SCALE, labels)
     axes = Axis(along, names=_thinned(across)), Axis("", names=down)
     panels = [
-        Panel(*axes, [*legend, *crosses], heat=kinds, title="What became of it"),
+        Panel(*axes, [*legend, *crosses], heat=kinds, title="Result of fault isolation"),
         Panel(*axes, crosses, heat=taken, title="Time from first use to the right isolation (s)"),
     ]
     caption = (
