@@ -21,7 +21,7 @@ def test_tiles_are_turned_and_mirrored_in_eight_ways(turn):
 
 @pytest.mark.parametrize("turn", range(8))
 def test_a_row_has_the_heights_of_its_nodes(turn):
-    """A row of 100 nodes passes six cells of the coarse tile, in either direction along either of its axes."""
+    """A row of 100 nodes passes six cells of the coarse tile, either way along either of its axes."""
     area, tiles, heights = np.zeros(1, LANDING_AREA)[0], fractal_tiles(0.8), np.zeros(100)
     area["turn"], area["roughness"], area["offset"] = turn, 1.0, (3, 5, 9, 13)
     fractal_row(area, tiles, -7, -11, heights)
