@@ -17,7 +17,7 @@ print(flight)  # <Flight tianwen1: landed within limits at t = 541.9 s, 27097 ro
 # numpy arrays.
 
 # %%
-mach, load = flight.metrics["parachute_mach"], flight.metrics["peak_load_g0"]
+mach, load = flight.figures["parachute_mach"], flight.figures["peak_load_g0"]
 print(f"parachute at Mach {mach:.2f}, {load:.1f} g at most")
 print(flight.unit("truth.heat_flux_w_cm2"), flight.meaning("truth.heat_flux_w_cm2"))
 
