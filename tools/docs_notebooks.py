@@ -54,7 +54,7 @@ def page(name: str) -> str:
     """A notebook as a page of the site."""
     shown = [body if kind == "markdown" else f"```python\n{body}\n```" for kind, body in cells(source(name))]
     shown.insert(1, f"As a notebook: [{name}.ipynb]({name}.ipynb); as a program: [{name}.py]({name}.py).")
-    return "\n\n".join([*shown, f"![What the last cell draws]({name}.webp)"]) + "\n"
+    return "\n\n".join([*shown, f"![Figure of the last cell]({name}.webp)"]) + "\n"
 
 
 def notebook(name: str) -> str:

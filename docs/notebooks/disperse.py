@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Disperse
 #
-# One flight is one draw of many. Here the angle of entry and the density are known only within a spread,
-# and the flight computer does not know the draw. Where does the parachute open, and why there?
+# One flight is one sample of many possible flights. In this campaign, the flight-path angle at entry and the
+# density of the air have random errors, which the flight computer does not know. The plots show where the
+# parachute opens, and which input causes the scatter.
 
 # %%
 from pathlib import Path
@@ -27,17 +28,17 @@ result = edl6dof.campaign("spread.yaml", cases=CASES)
 print(result)
 
 # %% [markdown]
-# A quantile comes with its bounds at 95 %, or not at all where the flights are too few: no 60 flights tell
-# 99 %.
+# A quantile has bounds with a confidence of 95 %. For the 99 % quantile, 60 flights are too few: the result
+# gives the number of flights that it requires.
 
 # %%
 print("median:", result.quantile("parachute_miss_m", 0.5))
 print("99 %:  ", result.quantile("parachute_miss_m", 0.99))
 
 # %% [markdown]
-# Columns of the table are what was drawn and what came of it; `edl6dof.refly(result, 12)` flies case 12
-# again, with all its telemetry. How high the parachute opens is the air's doing; guidance takes the angle
-# of entry out of it, and most of the miss too.
+# The table contains the sampled inputs and the results of each case; `edl6dof.refly(result, 12)` flies case
+# 12 again, with all telemetry. The height at which the parachute opens depends on the density. Guidance
+# compensates for the error of the flight-path angle, and for most of the miss distance.
 
 # %%
 angle = result["truth.initial.flight_path_angle_deg"]
@@ -49,8 +50,8 @@ footprint.plot(0, 0, "k+", ms=14)
 footprint.set(xlabel="crossrange (km)", ylabel="downrange (km)", title="Where the parachute opens")
 driver.scatter(density, result["parachute_height_m"] / 1e3, c=angle, cmap="coolwarm", edgecolor="0.3", lw=0.4)
 correlation = np.corrcoef(density, result["parachute_height_m"])[0, 1]
-driver.set(xlabel="density, of the expected", ylabel="height above the ground (km)")
-driver.set_title(f"How high: correlation {correlation:+.2f}")
+driver.set(xlabel="density / expected density", ylabel="height above the ground (km)")
+driver.set_title(f"Height: correlation {correlation:+.2f}")
 figure.colorbar(dots, label="flight-path angle at entry (deg)")
 for axes in (footprint, driver):
     axes.grid(alpha=0.3)

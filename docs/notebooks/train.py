@@ -1,17 +1,17 @@
 # %% [markdown]
 # # Train
 #
-# The powered descent as a learning environment: five times a second the policy says how to accelerate, from
-# what the flight computer knows of height, velocity, attitude and mass. The reward is what a step brings
-# towards rest on the ground, and 1 for a landing within limits. `baseline()` is what the flight software
-# itself would do: the mark to reach.
+# The powered descent is a learning environment. Five times a second, the policy chooses an acceleration from
+# the height, velocity, attitude and mass that the flight computer estimates. The reward of a step is its
+# progress towards rest on the ground; a landing within limits gives 1 in addition. `baseline()` is the action
+# that the flight software would choose, for comparison.
 
 # %%
 import gymnasium
 import matplotlib.pyplot as plt
 import numpy as np
 
-import edl6dof.gym  # noqa: F401  makes the environments known
+import edl6dof.gym  # noqa: F401  registers the environments
 
 STEPS, EPISODES = 150_000, 3
 TRAINED = 4  # dispersed descents to train on: cases 0 to 3
@@ -24,16 +24,17 @@ policies = {
 }
 
 # %% [markdown]
-# Any library that knows gymnasium's environments can train. With `pip install stable-baselines3` this
-# trains by proximal policy optimisation, from nothing, for some minutes; without it, this notebook shows the
-# policies above alone. The return of an episode rises from -5.0 to -0.3, and that is a beginning, no landing:
-# `tools/train.py` flies many descents at a time, for longer.
+# Any library for gymnasium environments can train a policy. If stable-baselines3 is installed
+# (`pip install stable-baselines3`), this cell trains one by proximal policy optimisation (PPO) for some
+# minutes; otherwise the notebook compares only the policies above. The return of an episode, the sum of its
+# rewards, rises from -5.0 to -0.3, which is not yet a landing. `tools/train.py` trains for longer, with many
+# descents at a time.
 
 # %%
 try:
     from stable_baselines3 import PPO
 except ImportError:
-    print("stable-baselines3 is not installed: nothing is trained")
+    print("stable-baselines3 is not installed: no policy is trained")
 else:
     practice = gymnasium.wrappers.RecordEpisodeStatistics(env, buffer_length=10_000)
     settings = {"n_steps": 2048, "batch_size": 512, "gamma": 0.999, "seed": 1, "device": "cpu"}
@@ -44,12 +45,12 @@ else:
     policies[f"PPO after {STEPS:,} steps"] = lambda seen: model.predict(seen, deterministic=True)[0]
 
 # %% [markdown]
-# Each policy flies the cases after those that it was trained on.
+# Each policy flies the cases that follow those of the training.
 
 
 # %%
 def descend(policy, case):
-    """Return so far after each step of an episode, and whether it ended well."""
+    """Sum of the rewards after each step of an episode, and its success."""
     seen, _ = env.reset(options={"case": case})
     rewards, over = [], False
     while not over:

@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Validate
 #
-# Two questions. *Are the equations solved rightly?* A check case holds a flight against something that
-# needs no simulator; here the tumbling of a free body, which Jacobi's elliptic functions give exactly.
+# Evidence answers two questions. The first is: *are the equations solved correctly?* A check case compares
+# the simulation with a solution that is independent of it. Here this is the tumbling of a free body, for
+# which Jacobi's elliptic functions give the exact solution.
 
 # %%
 import matplotlib.pyplot as plt
@@ -13,11 +14,12 @@ import edl6dof
 FLIGHTS = 40
 (report,) = edl6dof.verify("tumbling")
 for result in report.results:
-    print(f"{result.quantity}: off by {result.error:.1e}, allowed {result.tolerance:.0e} ({result.source})")
+    print(f"{result.quantity}: error {result.error:.1e}, allowed {result.tolerance:.0e} ({result.source})")
 
 # %% [markdown]
-# *Do they describe what flew?* The real flight is one draw of many, so it stands beside dispersed flights.
-# Phoenix landed in 2008; nothing here was fitted to it.
+# The second question is: *do the equations describe the real flight?* The real flight is one sample of many
+# possible flights, so it is compared with dispersed flights. Phoenix landed in 2008; no parameter of the
+# scenario was fitted to its flight.
 
 # %%
 published = edl6dof.load("phoenix").scenario.published
@@ -25,9 +27,9 @@ flown = edl6dof.campaign("phoenix_mc", cases=FLIGHTS)
 print(flown)
 
 # %% [markdown]
-# Each dot is a flight and the diamond the real one, in standard deviations of a flight and of what is
-# published of it together. A model that describes the flight leaves the diamonds among the dots. Where one
-# lies outside, the page on [validation](../validation.md) says what is known of the cause.
+# Each dot is a simulated flight, and the diamond is the published value. The unit is the combined standard
+# deviation of simulated flights and published value. If the model describes the flight, the diamonds lie
+# among the dots. If one lies outside, the page on [validation](../validation.md) gives the cause, if known.
 
 # %%
 figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
@@ -40,6 +42,6 @@ for row, (name, real) in enumerate(published.items()):
     axes.plot((real.value - values.mean()) / deviation, row, "D", color="tab:red")
 axes.set_yticks(range(len(published)), published, family="monospace")
 axes.axvspan(-3, 3, color="tab:green", alpha=0.08)
-axes.set(xlabel="standard deviations", xlim=(-5, 5), title="Phoenix: the real flight as one more draw")
+axes.set(xlabel="standard deviations", xlim=(-5, 5), title="Phoenix: real flight and dispersed flights")
 axes.grid(axis="x", alpha=0.3)
 plt.show()

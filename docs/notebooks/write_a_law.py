@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Write a law
 #
-# An entry guidance law is one Python file beside a scenario: parameters with their bounds, and a kernel
-# that is compiled like everything else that flies. This one holds the drag that uses up the energy over the
-# range to go. In a notebook the scenario with the plugin is flown first: what joins a family has to be
-# there before the simulator is loaded. A plugin runs with your rights, and only once you have accepted its
-# content: `edl6dof trust` shows it and records your consent.
+# An entry guidance law is one Python file in the folder of a scenario. It contains parameters with their
+# bounds and a kernel, which is compiled like the rest of the flight software. This law commands the constant
+# drag that reduces the speed to its final value over the range to go. In a notebook, fly the scenario with
+# the plugin first, because a plugin must be present before the simulator is loaded. A plugin runs with your
+# rights, and only after you have accepted it: `edl6dof trust` shows its content and records your consent.
 
 # %%
 import subprocess
@@ -33,7 +33,7 @@ class ConstantDragParams(Params):
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
-    """Wanted bank angle (rad)."""
+    """Commanded bank angle (rad)."""
     p, final = params, onboard.guidance.entry.final_speed
     out.reference_drag = (nav.speed**2 - final**2) / (2.0 * max(out.range_to_go, 1e3))
     error = nav.drag / max(out.reference_drag, 0.1) - 1.0
@@ -56,11 +56,11 @@ for flight in (mine, shipped):
     print(f"{flight.name:9} {flight.outcome}, parachute {miss_km:.1f} km from the aim point")
 
 # %% [markdown]
-# Its parameters have bounds, a place in the scenario (`flight_software.guidance.entry.constant_drag.gain`),
-# in `--set` and in campaigns without another line. What it does wrong stands in the telemetry: lift points
-# down until the drag is what it wants, and then all the lift there is (15 deg is the least bank angle) does
-# not bring it back. A profile that the vehicle can follow, as that of `drag_tracking`, is the better half
-# of a law.
+# Without further code, the parameters of the law are checked, and can be set in the scenario
+# (`flight_software.guidance.entry.constant_drag.gain`), by `--set` and in campaigns. The telemetry shows the
+# weakness of the law: the lift points down until the drag reaches its reference. The drag then exceeds the
+# reference, and even the smallest bank angle (15 deg) does not reduce it enough. A law needs a reference that
+# the vehicle can follow, such as the planned drag of `drag_tracking`.
 
 # %%
 figure, (top, bottom) = plt.subplots(2, figsize=(7, 5.5), sharex=True, layout="constrained")
@@ -68,9 +68,9 @@ for flight, colour in ((shipped, "0.6"), (mine, "tab:red")):
     entry = (flight["t_s"] > 68) & (flight["truth.mach"] > 2.9)
     speed = flight["truth.speed_m_s"][entry] / 1e3
     top.plot(speed, flight["nav.drag_m_s2"][entry], color=colour, label=f"{flight.name}: measured")
-    top.plot(speed, flight["guide.reference_drag_m_s2"][entry], ":", color=colour, label="wanted")
+    top.plot(speed, flight["guide.reference_drag_m_s2"][entry], ":", color=colour, label="reference")
     bottom.plot(speed, abs(flight["guide.bank_deg"][entry]), color=colour)
-top.set(ylabel="drag (m/s²)", title="A law of one's own beside the shipped one", ylim=(0, 80))
+top.set(ylabel="drag (m/s²)", title="New law and law of the package", ylim=(0, 80))
 bottom.set(ylabel="bank angle commanded (deg)", xlabel="speed (km/s)")
 bottom.invert_xaxis()
 top.legend(frameon=False, ncols=2)
