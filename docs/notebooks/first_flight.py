@@ -14,7 +14,7 @@ print(flight)  # outcome, end time and number of telemetry rows
 
 # %% [markdown]
 # As the last line of a cell, `flight` is shown with outcome, timeline and limits. Figures of merit
-# (`flight.metrics`) are numbers; channels of telemetry (`flight[name]`) are numpy arrays.
+# (`flight.figures`) are numbers; channels of telemetry (`flight[name]`) are numpy arrays.
 
 # %%
 mach, load = flight.figures["parachute_mach"], flight.figures["peak_load_g0"]

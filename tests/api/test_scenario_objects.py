@@ -1,5 +1,6 @@
 """Scenarios and vehicles as objects: they print, draw and change, and stand wherever a name may stand."""
 
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -120,6 +121,14 @@ def test_flights_and_campaigns_of_the_object(scenario):
     many = edl6dof.Scenario("tianwen1_mc", short)
     found = edl6dof.campaign(many, cases=2, workers=1)
     assert found.table.equals(edl6dof.campaign("tianwen1_mc", short, cases=2, workers=1).table)
+
+
+def test_cases_whose_changes_are_no_numbers_fly_from_the_object(scenario):
+    """They are checked like a file, from the document of the scenario, and may go to another process."""
+    brief = pickle.loads(pickle.dumps(scenario.with_({"simulation.time_limit_s": 5.0})))
+    cases = [edl6dof.Case(0), edl6dof.Case(1, belief={"flight_software.guidance.entry.law": "constant_bank"})]
+    rows = edl6dof.fly_rows(brief, cases, workers=1)
+    assert [row["end_s"] for row in rows] == [5.0, 5.0] and brief["simulation.time_limit_s"] == 5.0
 
 
 def test_plugins_of_a_scenario_are_loaded_first():
