@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any
 from edl6dof.api.functions import (
     calibrate,
     campaign,
-    draw_vehicle,
     faults,
     fly,
     load,
@@ -39,6 +38,7 @@ from edl6dof.api.functions import (
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult
     from edl6dof.api.flight import Flight, RecordedFlight
+    from edl6dof.api.scenario import Scenario, Vehicle
     from edl6dof.api.simulation import Simulation
     from edl6dof.campaign.design.case import Case
     from edl6dof.campaign.executor import fly_rows
@@ -54,11 +54,12 @@ __all__ = [
     "Flight",
     "LoadedScenario",
     "RecordedFlight",
+    "Scenario",
     "Simulation",
     "State",
+    "Vehicle",
     "calibrate",
     "campaign",
-    "draw_vehicle",
     "faults",
     "fly",
     "fly_rows",
@@ -78,8 +79,10 @@ _MODULES = {
     "Flight": "edl6dof.api.flight",
     "LoadedScenario": "edl6dof.scenario.loaded",
     "RecordedFlight": "edl6dof.api.flight",
+    "Scenario": "edl6dof.api.scenario",
     "Simulation": "edl6dof.api.simulation",
     "State": "edl6dof.sim.checkpoint",
+    "Vehicle": "edl6dof.api.scenario",
     "fly_rows": "edl6dof.campaign.executor",
 }
 

@@ -142,7 +142,7 @@ def _thrusters(diameter_m: float, thrust_n: float, count: int) -> Iterator[str]:
 
 def dispersions(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Dotted paths of the uncertain parameters of a scenario, and their spreads as YAML."""
-    from edl6dof.scenario.loaded import radius_m
+    from edl6dof.scenario.unusual import radius_m
 
     vehicle, initial = scenario.vehicle, scenario.initial
     diameter_m = 2.0 * radius_m(vehicle)

@@ -14,7 +14,7 @@ from edl6dof.api import functions
 from edl6dof.cli.group import UNAVAILABLE, argument, flag, option, refusing_damage
 from edl6dof.config.errors import ConfigError, refusal
 
-EXPORTS = ("csv", "mat", "nc", "oem", "aem")
+EXPORTS = ("csv", "mat", "nc", "oem", "aem", "kml")
 
 
 def replay(
@@ -183,7 +183,12 @@ def export(
         Path | None, argument("FILE", "File to write; inside RUN if not given, - for standard output.")
     ] = None,
     form: Annotated[
-        str, option("FORM", "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).", "--format")
+        str,
+        option(
+            "FORM",
+            "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude), kml (on a globe).",
+            "--format",
+        ),
     ] = "",
     nesc: Annotated[
         bool, flag("Use the columns and English units of NASA's NESC check cases.", "--nesc")

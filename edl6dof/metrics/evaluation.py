@@ -7,10 +7,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from edl6dof.config.errors import Named, UnknownName
+from edl6dof.config.text_table import text_table
 from edl6dof.config.units import split_unit
 from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Flown, Source, figure_of_merit
 from edl6dof.spatial.arrays import interpolate
@@ -25,6 +27,37 @@ AT_EVENTS = (
     *("s", "mach", "dynamic_pressure_pa", "altitude_m", "height_above_areoid_m", "height_m"),
     *("speed_m_s", "total_alpha_deg"),
 )
+
+Number = TypeVar("Number", bound=float | None)
+
+
+class Figures(Named[Number]):
+    """Figures of merit of a flight by name with unit suffix, as items and as attributes, which print as a
+    table of name, value, unit and meaning.
+
+    Raises:
+        UnknownName: on access to an item that the flight does not have.
+        AttributeError: on access to an attribute that it does not have.
+    """
+
+    def __init__(self, values: Mapping[str, Number]):
+        """``values``: in the order of the table; ``None`` for one that could not be computed."""
+        super().__init__("figure", values)
+
+    def __getattr__(self, name: str) -> Number:
+        if name in self:
+            return self[name]
+        raise AttributeError(str(UnknownName("figure", name, self)))
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self]
+
+    def __repr__(self) -> str:
+        rows = [("figure", "value", "unit", "meaning")]
+        for name, value in self.items():
+            about = figure_of_merit(name)
+            rows.append((name, "-" if value is None else f"{value:.6g}", about.unit.label, about.meaning))
+        return text_table(rows, right=(1,))
 
 
 @dataclass(frozen=True)

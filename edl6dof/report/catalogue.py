@@ -275,6 +275,22 @@ STACKS: dict[str, tuple[Stack, ...]] = {
     ),
 }
 # fmt: on
+#: Those that need no more than a flight, by key, in the order of its report.
+ALL_STACKS: dict[str, Stack] = {
+    stack.key: stack
+    for stack in (
+        *(OVERVIEW, *STACKS["guidance"]),
+        *(NAV_POSITION, NAV_ATTITUDE, NAV_LANDING, NAV_TOUCHDOWN, NAV_INNOVATION),
+        *(
+            *STACKS["attitude"],
+            TORQUE,
+            PROPELLANT_AND_MASS,
+            DISTURBANCE,
+            *STACKS["chute"],
+            *STACKS["landing"],
+        ),
+    )
+}
 
 
 class Columns(Protocol):

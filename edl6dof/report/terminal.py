@@ -67,10 +67,10 @@ def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None
         return
     console.print(timeline_table(flight))
     if stated := stated_figures(flight.loaded):
-        rows = comparison(flight.metrics, stated)
+        rows = comparison(flight.figures, stated)
         console.print(published_table(rows, "Comparison with the published flight", "this flight"))
         console.print(ONE_DRAW, style="dim", end="\n\n")
-    if any(name in flight.metrics for name in NAVIGATION):
+    if any(name in flight.figures for name in NAVIGATION):
         console.print(navigation_table(flight))
 
 
@@ -138,7 +138,7 @@ def navigation_table(flight: Flight) -> Table:
     """Tabulate the errors of navigation."""
     table = open_table("Navigation", "figure", "unit", "this flight>")
     for name, form in NAVIGATION.items():
-        if (value := flight.metrics.get(name)) is not None:
+        if (value := flight.figures.get(name)) is not None:
             figure = figure_of_merit(name)
             table.add_row(figure.meaning, figure.unit.label, f"{value:{form}}")
     return table

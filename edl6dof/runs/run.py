@@ -8,7 +8,8 @@ import hashlib
 import io
 import json
 import zipfile
-from collections.abc import Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NotRequired, TypeVar
@@ -96,7 +97,41 @@ class Event(TypedDict):
     mach: float | None
 
 
-class Run(Mapping[str, np.ndarray]):
+class FlightColumns(Mapping[str, np.ndarray]):
+    """Telemetry columns of a flight by name, each shape (rows,), with its events and figures."""
+
+    @property
+    @abstractmethod
+    def events(self) -> Sequence[Mapping[str, Any]]:
+        """The timeline."""
+
+    @property
+    @abstractmethod
+    def figures(self) -> Mapping[str, float | None]:
+        """Figures of merit by name with unit suffix."""
+
+    @cached_property
+    def when(self) -> dict[str, float]:
+        """Time (s) of the first event of each key, and of the first phase of each role."""
+        return first_times(self.events)
+
+    @property
+    def t(self) -> np.ndarray:
+        """Time of the rows, s."""
+        return self["t_s"]
+
+    def at(self, name: str, t: float) -> float:
+        """Return a column at a time (s), interpolated."""
+        return float(interpolate(t, self.t, self[name]))
+
+    def between(self, since: str = "", until: str = "") -> np.ndarray:
+        """Return the rows between two events, shape (rows,), bool; without a bound where one is empty or did
+        not happen.
+        """
+        return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
+
+
+class Run(FlightColumns):
     """The telemetry columns of a run by name, read when they are asked for; and its events, summary and
     scenario.
 
@@ -127,6 +162,11 @@ class Run(Mapping[str, np.ndarray]):
     def events(self) -> list[Event]:
         """The timeline."""
         return self._json("events.json", list[Event])
+
+    @property
+    def figures(self) -> dict[str, float | None]:
+        """Figures of merit by name; ``None`` for one that could not be computed."""
+        return self.summary["figures"]
 
     @cached_property
     def scenario_text(self) -> str:
@@ -163,16 +203,6 @@ class Run(Mapping[str, np.ndarray]):
         """Names of the mission phases; ``guide.phase`` is the index."""
         return [str(phase["name"]) for phase in self.scenario["mission"]["phases"]]
 
-    @cached_property
-    def when(self) -> dict[str, float]:
-        """Time (s) of the first event of each key, and of the first phase of each role."""
-        return first_times(self.events)
-
-    @property
-    def t(self) -> np.ndarray:
-        """Time of the rows, s."""
-        return self["t_s"]
-
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
             if name not in self:
@@ -198,16 +228,6 @@ class Run(Mapping[str, np.ndarray]):
     def meaning(self, name: str) -> str:
         """Return the meaning of a column."""
         return self._described(name, b"meaning")
-
-    def at(self, name: str, t: float) -> float:
-        """Return a column at a time (s), interpolated."""
-        return float(interpolate(t, self.t, self[name]))
-
-    def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Return the rows between two events, shape (rows,), bool; without a bound where one is empty or did
-        not happen.
-        """
-        return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
     def file(self, name: str) -> Path:
         """Return a file of the folder, compared with its hash, for a program that reads it itself.
@@ -281,7 +301,7 @@ def summary(flight: Flight) -> dict[str, Any]:
         "seed": flight.scenario.seed,
         "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
         "warnings": flight.loaded.warnings,
-        "figures": flight.metrics,
+        "figures": flight.figures,
         "limits": [
             {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}
             for c in flight.checks

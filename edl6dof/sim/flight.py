@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.errors import Named
 from edl6dof.interface.roles import during
-from edl6dof.metrics.evaluation import Check, checks
+from edl6dof.metrics.evaluation import Check, Figures, checks
 from edl6dof.scenario import records
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.checkpoint import State
@@ -45,7 +44,7 @@ class Flight(FlightRecords):
 
     def release_log(self) -> None:
         """Let the telemetry go and keep the results: events, figures, limits, outcome."""
-        self.events, self.metrics, self.checks, self.termination  # noqa: B018  computed from it, and kept from here on
+        self.events, self.figures, self.checks, self.termination  # noqa: B018  computed from it, and kept from here on
         self.log = self.log[:0].copy()
         self.__dict__.pop("telemetry", None)
 
@@ -56,14 +55,14 @@ class Flight(FlightRecords):
         return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
 
     @cached_property
-    def metrics(self) -> Named[float]:
+    def figures(self) -> Figures[float]:
         """Figures of the flight by name with unit suffix."""
-        return Named("figure", figures_of(self))
+        return Figures(figures_of(self))
 
     @cached_property
     def checks(self) -> list[Check]:
         """Every limit of the scenario with this flight's value."""
-        return checks(self.scenario.limits, self.metrics)
+        return checks(self.scenario.limits, self.figures)
 
     @property
     def landed(self) -> bool:
@@ -78,7 +77,7 @@ class Flight(FlightRecords):
     @cached_property
     def termination(self) -> Termination:
         """How the flight ended."""
-        return termination(self, self.metrics, self.checks)
+        return termination(self, self.figures, self.checks)
 
     @property
     def outcome(self) -> str:

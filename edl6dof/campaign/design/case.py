@@ -10,7 +10,7 @@ that is refused.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import cached_property
 from math import isclose
@@ -183,7 +183,7 @@ class Variants:
     def _checked(self, case: Case) -> LoadedScenario:
         """Any case; messages have no places in files, so that a row is the same on every machine."""
         document = Document(self.base.document.data, {(): Mark("")}, files=self.base.document.files)
-        return scenario_of(replace(self.base, document=document), case)
+        return scenario_of(LoadedScenario(self.base.scenario, self.base.truth, document), case)
 
 
 def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:

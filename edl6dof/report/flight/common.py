@@ -14,7 +14,7 @@ from edl6dof.report import catalogue
 from edl6dof.report.catalogue import Plot, Stack
 from edl6dof.report.figure import Axis, Figure, Heat, Mark, Panel, Trace
 from edl6dof.report.palette import BLACK, BLUE, GREY, SERIES
-from edl6dof.runs.run import Run
+from edl6dof.runs.run import FlightColumns, Run
 
 TIME = "time since entry (s)"
 #: Letters of a line of an axis' title.
@@ -41,13 +41,21 @@ EVENTS: dict[str, str] = {
 def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
     """Draw those of some stacks for which the flight has data."""
     for stack in stacks:
-        if not stack.needs or run.when.keys() & set(stack.needs) or has_signal(run, *stack.needs):
-            figure = figure_of(run, stack)
-            if figure.panels:
-                yield figure
+        if (figure := figure_with_data(run, stack)) is not None:
+            yield figure
 
 
-def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
+def figure_with_data(run: FlightColumns, stack: Stack) -> Figure | None:
+    """Draw a stack; ``None`` if the flight has no data for it."""
+    if stack.needs and not run.when.keys() & set(stack.needs) and not has_signal(run, *stack.needs):
+        return None
+    figure = figure_of(run, stack)
+    return figure if figure.panels else None
+
+
+def figure_of(
+    run: FlightColumns, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str
+) -> Figure:
     """Draw a stack at some rows; ``words`` go into the caption."""
     panels: list[Panel] = []
     same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
@@ -57,7 +65,7 @@ def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **
         if stack.around is not None:
             first, last = (run.when.get(stack.since, inf) + seconds for seconds in stack.around)
             own = run.between("", stack.until or plot.until) & (run.t > first) & (run.t < last)
-        if stack.above is not None:
+        if stack.above is not None and stack.above[0] in run:
             own &= run[stack.above[0]] > stack.above[1]
         shown = np.zeros(len(run.t), bool)
         shown[rows] = own[rows]
@@ -68,12 +76,12 @@ def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **
         panels += [] if panel is None else [panel]
     caption = stack.caption
     if "{" in caption:
-        given = {name: value or 0.0 for name, value in run.summary["figures"].items()}
+        given = {name: value or 0.0 for name, value in run.figures.items()}
         caption = caption.format_map(defaultdict(float, given | words))
     return stacked(stack.key, stack.title, panels, caption, stack.height)
 
 
-def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
+def over_time(run: FlightColumns, plot: Plot, rows: np.ndarray) -> Panel | None:
     """Draw a plot at some rows (bool), with the events of that time; ``None`` if it has no data."""
     found = plot.shown({channel: run[channel][rows] for channel in plot.channels if channel in run})
     if found is None:
@@ -90,7 +98,12 @@ def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
 
 
 def time_panel(
-    run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
+    run: FlightColumns,
+    t: np.ndarray,
+    y: Axis,
+    traces: Sequence[Trace],
+    marks: Sequence[Mark] = (),
+    weight: float = 1.0,
 ) -> Panel:
     """Return a panel over times ``t`` (s), with lines at the events among them."""
     inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
@@ -147,7 +160,7 @@ def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndar
     return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
 
 
-def has_signal(run: Run, *channels: str) -> bool:
+def has_signal(run: FlightColumns, *channels: str) -> bool:
     """Return True if the run has one of the channels with more in it than zeros and gaps."""
     return any(channel in run and catalogue.has_signal(run[channel]) for channel in channels)
 
