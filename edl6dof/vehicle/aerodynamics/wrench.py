@@ -157,7 +157,8 @@ class AeroParams(Hardware):
     constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
     lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
     body: BodyAeroParams = group(
-        BodyAeroParams, "body of any shape; where a part shows a capsule, until that has left"
+        BodyAeroParams,
+        "body of any shape; flown until a part with the shape of a capsule has left, if there is one",
     )
     backshell: BluffParams = param(
         ..., "backshell and lander, heat shield gone", status="estimate", factory=BluffParams
@@ -170,12 +171,13 @@ AERO = dtype_of(AeroParams)
 
 @inlined_kernel
 def aerodynamic_wrench(aero, tables, air, configuration, v_air, rate):
-    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies.
+    """Force and moment (Fx, Fy, Fz, Mx, My, Mz) in `B` of the vehicle in its present configuration, and the
+    station ``x_ref`` (m) of the point that the moment is about.
 
     Args:
         aero: ``AERO`` record, which chooses the model.
-        tables: of a capsule and of a body of any shape.
-        air: ``GAS`` record, dynamic pressure (Pa), Mach number and density (kg/m3).
+        tables: aerodynamic tables of a capsule and of a body of any shape.
+        air: tuple of ``GAS`` record, dynamic pressure (Pa), Mach number and density (kg/m3).
         configuration: ``CONFIG_...``.
         v_air: velocity relative to the air, m/s, B.
         rate: angular velocity relative to the air, rad/s, B.
