@@ -89,7 +89,7 @@ class AccelerometerParams(Params):
 class InertialUnitParams(Hardware):
     """Inertial unit of real gyros and accelerometers."""
 
-    position_m: Vec3 = param((-0.9, 0.3, 0.0), "where it sits, B", status="estimate", min_length=3)
+    position_m: Vec3 = param((-0.9, 0.3, 0.0), "position of the unit in B", status="estimate", min_length=3)
     delay_cycles: int = param(
         1,
         "base cycles between a reading and its arrival in the flight computer",
@@ -102,7 +102,7 @@ class InertialUnitParams(Hardware):
     vibration: VibrationParams = group(VibrationParams, "vibration with the engines")
 
 
-#: Errors of the copy that flies.
+#: Errors of the unit in this case.
 UNIT = record(
     ("gyro", copy_layout(MAX_GYROS)),
     ("accelerometer", copy_layout(MAX_ACCELEROMETERS)),
@@ -160,8 +160,8 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 
 @kernel
 def motion_since(params, plant, outputs, memory):
-    """Integrals (B) of the rate, and of the specific force where the unit sits, since the last reading; the
-    rate now, and the time since then.  Remembers the present motion.
+    """Integrals (B) of the rate, and of the specific force at the unit, since the last reading; the present
+    rate, and the time (s) since then.  Stores the present motion in ``memory``.
     """
     y = plant.y
     q = take_attitude(y)
@@ -188,7 +188,7 @@ def motion_since(params, plant, outputs, memory):
 
 @kernel
 def lag(gyros, w, dt, memory):
-    """Rate ``w`` (B) after the bandwidth of the gyros."""
+    """Rate ``w`` (rad/s, B) behind the first-order lag of the gyros."""
     share = 1.0
     if memory.taken > 0 and gyros.bandwidth > 0.0:
         share = 1.0 - exp(-2.0 * pi * gyros.bandwidth * dt)
@@ -211,7 +211,7 @@ def hand_out(reading, inertial):
 
 
 def plan(params: InertialUnitParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copy that flies."""
+    """Draw the errors of the instrument in this case."""
     draw_copies(in_si(params.gyros), rng, unit["gyro"])
     draw_copies(in_si(params.accelerometers), rng, unit["accelerometer"])
     draw_mount(rng, unit["mount"])

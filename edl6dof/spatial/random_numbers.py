@@ -52,7 +52,7 @@ def normal_pair(key, counter):
 
 @kernel
 def normal_quantile(share):
-    """Value that a standard normal falls below with probability ``share``, 0 .. 1, to seven digits."""
+    """Quantile of the standard normal distribution at probability ``share``, 0 .. 1, to seven digits."""
     q = share - 0.5
     if abs(q) <= 0.425:
         r = 0.180625 - q * q
