@@ -36,7 +36,7 @@ _PAUSE = 8
 
 
 class SenseAxis(Params):
-    """One gyro or accelerometer."""
+    """One instrument with a sensitive axis: a gyro or accelerometer, a radar beam, a pressure port."""
 
     name: Key = param(REQUIRED, "name, unique in the unit", record=False, min_length=1)
     axis: Vec3 = param(REQUIRED, "unit vector of its sensitive axis in B", min_length=3)

@@ -33,7 +33,7 @@ Progress = Callable[[float, float, str, float, float], None]
 
 @dataclass(repr=False)
 class Flight(FlightRecords):
-    """One finished flight: events, figures, limits and outcome of what it leaves."""
+    """One finished flight: events, figures, limits and outcome, worked out from its records."""
 
     def __repr__(self) -> str:
         rows = f"{len(self.log)} rows of telemetry"
@@ -44,14 +44,14 @@ class Flight(FlightRecords):
         return during(self.telemetry["guide.phase"], self.scenario.phase_roles, role)
 
     def release_log(self) -> None:
-        """Let the telemetry go and keep the results: events, figures, limits, outcome."""
+        """Drop the telemetry and keep the results: events, figures, limits, outcome."""
         self.events, self.metrics, self.checks, self.termination  # noqa: B018  computed from it, and kept from here on
         self.log = self.log[:0].copy()
         self.__dict__.pop("telemetry", None)
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
-        """Timeline: dicts with t_s, key, name, detail and the state then."""
+        """Timeline: dicts with t_s, key, name, detail and the state at that time."""
         mission, vehicle, others = self.scenario.mission, self.scenario.vehicle, timeline_moments(self)
         return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
 
@@ -72,7 +72,7 @@ class Flight(FlightRecords):
 
     @property
     def success(self) -> bool:
-        """True if it reached the goal of the mission (landed, deployed, or flown) within all limits."""
+        """True if the flight reached the goal of the mission (landed, deployed, or flown) within all limits."""
         return self.termination.success
 
     @cached_property
@@ -87,7 +87,7 @@ class Flight(FlightRecords):
 
     @property
     def cause(self) -> str:
-        """Reason why it is no success, without numbers, to count flights by; empty for a success."""
+        """Reason why the flight is no success, without numbers, so that flights can be counted by it."""
         return self.termination.cause
 
     @cached_property

@@ -39,7 +39,7 @@ class SteppedFlight:
         self._begin(loaded, parts)
 
     def _begin(self, loaded: LoadedScenario, parts: Records | None = None) -> None:
-        """Stand at the start of a flight of a scenario."""
+        """Go to the start of a flight of a scenario."""
         self.loaded = loaded
         self.running = RunningFlight(loaded, parts=parts, log=None if self._telemetry else NO_TICKS)
         self._names = loaded.scenario.thruster_names
@@ -74,10 +74,10 @@ class SteppedFlight:
         before the first.  They contain no truth beyond the readings of its instruments.
 
         Args:
-            names: what is wanted of it, or one name, which is read quicker than all.
+            names: names of the quantities, or one name; ``None``: all, which takes longer.
 
         Raises:
-            ValueError: it knows nothing of such a name.
+            ValueError: there is no quantity of such a name.
         """
         readers = self._navigated
         names = [names] if isinstance(names, str) else names
@@ -108,7 +108,7 @@ class SteppedFlight:
         return {name: read() for name, read in self._true.items()}
 
     def linear_plant(self) -> LinearModel:
-        """The plant as it stands, as a linear model from torque and force of the thrusters."""
+        """Linear model of the plant at its present state, from torque and force of the thrusters."""
         return linear_plant(self.running)
 
     def attitude_margins(self) -> dict[str, Margins]:
@@ -120,7 +120,7 @@ class SteppedFlight:
         return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
-        """The flight as it stands, under no command, as ``edl6dof fly --from`` reads it, too."""
+        """State of the flight, without commands, for :meth:`restore` and ``edl6dof fly --from``."""
         found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found
@@ -144,7 +144,7 @@ class SteppedFlight:
 
     def flight(self) -> Flight:
         """The flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last reset or
-        restore.  It shares its records: ask again after the next step.
+        restore.  It shares its records with this flight: call again after the next step.
 
         Raises:
             ValueError: no telemetry is kept, or no cycle has been flown.
@@ -175,7 +175,7 @@ class SteppedFlight:
 
     @property
     def outcome(self) -> str:
-        """How it ended, without its limits; ``flying`` until then."""
+        """How the flight ended, without its limits; ``flying`` until then."""
         return OUTCOMES[self.running.code]
 
     @property
