@@ -126,7 +126,7 @@ def lay_areoid(grid, place, lat, lon, r_F, plane):
     Args:
         grid: ``HEIGHT_MAP``; of radius 0 where the areoid is the ellipsoid.
         place: sine and cosine of geodetic latitude and of longitude.
-        lat, lon: the same as angles, rad.
+        lat, lon: geodetic latitude and longitude, rad.
         r_F: the place, m.
         plane: written, shape (4,).
 

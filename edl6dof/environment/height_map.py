@@ -28,7 +28,7 @@ _SAME_PLANET = 1e-2
 
 
 class MapFile(NamedTuple):
-    """A map (``.npy``) as it is on disk now; a ``.yaml`` of the same name gives its planet."""
+    """A map file (``.npy``) as it is on disk; a ``.yaml`` file of the same name describes its planet."""
 
     path: Path
     modified_ns: int

@@ -23,7 +23,7 @@ COMMAND = record(
     ("request", FLAG, (MAX_EVENTS,)),  # events requested in this cycle, by their numbers
     ("thrust", "f8", (MAX_ENGINES,)),  # N, of each engine
     ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # of edl6dof.interface.effectors, of all engines
-    # what a vehicle without attitude dynamics follows
+    # for a vehicle without attitude dynamics
     ("steering", FLAG),  # the angles below are commanded
     ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right
     ("alpha", "f8"),  # rad: commanded angle of attack, positive nose up
@@ -34,7 +34,7 @@ COMMAND = record(
 )
 
 
-#: Flags of the commands that are given, by the name of each.
+#: Flags of the external commands in force, by name.
 GIVEN = record(
     ("estimate", FLAG),  # r_I, v_I, q_I2B, w_B, height_above_ground
     ("coarse_spot", FLAG),  # coarse_L

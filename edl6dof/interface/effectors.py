@@ -1,8 +1,8 @@
 """Effectors: modes of the engines; groups, failures and branches of the thrusters; events of a mission.
 
-An event is what the flight software requests and the vehicle then does, at most once.  Its name belongs to
-the scenario.  Both sides number the events in the order in which the scenario first names them, and know the
-action, the component and the delay of each.
+An event is an action that the flight software requests and the vehicle carries out, at most once.  Its name
+belongs to the scenario.  Both sides number the events in the order in which the scenario first names them,
+and know the action, the component and the delay of each.
 """
 
 from __future__ import annotations

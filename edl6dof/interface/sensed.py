@@ -27,8 +27,8 @@ from edl6dof.interface.capacities import (
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 
-#: Readings of the gyros and accelerometers of an inertial unit, each along its own axis.  They count, so that
-#: nothing between two readings is lost; the counts go on from the start of the flight.
+#: Readings of the gyros and accelerometers of an inertial unit, each along its own axis.  They count from
+#: the start of the flight, so that nothing between two readings is lost.
 INERTIAL = record(
     ("angle", "f8", (MAX_GYROS,)),  # rad: integral of the rate about the axis of each gyro
     ("rate", "f8", (MAX_GYROS,)),  # rad/s: that rate at the time of the reading

@@ -44,7 +44,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 _WITH_MEMBERS = tuple(str(PACKAGE / room) for room in ("fsw", "sensors", "vehicle/faults"))
 #: numba's settings that change machine code and are not in its own key.
 _FLAGS = ("BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "OPT", "SLP_VECTORIZE")
-#: Age (s) at which a folder that was not used goes: 30 days.
+#: Age (s) since the last use at which a folder is removed: 30 days.
 OLDEST_S = 30.0 * 86400.0
 #: Room (bytes) that must be free on the disk: all code of the package takes half.
 NEEDED_B = 256 << 20

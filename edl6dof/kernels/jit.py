@@ -1,4 +1,6 @@
-"""The ``@kernel`` decorators: compiled, cached functions that hold no GIL and round the same everywhere."""
+"""The ``@kernel`` decorators: compiled, cached functions that release the GIL and give the same bits on every
+machine.
+"""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ MEMORY = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Count the flow since the last reading and hand out the count of ``delay_cycles`` ago."""
+    """Count the flow since the last reading and deliver the count of ``delay_cycles`` ago."""
     cycle, dt = memory.taken, plant.t - memory.t
     now, old = cycle % DEPTH, max(cycle - params.delay_cycles, 0) % DEPTH
     walk, second = params.noise * sqrt(dt), 0.0

@@ -43,9 +43,7 @@ READINGS = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no
-    older).
-    """
+    """Take a reading and deliver the one taken ``delay_cycles`` ago (at first, the first reading)."""
     slot = memory.taken % DEPTH
     old = max(memory.taken - params.delay_cycles, 0) % DEPTH
     memory.taken += 1

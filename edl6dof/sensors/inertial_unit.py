@@ -1,7 +1,7 @@
 """Inertial unit: gyros and accelerometers along any axes, at one place of the body.
 
-What they count over a cycle follows from the true motion: the integral of the rate from the turn of the body,
-as its rotation vector less the coning term h^2/12 w0 x w1 (rate linear in time); the integral of the specific
+Their counts over a cycle follow from the true motion: the integral of the rate from the turn of the body, as
+its rotation vector less the coning term h^2/12 w0 x w1 (rate linear in time); the integral of the specific
 force at the unit from that of the centre of mass, the recoil of separations, and the lever arm l between the
 two: (w1 - w0) x l + h w x (w x l).
 Vibration with the engines shakes the unit about and along the axes of B (``vibration.py``).
@@ -109,7 +109,7 @@ UNIT = record(
     ("mount", MOUNT),
 )
 
-#: Memory of the unit: the motion at the last reading, what has been counted, and readings under way.
+#: Memory of the unit: the motion at the last reading, the counts, and readings under way.
 MEMORY = record(
     ("taken", COUNT),
     ("t", "f8"),  # s
@@ -126,7 +126,7 @@ MEMORY = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Measure the motion since the last reading and hand out the reading of ``delay_cycles`` ago."""
+    """Measure the motion since the last reading and deliver the reading of ``delay_cycles`` ago."""
     turned, gained, w, dt = motion_since(params, plant, outputs, memory)
     cycle = memory.taken
     shaken_rate, shaken_turn, shaken_gain = shake(

@@ -2,8 +2,8 @@
 
 The ground is the true one, or a square tile of it for many rays: heights on a lattice, with a bilinear
 surface between them.  A ray walks from cell to cell of the lattice below its highest node, and meets the
-surface of a cell where a quadratic in the distance along it has its first root: exact, whatever stands on the
-ground.
+surface of a cell where a quadratic in the distance along it has its first root: exact, with rocks on the
+ground too.
 
 Vectors of beams are in the planet-fixed frame F, except those of the parts, whose positions and velocities
 are inertial; rays on a tile are in m north, east and up.

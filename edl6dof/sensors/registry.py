@@ -4,8 +4,8 @@ A member's kernel ``measure(params, unit, case, tables, plant, outputs, memory, 
 cycle.  ``params``, ``unit`` and ``memory`` are its own: ``unit`` has the errors of the sensor in this case,
 drawn by the member's ``plan(params, rng, unit)`` from the generator that belongs to sensor and case.  Noise
 in flight comes from :mod:`edl6dof.spatial.random_numbers`, with a key that ``plan`` draws.  A sensor that is
-named after another one may write over what that one measured: a list ``[perfect, imu, star_tracker]`` takes
-the attitude from the star tracker and the rest from the others.
+named after another one may overwrite its measurements: a list ``[perfect, imu, star_tracker]`` takes the
+attitude from the star tracker and the rest from the others.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class SensorParams(_Sections):
     )
     carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(
         None,
-        "sensors that fly; a later one writes over what an earlier one measured",
+        "sensors that fly; a later one overwrites the measurements of an earlier one",
         factory=lambda: list(PERFECT_SET),
         min_length=1,
         max_length=MAX_SENSORS,
@@ -126,7 +126,7 @@ def _flown(params: SensorParams) -> list[int]:
 
 @kernel
 def sense(measure, case, tables, plant, outputs, sensors):
-    """Let the sensors that are carried write what they measure into ``sensors.sensed``."""
+    """Write the measurements of the carried sensors into ``sensors.sensed``."""
     params, unit, sensed = case.sensors.params, case.sensors.unit, sensors.sensed
     sensed.t = plant.t
     for k in range(params.n_carried):

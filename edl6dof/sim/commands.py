@@ -1,8 +1,8 @@
 """Commands into a stepped flight and observations out of it, by name and in the units of the names.
 
 Commands are written into the ``EXTERNAL`` record of the flight.  Observations are the estimates of its flight
-computer, and, apart from them, the true state.  A command holds for the cycles of the step that it is given
-to; then the flight software's own value counts again.
+computer, and, apart from them, the true state.  A command is in force for the cycles of its step; then the
+flight software's own value counts again.
 """
 
 from __future__ import annotations

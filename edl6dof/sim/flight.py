@@ -72,7 +72,7 @@ class Flight(FlightRecords):
 
     @property
     def success(self) -> bool:
-        """True if the flight reached the goal of the mission (landed, deployed, or flown) within all limits."""
+        """True if the flight reached the goal of its mission (landed, deployed, flown) within all limits."""
         return self.termination.success
 
     @cached_property
@@ -136,11 +136,12 @@ def fly(
     Args:
         loaded: from :func:`edl6dof.load`.
         start: saved state to continue from, instead of the initial state.
-        save_at_s: time at which to keep a state (``Flight.saved``); rounded to the start of a base cycle.
+        save_at_s: time (s) at which to save a state as ``Flight.saved``; rounded to the start of a base
+            cycle.
         progress: called every few seconds of flight.
         parts: the scenario's records, where the caller has built them already.
-        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than
-            figures and events need, of ``BRIEF``; the flight then reads from it.
+        log: array for the telemetry, at least :func:`log_rows` rows of ``TICK`` or, with only the columns for
+            figures and events, of ``BRIEF``; the flight then reads from it.
 
     Raises:
         ConfigError: the state does not fit the scenario.

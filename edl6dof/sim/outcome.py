@@ -62,7 +62,7 @@ def burning(plant):
 
 @kernel
 def outcome_of(case, plant, outputs):
-    """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
+    """Outcome code of the present state, which must be finite; ``outputs`` belong to this state."""
     limits, out, y = case.limits, outputs, plant.y
     t = plant.t
     if at_last_event(case, plant):

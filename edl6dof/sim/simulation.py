@@ -51,12 +51,12 @@ class SteppedFlight:
         """Fly some base cycles of the flight software under a command; returns whether it still flies.
 
         Args:
-            command: values by name, each in the place of what the flight software would work out itself for
-                these cycles: ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down),
-                ``throttle`` (of full thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each
-                thruster, or by name), ``isolate`` (names of thrusters to be used no more), ``safe_spot_m``
-                and ``coarse_spot_m`` (north and east of the landing site), ``estimate`` (``r_I_m``,
-                ``v_I_m_s``, ``q_I2B``, ``w_B_rad_s``, ``height_m``).
+            command: values by name, each of which replaces the value of the flight software for these cycles:
+                ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down), ``throttle`` (of full
+                thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each thruster, or by name),
+                ``isolate`` (names of thrusters to be used no more), ``safe_spot_m`` and ``coarse_spot_m``
+                (north and east of the landing site), ``estimate`` (``r_I_m``, ``v_I_m_s``, ``q_I2B``,
+                ``w_B_rad_s``, ``height_m``).
             cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
 
         Raises:
@@ -99,7 +99,7 @@ class SteppedFlight:
         return found
 
     def own(self) -> dict[str, Any]:
-        """Last demands of the flight software itself, by the names of commands, whatever was commanded."""
+        """Last demands of the flight software itself, without the commands that replaced them, by name."""
         return {name: read() for name, read in self._wanted.items()}
 
     def truth(self) -> dict[str, Any]:
@@ -112,8 +112,9 @@ class SteppedFlight:
         return linear_plant(self.running)
 
     def attitude_margins(self) -> dict[str, Margins]:
-        """Margins of the attitude loop of the present phase, by axis of B, the torque held half a control
-        cycle; for a controller that is linear about the state, as ``thrust_vector`` is.
+        """Margins of the attitude loop of the present phase, by axis of B, with the hold of the torque as a
+        delay of half a control cycle; for a controller that is linear about the state, as ``thrust_vector``
+        is.
         """
         rates = self.loaded.scenario.flight_software.rates
         held = 0.5 * rates.control_every / rates.base_hz

@@ -74,8 +74,8 @@ def termination(flight: FlightRecords, figures: Mapping[str, float], checks: Seq
         )
     head, figure = _what(flight, figures)
     where = f" in phase {_phase(flight)}"
-    # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what
-    # counts together
+    # a vehicle without flight software has no phases: its outcome names the free flight with numbers only, as
+    # of a crash; its cause always
     here = where if flight.phase_names or figure else ""
     legs = _legs(flight, figures)
     return Termination(False, False, f"{head}{figure}{here}{legs}{told}", f"{head}{where}{legs}{plain}")
@@ -96,7 +96,7 @@ def _what(flight: FlightRecords, figures: Mapping[str, float]) -> tuple[str, str
 
 
 def _phase(flight: FlightRecords) -> str:
-    """Phase of the end; of an end on the ground the phase in which the ground was met."""
+    """Phase of the end; of a crash or a tip-over, the phase at ground contact."""
     names = flight.phase_names
     if not names:
         return "free flight"

@@ -102,7 +102,9 @@ atan2, hypot, pow = (partial(_each, index) for index in (10, 11, 12))
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:
-    """Value at each ``x`` on straight lines through points with ascending ``places``; held at both ends."""
+    """Value at each ``x`` on straight lines through points with ascending ``places``; constant beyond both
+    ends.
+    """
     x = np.asarray(x, dtype=float)
     places, values = (np.ascontiguousarray(given, dtype=float) for given in (places, values))
     found = np.empty(x.shape)

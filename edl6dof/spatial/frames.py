@@ -76,7 +76,7 @@ def from_geodetic(radius, flattening, lat, lon, altitude):
 
 @kernel
 def ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, v_N):
-    """Components in F of a vector given as north, east, down."""
+    """Components in F of a vector with components north, east, down."""
     up_part = -sin_lat * v_N[0] - cos_lat * v_N[2]
     return (
         up_part * cos_lon - sin_lon * v_N[1],
@@ -87,7 +87,7 @@ def ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, v_N):
 
 @kernel
 def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
-    """North, east, down components of a vector given in F."""
+    """Components north, east, down of a vector with components in F."""
     radial = cos_lon * v_F[0] + sin_lon * v_F[1]
     return (
         cos_lat * v_F[2] - sin_lat * radial,

@@ -1,5 +1,5 @@
 """Landing gear: footpads on springs and dampers with Coulomb friction, each on a plane of the ground under
-it, and rest; points of the underside meet the ground in the same way.
+it, and rest; points of the underside have the same contact forces.
 
 The planes are set once a step.  Each contains the ground vertically below its point, and is stored as its
 altitude below the centre of mass and its rise per metre north and east.  A rocking vehicle stands still for

@@ -1,5 +1,5 @@
-"""The records of the true vehicle in flight: its state, what follows from it, the integrator's scratch, and
-the largest loads met.
+"""The records of the true vehicle in flight: its state, the quantities that follow from the state, the
+integrator's scratch, and the largest loads.
 
 Kernels call the ``STATE`` record ``plant``, the ``OUTPUTS`` record ``outputs``, the ``WORKSPACE`` ``work``.
 """
@@ -166,7 +166,7 @@ PEAKS = record(
     ("riser_tension", "f8"),
 )
 
-#: Start of a flight, and what its state has been given since, summed up along it
+#: Start of a flight, and the sums of momentum, energy and mass gained and lost since then
 #: (:mod:`edl6dof.vehicle.motion.balance`).
 BALANCE = record(
     # at the start, t = 0

@@ -56,7 +56,7 @@ class MeshFileParams(Hardware):
 
 
 class VehicleAppearanceParams(Hardware):
-    """Shapes as pictures show them; what is left out follows from mass, aerodynamics and landing gear."""
+    """Shapes in pictures; omitted values follow from mass, aerodynamics and landing gear."""
 
     body: BodyShape = param(
         "derived",
@@ -90,7 +90,7 @@ class VehicleAppearanceParams(Hardware):
     )
     lander: LanderKind = param(
         "derived",
-        "what comes out of the aeroshell; derived: legs where there are footpads, else a platform where "
+        "lander inside the aeroshell; derived: legs where there are footpads, else a platform where "
         "there are engines, else none",
         record=False,
     )

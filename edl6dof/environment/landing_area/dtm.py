@@ -254,7 +254,7 @@ def _sampled(name: str, raster: Raster, x: np.ndarray, y: np.ndarray) -> np.ndar
 
 
 def _coarser(raster: Raster, skip: int) -> Raster:
-    """Means of blocks of ``skip`` by ``skip``; what is left over at the far edges is left out."""
+    """Means of blocks of ``skip`` by ``skip``; an incomplete block at the far edges is left out."""
     rows, columns = (n // skip for n in raster.heights.shape)
     blocks = raster.heights[: rows * skip, : columns * skip].reshape(rows, skip, columns, skip)
     half = 0.5 * (skip - 1)

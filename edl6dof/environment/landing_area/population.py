@@ -89,7 +89,7 @@ POPULATION = record(
     ("exponent", "f8"),
     ("decay", "f8"),  # per m
     ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
-    ("stands", FLAG),  # its members stand on the ground, instead of being part of its form
+    ("stands", FLAG),  # 1: members stand on the ground (rocks); 0: they change its shape (craters)
     ("key", "i8", (MAX_CLASSES,)),
     ("smallest", "f8", (MAX_CLASSES,)),  # m
     ("largest", "f8", (MAX_CLASSES,)),  # m

@@ -1,4 +1,4 @@
-"""The sphere-cone entry capsule: its shape and tables as given, its coefficients and force in flight."""
+"""The sphere-cone entry capsule: its parameters, and its coefficients and force in flight."""
 
 from __future__ import annotations
 

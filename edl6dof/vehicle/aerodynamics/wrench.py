@@ -50,7 +50,7 @@ class LiftDragParams(Hardware):
     drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
     lift_to_drag: float = param(
         0.0,
-        "L/D; lift stands on the velocity in the plane of x and z of B, towards -z",
+        "L/D; lift is normal to the velocity in the x-z plane of B, towards -z",
         ge=-5.0,
         le=5.0,
         usual=(0, 1.5, "ballistic capsule to lifting body"),

@@ -1,4 +1,4 @@
-"""Faults: what breaks, and when.  They change the true vehicle only; the flight computer has to find out.
+"""Faults of the true vehicle: kind, component and start.  The flight computer gets no notice of them.
 
 A fault acts on one component of the vehicle, given by its name; the only one of its kind need not be named.
 It begins at a flight time, or a while after a mission phase was entered, and lasts, unless its kind has a

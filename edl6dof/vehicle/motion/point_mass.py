@@ -2,8 +2,8 @@
 
 Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body;
 angle of attack is the commanded one, sideslip zero, bank (about the air-relative velocity) the commanded one
-at once or at a limited rate, the shorter way round.  Left out: body rates, thrusters, engine, what follows
-the parachute; in a wind, bank here is about the air-relative velocity and the command about the
+at once or at a limited rate, the shorter way round.  Left out: body rates, thrusters, engine, and the flight
+after parachute deployment; in a wind, bank here is about the air-relative velocity and the command about the
 planet-relative one.  Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan,
 Sun & Guo 2016 (eqs. 1-6), here in Cartesian form over a rotating planet.
 """
@@ -35,7 +35,7 @@ class PathDisturbanceParams(Params):
 
 
 class PointMassParams(Params):
-    """How a point mass carries out commands, and what disturbs it."""
+    """Response of a point mass to commands, and its disturbance."""
 
     bank_response: Literal["ideal", "rate_limited"] = param("rate_limited", "ideal: bank follows at once")
     bank_rate_deg_s: float = param(

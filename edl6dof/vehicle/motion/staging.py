@@ -40,12 +40,12 @@ from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation, surround
 
 @kernel
 def separate(case, plant, index, velocity):
-    """Take part ``index`` off the vehicle and push it at ``velocity`` (m/s, in B) relative to what stays;
-    momentum is conserved.
+    """Take part ``index`` off the vehicle and push it at ``velocity`` (m/s, in B) relative to the remaining
+    body; momentum is conserved.
 
     The centre of mass the state refers to jumps to that of the remaining body; both bodies keep the
     rigid-body velocity of their own centre, then share the spring's impulse, which acts through the part's
-    centre and turns what stays behind.  The part goes to ``plant.debris[index]``.
+    centre and turns the remaining body.  The part goes to ``plant.debris[index]``.
     """
     y, vehicle = plant.y, case.vehicle
     part, debris = vehicle.parts[index], plant.debris[index]
@@ -130,7 +130,7 @@ def jettison(case, plant, index):
         release(case, plant, plant.parachute)
     elif plant.canopy == INFLATING:
         part.drag_area += canopy_area(case, plant)
-        # part and canopy go on together: their common momentum
+        # part and canopy fly on together, with their common momentum
         canopy = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
         share = canopy / (part.mass + canopy)
         v_canopy, v_part = take3(plant.y, CANOPY_VELOCITY), take3(part.v_I, 0)

@@ -8,7 +8,7 @@ it in its own air-relative velocity.  Inflation, opening load and drag over Mach
 around, which turn the canopy back with half the square of its radius times their stiffness: 0.5 (5.6 m)^2 40
 kN/m = 630 kN m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m
 turns it by 0.01 rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: its axis is
-that of the riser to 0.6 deg, which is less than what is known of the trim angle (5 to 10 deg).
+that of the riser to 0.6 deg, less than the uncertainty of the trim angle (5 to 10 deg).
 
 The legs do not stretch (the stiffness of lines and riser includes theirs), but go slack.  The confluence is
 the point nearest to the canopy that all legs can reach, in the intersection of three balls about the
@@ -145,9 +145,7 @@ class ParachuteParams(ParachuteChoice, Hardware):
     pack: str | None = param(
         None, "part that is the packed parachute; none: its deployment is only recorded", record=False
     )
-    carried_by: str | None = param(
-        None, "part that it hangs from: it goes where that part goes", record=False
-    )
+    carried_by: str | None = param(None, "part that it hangs from, and with which it leaves", record=False)
 
     @field_validator("bridle_attachments_m")
     @classmethod

@@ -1,4 +1,4 @@
-"""Feed system: tanks, and what engines and thrusters draw from them.
+"""Feed system: tanks, and the propellant that engines and thrusters draw from them.
 
 An engine or thruster draws on the tanks that it names, on all where it names none.  Tanks drawn on together
 give in proportion to their loads, as on one manifold at one pressure: they run empty together.  An empty tank
