@@ -52,7 +52,7 @@ class AtmosphereParams(AtmosphereChoice):
     table: str = param(
         "",
         (
-            "one of profiles by its name, csv in edl6dof/data/atmosphere, or an absolute path; empty for "
+            "name of one of profiles, csv in edl6dof/data/atmosphere, or an absolute path; empty for "
             "none. Also the source of winds and of density sigma"
         ),
         record=False,
@@ -136,7 +136,7 @@ def air_inputs(params: AtmosphereParams, planet: PlanetParams, place: Place | No
     Raises:
         Inconsistent: model seasonal lacks the climate of the planet or the epoch.
         ValueError: the model needs a table and none is named.
-        OSError: its file cannot be read.
+        OSError: the file of the table cannot be read.
     """
     if params.model in ("table", "seasonal") and not params.table:
         raise ValueError(f"atmosphere model {params.model} needs a table file")

@@ -54,7 +54,7 @@ class ExponentialParams(Params):
     )
     temperature_k: float = param(
         REQUIRED,
-        "temperature; also that of model none, for a finite Mach number",
+        "temperature; model none has it too, for a finite Mach number",
         gt=0.0,
         usual=(30, 800, "Pluto to Venus"),
     )
@@ -192,7 +192,7 @@ class SeasonalParams(Params):
     )
     surface_pressure_factor: float = param(
         1.0,
-        "true pressure at the ground over that of the climate; the flight computer knows the climate",
+        "true pressure at the ground over that of the climate, which the flight computer uses",
         record=False,
         gt=0.0,
         le=10.0,
@@ -218,8 +218,8 @@ class SeasonalParams(Params):
 
 @kernel
 def seasonal_air(atm, gas, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid; beyond
-    the table it is isothermal.
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid;
+    isothermal beyond the table.
     """
     row, t = row_at(table, alt)
     inside = held(t)

@@ -37,7 +37,7 @@ _ROWS = (MAX_DEGREE + 2) * (MAX_DEGREE + 3) // 2
 class GravityParams(Params):
     """Gravity field of the planet."""
 
-    model: Literal["harmonics", "j2", "central", "none"] = param("harmonics", "how detailed the field is")
+    model: Literal["harmonics", "j2", "central", "none"] = param("harmonics", "terms of the field")
     degree: int = param(4, "highest degree and order of the harmonics that is used", ge=2, le=MAX_DEGREE)
     mu_m3_s2: float = param(
         REQUIRED,

@@ -50,7 +50,7 @@ class MappedPlanet(NamedTuple):
 
 
 def map_file(path: Path) -> MapFile:
-    """The map at a path.
+    """Map file at a path.
 
     Raises:
         OSError: there is no map, or it is no regular file.

@@ -41,7 +41,7 @@ class GustParams(Params):
         (0.0, 20e3, 60e3), "heights above the areoid of the sigmas, rising", status="estimate"
     )
     sigma_m_s: Vec3 = param(
-        (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
+        (3.0, 8.0, 20.0), "sigma of the east and of the north component at altitudes_m", status="estimate"
     )
     bottom_m: float = param(
         -8000.0, "height above the areoid below which the random gust stays the same", ge=-50e3, le=0.0

@@ -197,7 +197,7 @@ def _drop(file: Path) -> None:
 
 
 def _is_sound(file: Path) -> bool:
-    """Return True if a file has its sealed content, or has no seal and ends like a pickle."""
+    """Return True if the content of a file fits its seal, or the file has no seal and ends like a pickle."""
     try:
         content = file.read_bytes()
     except OSError:  # another process has removed it

@@ -55,7 +55,7 @@ class _Signature(type(NOTHING())):  # type: ignore[misc]  # numba's class, which
     __slots__ = ("title",)
 
     def __eq__(self, other: object) -> bool:
-        """By title: those that another process has written into an index have no arguments here."""
+        """Compare by title: signatures that another process wrote into an index have no arguments here."""
         return self.title == other.title if isinstance(other, _Signature) else NotImplemented
 
     def __hash__(self) -> int:

@@ -68,7 +68,7 @@ MEMORY = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Begin a scan when it is commanded, and measure the next block of rows of the one that runs."""
+    """Begin a scan when commanded, and measure the next block of rows of the scan in progress."""
     lidar, faults = sensed.lidar, plant.instruments
     lidar.fresh = 0
     if faults.lidar_lost != 0:

@@ -39,7 +39,7 @@ class PressurePortsParams(Params):
     """Pressure ports; errors as standard deviations."""
 
     ports: Annotated[list[SenseAxis], Capacity(MAX_PORTS)] = param(
-        None, "the ports and the outward normals of the heat shield there", factory=cross_of_ports,
+        None, "the ports; axis: outward normal of the heat shield at the port", factory=cross_of_ports,
         min_length=1, max_length=MAX_PORTS,
     )  # fmt: skip
     stagnation_coefficient: float = param(

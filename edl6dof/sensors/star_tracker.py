@@ -26,7 +26,7 @@ class StarTrackerParams(Hardware):
     """Star tracker; errors as standard deviations."""
 
     boresight: Vec3 = param(
-        (0.0, 0.0, -1.0), "unit vector in which it looks, B", status="estimate", min_length=3
+        (0.0, 0.0, -1.0), "unit vector of the line of sight in B", status="estimate", min_length=3
     )
     noise_arcsec: float = param(
         8.0, "noise about each axis across the boresight", status="estimate", ge=0.0, le=36000.0

@@ -33,7 +33,9 @@ WAYS = 6
 class RandomParams(Params):
     """Random part, with the engines at full thrust, the same about and along each axis of B."""
 
-    frequency_hz: float = param(200.0, "where its spectrum has its peak", status="estimate", gt=0.0, le=1e4)
+    frequency_hz: float = param(
+        200.0, "frequency of the peak of the spectrum", status="estimate", gt=0.0, le=1e4
+    )
     bandwidth_hz: float = param(
         200.0, "width of the spectrum at half its peak", status="estimate", gt=0.0, le=2e4
     )

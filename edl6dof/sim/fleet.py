@@ -26,8 +26,8 @@ HALTED = -1
 
 
 class Start(NamedTuple):
-    """Start of a flight: the bytes of its records, without the zeros at their ends; images that are not taken
-    yet are millions of zeros.
+    """Start of a flight: the bytes of its records, without the zeros at their ends; images not yet taken are
+    millions of zeros.
     """
 
     cycle: int

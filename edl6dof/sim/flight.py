@@ -87,7 +87,7 @@ class Flight(FlightRecords):
 
     @property
     def cause(self) -> str:
-        """Reason why the flight is no success, without numbers, so that flights can be counted by it."""
+        """Reason why the flight is no success, without numbers; empty for a success."""
         return self.termination.cause
 
     @cached_property

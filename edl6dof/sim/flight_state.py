@@ -1,7 +1,7 @@
 """State of a flight in progress: its records, and the compiled loop that advances them by any number of base
 cycles.
 
-However the cycles are portioned, the flight has the same bits.
+The bits of a flight do not depend on how its cycles are divided among calls.
 """
 
 from __future__ import annotations

@@ -67,10 +67,10 @@ class LinearModel:
         return np.linalg.eigvals(self.a)
 
     def to_control(self) -> StateSpace:
-        """The model as python-control's.
+        """The model as a ``StateSpace`` of python-control.
 
         Raises:
-            ImportError: it is not installed.
+            ImportError: python-control is not installed.
         """
         try:
             import control

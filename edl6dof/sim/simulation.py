@@ -1,7 +1,7 @@
 """A flight flown step by step, with commands from outside in the place of any part of the flight software.
 
-A stepped flight is the flight: the compiled loop that flies it whole is called for one base cycle, or for
-several, and the bits are the same.
+A stepped flight has the same bits as a flight in one call: both run the same compiled loop, here for one or
+several base cycles a call.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ class SteppedFlight:
 
         Raises:
             ConfigError: the state does not fit the scenario.
-            TypeError: it is no state.
+            TypeError: the argument is no state.
         """
         if not isinstance(state, State | Snapshot):
             raise TypeError(f"a state is what state() returned, or State.load (got {state!r})")

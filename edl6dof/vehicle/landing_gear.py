@@ -38,7 +38,9 @@ class LandingGearParams(Hardware):
     stiffness_n_m: float = param(
         60000.0, "spring constant of a leg, or of a point of the underside", status="estimate", gt=0.0
     )
-    damping_n_s_m: float = param(6000.0, "damping of one leg while it is pressed", status="estimate", ge=0.0)
+    damping_n_s_m: float = param(
+        6000.0, "damping of one leg in contact with the ground", status="estimate", ge=0.0
+    )
     friction: float = param(
         0.6,
         "Coulomb friction coefficient of a footpad on the soil",
@@ -47,7 +49,7 @@ class LandingGearParams(Hardware):
         le=2.0,
         usual=(0.05, 1.5, "ice to rough rock"),
     )
-    slip_speed_m_s: float = param(0.05, "speed over which friction builds up (keeps it smooth)", gt=0.0)
+    slip_speed_m_s: float = param(0.05, "slip speed over which friction builds up smoothly", gt=0.0)
 
 
 LANDING_GEAR = dtype_of(LandingGearParams)

@@ -39,7 +39,7 @@ class Body(Hardware):
 class Part(Body):
     """A rigid part that can be jettisoned."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     shape: Shape = param(
         "none", "shape in the flow while this is the first attached part of the list that has a shape"
     )
@@ -51,7 +51,7 @@ class Part(Body):
     )
     drag_area_m2: float = param(
         0.0,
-        "drag area once it falls alone",
+        "drag area of the part after separation",
         status="estimate",
         ge=0.0,
         usual=(0, 200, "parts of such a vehicle"),
@@ -61,7 +61,7 @@ class Part(Body):
 class Tank(Body):
     """The propellant of a tank; the tank itself is a piece of the lander."""
 
-    name: Key = param(REQUIRED, "name that engines and thrusters call it by", record=False)
+    name: Key = param(REQUIRED, "name in draws_from of engines and thrusters", record=False)
     mass_kg: float = param(
         REQUIRED,
         "propellant loaded at entry interface",
@@ -163,8 +163,8 @@ def lander_dry(
 def loaded(
     params: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...], attached: tuple[Part, ...]
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with full
-    ``tanks`` and the ``attached`` ones of its ``parts``.
+    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with full ``tanks``
+    and the ``attached`` parts; ``parts``: all that there are.
     """
     mass, tensor, centre = lander_dry(params, parts, tanks)
     bodies = [(mass, np.asarray(centre), tensor)]

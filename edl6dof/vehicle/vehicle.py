@@ -41,12 +41,12 @@ class MeshFileParams(Hardware):
 
     file: str = param(
         REQUIRED,
-        "glTF 2.0 (.glb, or .gltf with all inside) or STL (.stl), relative to the file that names it",
+        "glTF 2.0 (.glb, or self-contained .gltf) or STL (.stl), relative to the file that names it",
         record=False,
         min_length=1,
     )
     part: Key | None = param(
-        None, "part that it shows and leaves with; none: all that is not a part", record=False
+        None, "part that the mesh shows; none: the vehicle without its parts", record=False
     )
     scale: float = param(1.0, "metres per unit of the file", record=False, gt=0.0, le=1e4)
     origin_m: Vec3 = param((0.0, 0.0, 0.0), "position in B of the origin of the file", record=False)
@@ -257,7 +257,7 @@ class VehicleParams(Hardware):
 
     @property
     def own_engines(self) -> list[EngineParams]:
-        """Engines with a nozzle of their own: not the one that is made of thrusters."""
+        """Engines with a nozzle of their own, without an engine that is made of thrusters."""
         return [engine for engine in self.engines if engine.model != THRUSTER_SET.name]
 
     @property

@@ -33,7 +33,9 @@ class DtmParams(Params):
     file: str = param(
         "", "ESRI ASCII grid (.asc) or GeoTIFF (.tif), an absolute path; empty for none", record=False
     )
-    reach_m: float = param(1000.0, "from the site to the edges of the square", record=False, ge=10.0, le=50e3)
+    reach_m: float = param(
+        1000.0, "distance from the site to the edges of the square", record=False, ge=10.0, le=50e3
+    )
     coordinates: Literal["site_metres", "degrees"] = param(
         "site_metres",
         "coordinates of an ASCII grid: m east and north of the site, or deg of longitude and latitude",
@@ -117,7 +119,7 @@ def read_dtm(source: DtmFile) -> np.void:
     Raises:
         OSError: the file cannot be read.
         ValueError: the file is no grid of heights, or does not cover the square.
-        ModuleNotFoundError: it is a GeoTIFF, and rasterio is not installed.
+        ModuleNotFoundError: the file is a GeoTIFF, and rasterio is not installed.
     """
     path, square = source.file.path, source.square
     away = np.linspace(-square.reach, square.reach, NODES)
@@ -237,7 +239,9 @@ def _window(name: str, data: Any, x: np.ndarray, y: np.ndarray) -> Raster:
 
 
 def _sampled(name: str, raster: Raster, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Heights of a raster at places in its coordinates: bilinear, means of blocks where it is finer."""
+    """Heights of a raster at places in its coordinates: bilinear; of block means where the raster is finer
+    than the places.
+    """
     skip = max(int(np.ptp(x) / (NODES - 1) / abs(raster.step_x)), 1)
     if skip > 1:
         raster = _coarser(raster, skip)

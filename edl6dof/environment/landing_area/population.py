@@ -88,7 +88,7 @@ POPULATION = record(
     ("n", "i8"),  # classes
     ("exponent", "f8"),
     ("decay", "f8"),  # per m
-    ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
+    ("reach", "f8"),  # distance from the middle of a member to its edge, in diameters
     ("stands", FLAG),  # 1: members stand on the ground (rocks); 0: they change its shape (craters)
     ("key", "i8", (MAX_CLASSES,)),
     ("smallest", "f8", (MAX_CLASSES,)),  # m
@@ -172,7 +172,7 @@ def size_of_member(population, k, bits, n):
 
 class Law(NamedTuple):
     """A population: amount, exponent and decay (per m) of its number per m2 and m of diameter; smallest and
-    largest diameter (m); and from the middle of a member to where it ends, in its diameters.
+    largest diameter (m); and distance from the middle of a member to its edge, in diameters.
     """
 
     amount: float

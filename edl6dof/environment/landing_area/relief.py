@@ -48,7 +48,7 @@ class LandingAreaParams(Params):
         "none", "generated: fractal relief, craters and rocks, different in each case"
     )
     extent_m: float = param(
-        20e3, "distance from the site, north and east, up to which it reaches", gt=FADE, le=100e3
+        20e3, "distance from the site, north and east, to the edge of the relief", gt=FADE, le=100e3
     )
     cell_m: float = param(0.1, "distance of the nodes of its lattice", ge=0.05, le=1.0)
     hurst: float = param(

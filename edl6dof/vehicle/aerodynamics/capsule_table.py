@@ -106,8 +106,8 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
     """Gather the inputs of the table of a capsule, in a gas of this ratio of specific heats behind the shock.
 
     Raises:
-        ValueError: there is no such static table.
-        OSError: it cannot be read.
+        ValueError: there is no static table of this name.
+        OSError: the table cannot be read.
     """
     made = capsule.coefficients == "newtonian"
     content = b"" if made else read_regular(_existing(capsule.static_table))

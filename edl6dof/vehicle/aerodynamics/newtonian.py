@@ -167,8 +167,8 @@ def surface_integrals(
 
 
 def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: float) -> np.ndarray:
-    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of 1 on the windward surface; a pressure
-    coefficient of 1 on the leeward surface has the opposite ones.
+    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of 1 on the windward surface; one on the
+    leeward surface alone gives the opposite values.
     """
     area, bound = 0.25 * pi * diameter * diameter, _windward(rings, angle)[2]
     along, across = 2.0 * bound * rings.nx, 2.0 * arrays.sin(bound)
@@ -179,7 +179,7 @@ def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: 
 
 
 def _windward(rings: Rings, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """n.v = a + b cos phi of every ring at every total angle, and the azimuth up to which it is positive."""
+    """a and b of n.v = a + b cos phi, at every total angle and ring, and the azimuth up to which n.v > 0."""
     a, b = rings.nx * arrays.cos(angle)[:, None], rings.nr * arrays.sin(angle)[:, None]
     tiny = b < 1e-14
     ratio = np.where(tiny, -np.sign(a), -a / np.where(tiny, 1.0, b))
@@ -252,7 +252,7 @@ def panels_of(corners: np.ndarray) -> Panels:
 
 
 def hull_share(panels: Panels, corners: np.ndarray) -> float:
-    """Volume of the body over that of its convex hull: 1 for a convex one, whose panels shade no other."""
+    """Volume of the body over that of its convex hull: 1 for a convex body, whose panels shade no other."""
     from scipy.spatial import ConvexHull  # here: no flight needs it
 
     volume = np.sum((panels.centre - panels.centre.mean(axis=0)) * panels.normal * panels.area[:, None]) / 3.0

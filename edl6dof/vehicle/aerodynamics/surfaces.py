@@ -16,7 +16,7 @@ from edl6dof.spatial.vector import norm
 class SurfaceParams(Hardware):
     """Size, place and effectiveness of a plate that is unfolded once, such as a trim wing."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     carried_by: str | None = param(
         None, "part that it leaves with; none: it stays on the vehicle", record=False
     )

@@ -151,7 +151,7 @@ class AeroParams(Hardware):
     """Aerodynamics of the vehicle in all its configurations."""
 
     model: Literal["capsule", "constant", "none", "lift_drag", "body"] = param(
-        "capsule", "which aerodynamic model flies"
+        "capsule", "aerodynamic model that flies"
     )
     capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
     constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")

@@ -283,7 +283,7 @@ class EngineMisalignedParams(EngineFault):
 
 
 class ThrottleStuckParams(EngineFault):
-    """The throttle of the engine stays where it is; before ignition, at full thrust.  Cut-off still works."""
+    """The throttle sticks at its present level; before ignition, at full thrust.  Cut-off still works."""
 
 
 @kernel

@@ -115,7 +115,7 @@ class ImagesLostParams(InstrumentFault):
 
 
 class MirrorStuckParams(InstrumentFault):
-    """The mirror of the lidar stays where it is: all rows of a scan show the same ground."""
+    """The mirror of the lidar does not move: all rows of a scan show the same ground."""
 
     components: ClassVar[tuple[Component, ...]] = ("lidar",)
 

@@ -103,7 +103,7 @@ def run_dry(case, plant):
 
 @kernel
 def until_event(case, plant, outputs):
-    """Smallest of the event functions: positive until the first event, whichever it is."""
+    """Smallest of the event functions: positive until the first event."""
     least = min(NOT_ARMED, least_propellant(case, plant, outputs))
     least = min(least, slack(case, plant, outputs))
     return min(least, clearance(case, plant, outputs))

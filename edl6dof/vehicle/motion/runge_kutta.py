@@ -209,8 +209,8 @@ def step(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def finite(y):
-    """True if the states of the vehicle, or their derivatives, are finite; those of a canopy affect them at
-    once.
+    """True if vehicle states, or derivatives, are finite; those of a canopy need no check, as they act on
+    these.
     """
     total = 0.0
     for i in range(STATES_VEHICLE):

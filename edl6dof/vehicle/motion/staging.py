@@ -163,7 +163,7 @@ def carry_out(case, plant, number):
 
 @kernel
 def fall(case, tables, areoid, part, t, r_I, v_I):
-    """Acceleration (I) of a falling part, and its altitude; ``areoid``: as :func:`surroundings` takes it."""
+    """Acceleration (I) of a falling part, and its altitude; ``areoid``: as in :func:`surroundings`."""
     rotation = planet_rotation(case.planet, t)
     place, gas, _, air_I = surroundings(case, tables, areoid, rotation, r_I)
     g_I = add(central(case.planet.gravity, r_I), noncentral_I(case.planet, rotation, r_I))

@@ -36,13 +36,13 @@ MAX_MACH_POINTS = 16
 
 
 class MachTable(Hardware):
-    """A factor over Mach number, by its points; without points there is no table."""
+    """Points of a factor over Mach number; without points the table is not used."""
 
     mach: Annotated[list[float], Capacity(MAX_MACH_POINTS)] = param(
         None, "Mach numbers, ascending; none: no table", factory=list, max_length=MAX_MACH_POINTS
     )
     factor: Annotated[list[float], Capacity(MAX_MACH_POINTS)] = param(
-        None, "the factor at each of them, 0 to 2", factory=list, max_length=MAX_MACH_POINTS
+        None, "factor at each Mach number, 0 to 2", factory=list, max_length=MAX_MACH_POINTS
     )
 
     @model_validator(mode="after")
@@ -221,7 +221,7 @@ def reefed_inflation(params, chute, since_line_stretch):
 
 @kernel
 def reefed_efficiency(params, chute, mach):
-    """Drag over its value at low Mach number: 1, the canopy is subsonic."""
+    """Drag over its value at low Mach number: constant 1, as the canopy is subsonic."""
     return 1.0
 
 

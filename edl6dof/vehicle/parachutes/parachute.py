@@ -53,7 +53,7 @@ PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 class ParachuteParams(ParachuteChoice, Hardware):
     """Geometry, inflation, aerodynamics and suspension of a parachute, of which one flies at a time."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     diameter_m: float = param(
         REQUIRED,
         "nominal diameter; the reference area is pi/4 of its square",
@@ -89,14 +89,14 @@ class ParachuteParams(ParachuteChoice, Hardware):
     )
     line_length_m: float = param(
         REQUIRED,
-        "from the bridle confluence to the canopy with lines taut, unloaded",
+        "distance from the bridle confluence to the canopy with lines taut, unloaded",
         gt=0.0,
         usual=(0.5, 100, "one to two diameters"),
     )
     confluence_m: Vec3 = param(REQUIRED, "bridle confluence point in B, with every leg of the bridle taut")
     bridle_attachments_m: Annotated[list[Vec3], Capacity(LEGS)] = param(
         None,
-        "points in B where the three legs of the bridle begin, each as long as it is to the confluence; "
+        "points in B where the three legs of the bridle begin, of a length that reaches the confluence; "
         "none: the confluence is fixed to the vehicle",
         factory=list,
         max_length=LEGS,
@@ -182,7 +182,9 @@ SUSPENSION = record(("pack", "i8"), ("carrier", "i8"))
 
 @kernel
 def inflation(chute, since_line_stretch):
-    """Share of the full drag area at a time (s) after line stretch: none before, then as its model has it."""
+    """Share of the full drag area at a time (s) after line stretch: 0 before, then by the model of the
+    canopy.
+    """
     if not since_line_stretch > 0.0:  # not a number where the lines were never taut
         return 0.0
     return inflation_of_model(chute.model, chute, chute, since_line_stretch)

@@ -23,7 +23,7 @@ from edl6dof.vehicle.propulsion.engine_models import (
 class EngineParams(EngineChoice, Hardware):
     """A landing engine."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     group: Key | None = param(
         None, "name of a group of engines that events light and cut off together", record=False
     )
