@@ -89,7 +89,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
-    least = 2.0  # larger than any opening: no surface is commanded to open
+    least = 2.0  # above any opening: no surface was commanded to open
     for i in range(vehicle.n_surfaces):
         if plant.wing_start[i] > t:
             continue
