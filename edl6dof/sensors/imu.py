@@ -2,7 +2,7 @@
 each branch, some cycles old when they reach the flight computer.
 
 As in a real unit the accelerometers count up the integral of specific force, so that nothing between two
-readings is lost.  No noise, bias or quantisation yet; the unit sits at the centre of mass.
+readings is lost.  Without noise, bias and quantisation; the unit sits at the centre of mass.
 
 Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), chapter 11.
 """

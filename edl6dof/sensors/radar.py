@@ -64,7 +64,7 @@ class LobeParams(Params):
 
 
 class DustParams(Params):
-    """Dust that the engines raise, at full thrust just above the ground; it thins with height and thrust."""
+    """Dust that the engines raise, at full thrust just above the ground; less at height and less thrust."""
 
     height_m: float = param(10.0, "height above which there is no dust", status="estimate", ge=0.0, le=1000.0)
     speed_noise_m_s: float = param(0.3, "noise added to the speed", status="estimate", ge=0.0, le=100.0)

@@ -1,8 +1,8 @@
 """Fractal relief: two periodic tiles of noise whose spectrum is a power law, repeated without end.
 
-The fine tile has a value at every node of the lattice, the coarse one at every 16th, linear between; each
-has the wavelengths that the other has not.  Amplitudes follow the law exactly and phases are random, so that
-the mean square of height differences is that of the law for every pair of tiles.
+The fine tile has a value at every node of the lattice, the coarse one at every 16th, linear between; the two
+have no wavelength in common.  Amplitudes follow the law exactly and phases are random, so that the mean
+square of height differences is that of the law for every pair of tiles.
 Source: spectral synthesis: Saupe, in Peitgen and Saupe, The Science of Fractal Images (1988), section 2.5;
 RMS slope and Hurst exponent: Shepard et al., J. Geophys. Res. 106(E12), 32777 (2001).
 Left out: wavelengths beyond the coarse tile (819 m at a lattice of 0.1 m); its pattern repeats there.

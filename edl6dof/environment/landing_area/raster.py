@@ -78,7 +78,7 @@ def _finish_row(area, tiles, i, j, up, heights, work):
 
 @kernel
 def _share_of_node(area, i, j):
-    """Share of the relief that is left at a node."""
+    """Share of the relief at a node: 1, fading to 0 at the edge of the area."""
     return share_at(area, i * area.cell, j * area.cell)
 
 
