@@ -1,7 +1,8 @@
 """Distributions of a dispersed parameter that a campaign file may name after ``kind:``.
 
 Each turns numbers in 0..1 into values by its inverse distribution function, so that every sampling plan
-(random, Latin hypercube, Sobol) serves every distribution.  Their sources are part of their declarations.
+(random, Latin hypercube, Sobol) serves every distribution.  Sources: Johnson, Kotz and Balakrishnan 1994 and
+1995 for all but the last, Devroye 1986 for discrete values.
 """
 
 from __future__ import annotations
