@@ -5,7 +5,7 @@
 >>> flight.outcome
 'landed within limits'
 
-What the command line does, each of these functions does and returns as an object; see docs/python.md.
+Each command of the command line has a function here that returns its result as an object; see docs/python.md.
 """
 
 # ruff: noqa: E402  the current folder leaves the path before anything is imported

@@ -10,7 +10,7 @@ The families, their records and the compiled loop are made once in a process, so
 commands that fly and ``edl6dof.load`` do that for their scenario; other programs call :func:`activate`, or
 name files in ``EDL6DOF_PLUGINS``.
 
-A plugin runs with all rights of the user.  So it runs only if the user has accepted its very content
+A plugin runs with all rights of the user.  So it runs only if the user has accepted exactly its content
 (``edl6dof trust``), or it was installed with the package; where the file lies, and what names it, does not
 matter.  The bytes that were checked are the bytes that run.
 """

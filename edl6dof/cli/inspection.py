@@ -173,7 +173,7 @@ def _print_sections(found: Sequence[Value]) -> None:
 
 
 def _found(table: Sequence[Value], path: str, command: str) -> list[Value]:
-    """Return the selected values; refuse a path without any, where ``command`` lists all."""
+    """Return the values that ``path`` selects; refuse a path without any, naming the ``command`` for all."""
     if (found := select(table, path)) is None:
         near = did_you_mean(path, known_paths(table))
         raise refusal(path, f"no such parameter{near} ('{command}' lists all)")
@@ -191,7 +191,7 @@ def select(table: Sequence[Value], path: str) -> list[Value] | None:
 
 
 def _leads(parts: Sequence[str], way: Sequence[str]) -> bool:
-    """True if a path leads along another, in which ``x[]`` is any item of x, and ``<key>`` any key."""
+    """True if the path ``way`` begins with ``parts``; ``x[]`` in it is any item of x, ``<key>`` any key."""
     if not parts or not way:
         return not parts
     if way[0].endswith("[]") and parts[0].removesuffix("[]") == way[0].removesuffix("[]"):

@@ -135,7 +135,7 @@ def plot(
 
 
 def _is_folder(word: str) -> bool:
-    """True of a folder, and of a path that can be no channel."""
+    """True for a folder, and for a path that cannot be the name of a channel."""
     return "/" in word or Path(word).is_dir()
 
 

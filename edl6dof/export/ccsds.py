@@ -48,7 +48,7 @@ def parse_epoch(text: str) -> datetime:
     """Return the date and time of t = 0.
 
     Raises:
-        ValueError: there is none, or it cannot be read.
+        ValueError: the text is empty, or is no date.
     """
     if not text:
         raise ValueError("the scenario has no initial.epoch_utc, which a CCSDS message needs")

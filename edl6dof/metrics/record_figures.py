@@ -190,7 +190,7 @@ def _in_N(outputs, q, rotation, v_B):
 def hazard_figures(
     case: np.ndarray, fsw: np.void, telemetry: Telemetry, landing: dict[str, float]
 ) -> dict[str, float]:
-    """Figures of the coarse and of the fine choice, as far as they were made.
+    """Return figures of the coarse and of the fine choice of a landing spot, as far as these were made.
 
     Args:
         case: truth of the flight, shape (1,).
@@ -240,8 +240,8 @@ def _largest_rock(cases, east, north, up):
 def drift_figures(
     telemetry: Mapping[str, np.ndarray], when: Mapping[str, float], line_m: float
 ) -> dict[str, float]:
-    """Least distance of the lander from backshell and canopy after they have parted, and from hover on least
-    horizontal distance of what is above the lander.
+    """Least distance (m) of the lander from backshell and canopy after the separation; and, from hover on,
+    least horizontal distance (m) from those of them that are above the lander.
 
     The canopy is the point ``line_m`` above the backshell.  Both move on straight lines between two rows.
 
@@ -299,8 +299,8 @@ def _potential(planet, t, r_I):
 @kernel
 def _balance_errors(cases, plants):
     """Errors of energy, momentum, separations and mass.  Energy counts from rest in I at the equator of the
-    ellipsoid; its error is a share of that at the start or of the work since, whichever is larger, and that
-    of mass a share of the mass at the start.
+    ellipsoid; its error is a share of the energy at the start or of the work since, whichever is larger.  The
+    error of mass is a share of the mass at the start.
     """
     case, plant, kept, planet = cases[0], plants[0], plants[0].balance, cases[0].planet
     v, v_start = take3(plant.y, VELOCITY), take3(kept.v_I, 0)

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 #: Width of a figure across the text of an A4 page, in.
 WIDTH = 7.0
 PIXELS_PER_INCH = 1000.0 / WIDTH
-#: matplotlib's settings, which it types by a literal of all their names.
+#: Settings of matplotlib; ``Any``, because matplotlib's own type is a literal of all their names.
 STYLE: Any = {
     "font.family": "sans-serif", "font.size": 8.0, "axes.titlesize": "medium", "axes.titleweight": "bold",
     "axes.edgecolor": GREY, "axes.linewidth": 0.7, "axes.grid": True, "axes.axisbelow": True,
     "grid.color": RULE, "grid.linewidth": 0.6, "legend.frameon": False, "legend.fontsize": "medium",
     "xtick.color": INK, "ytick.color": INK, "pdf.fonttype": 42, "svg.fonttype": "none", "path.simplify": True,
 }  # fmt: skip
-#: Letters of the names along an axis beyond which they stand upright.
+#: Letters of all names along an axis beyond which the names are written vertically.
 _NAMES_IN_LINE = 60
 
 _DASHES: dict[str, Any] = {
@@ -65,7 +65,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
 
 
 def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
-    """Return the height (in) of a drawing ``letters`` wide whose panels are smaller by a factor."""
+    """Return the height (inch) of a drawing ``letters`` wide, its panels reduced by the factor ``shrink``."""
     weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
     titled = 1 if figure.share_x else figure.rows
     names = figure.entries

@@ -56,7 +56,7 @@ class View(NamedTuple):
     axes: tuple[str, str]
 
     def flat(self, places: Any) -> np.ndarray:
-        """Project places in B, shape (..., 3), m."""
+        """Project places in B, shape (..., 3), m, onto the plane of the view, shape (..., 2)."""
         return np.asarray(places, float) @ np.stack([self.right, self.up], axis=1)
 
 

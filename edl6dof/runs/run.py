@@ -77,8 +77,8 @@ class Summary(TypedDict):
 class Event(TypedDict):
     """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
 
-    The start of a phase has the name and the role of the phase, an event of the mission its milestone (empty
-    for none), a diagnosis the thruster and what was isolated.
+    The start of a phase also has the ``phase`` and its ``role``, an event of the mission its ``milestone``
+    (empty for none), a diagnosis the ``thruster`` and the kind of fault ``isolated``.
     """
 
     t_s: float
@@ -100,7 +100,7 @@ class Run(Mapping[str, np.ndarray]):
     """The telemetry columns of a run by name, read when they are asked for; and its events, summary and
     scenario.
 
-    Every file is compared with the hash of its manifest, and its types are checked, before anything of it is
+    Every file is compared with its hash in the manifest, and its types are checked, before any content is
     used.
 
     Raises:
@@ -145,7 +145,7 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
-        """Map that the lander saw and the site it chose; ``None`` of a flight without hazard detection."""
+        """Map of hazard detection and the spot chosen on it; ``None`` without hazard detection."""
         if LANDING_MAP not in self._manifest.files:
             return None
         try:
@@ -204,8 +204,8 @@ class Run(Mapping[str, np.ndarray]):
         return float(interpolate(t, self.t, self[name]))
 
     def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Return the rows between two events, shape (rows,), bool; without a bound where one is empty or did
-        not happen.
+        """Return the rows between two events, shape (rows,), bool; an empty event, or one that did not
+        happen, is no bound.
         """
         return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
@@ -213,7 +213,7 @@ class Run(Mapping[str, np.ndarray]):
         """Return a file of the folder, compared with its hash, for a program that reads it itself.
 
         Raises:
-            ConfigError: it is missing or damaged.
+            ConfigError: the file is missing or damaged.
         """
         self._manifest.read(name)
         return self.folder / name
@@ -249,7 +249,7 @@ class Run(Mapping[str, np.ndarray]):
         return file
 
     def _json(self, name: str, kind: type[Content]) -> Content:
-        """The content of a file, whose types are right."""
+        """Content of a JSON file, with its types checked."""
         try:
             return TypeAdapter(kind).validate_json(self._manifest.read(name))
         except ValidationError as error:
@@ -332,10 +332,10 @@ def write_landing_map(found: LandingMap, folder: Path) -> None:
 
 
 def read_landing_map(content: bytes) -> LandingMap:
-    """Return the landing map in the bytes of its file, of which only plain numbers are taken.
+    """Return the landing map from the bytes of its file; only arrays of plain numbers are accepted.
 
     Raises:
-        ValueError: they are no landing map.
+        ValueError: the bytes are no landing map.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:

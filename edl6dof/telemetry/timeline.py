@@ -28,7 +28,7 @@ DONE = {
 #: Milestones by action, and of a jettison by the shape of the part; see :func:`milestone`.
 MILESTONES = {"deploy": "mortar", "ignite": "ignition", "cut_off": "cut_off"}
 UNCOVERED = {"capsule": "heat_shield", "backshell": "backshell"}
-#: Milestone of an event that is none, such as the jettison of ballast or the release of a drogue.
+#: Milestone of an event that has no name of its own, such as the jettison of ballast or a drogue's release.
 NO_MILESTONE = ""
 
 #: An event: ``t_s``, ``key``, ``name`` in words, and more, such as ``phase`` and ``role``, ``milestone`` or

@@ -28,7 +28,7 @@ class Outline(NamedTuple):
         sides: of the box along x, y, z that just holds the body.
         forebody: corners of a sphere-cone's front from the nose to the shoulder.
         afterbody: corners from the shoulder to the lid.
-        lander: what comes out of it.
+        lander: kind of lander inside the entry vehicle.
     """
 
     body: BodyShape
@@ -55,7 +55,7 @@ class Outline(NamedTuple):
         return float(np.arctan2(r0 - r1, x0 - x1))
 
     def radius_at(self, x: np.ndarray) -> np.ndarray:
-        """Return the radius (m) of a sphere-cone at stations, 0 ahead of it and behind it."""
+        """Return the radius (m) of a sphere-cone at stations ``x`` (m in B), 0 ahead of it and behind it."""
         stations, radii = np.transpose([*self.forebody, *self.afterbody])
         order = np.argsort(stations, kind="stable")
         return np.interp(x, stations[order], radii[order], left=0.0, right=0.0)

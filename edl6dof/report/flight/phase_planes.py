@@ -1,7 +1,7 @@
-"""Phase planes: attitude error against rate, with the zones of the controller that flew.
+"""Phase planes: attitude error against rate, with the zones of the active controller.
 
 Borders of the zones follow from the gains of the scenario.  Error is goal minus actual and rate is actual
-minus goal, so that a controller at work runs through the first and third quadrants towards the origin.
+minus goal, so that a controlled vehicle moves through the first and third quadrants towards the origin.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ TITLES = {
     "rate_damping": "under the parachute (rate damping)",
     "thrust_vector": "powered descent (thrust vector)",
 }
-#: What green lines of a name are.
+#: Meaning of the green lines by their name, for the caption.
 _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fire"}
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Draw one figure for each controller that flew; none for a point mass."""
+    """Draw one figure for each controller that was active; none for a point mass."""
     if not has_signal(run, *(f"truth.rate_{axis}_deg_s" for axis in RATES)):
         return
     phases = run.scenario["mission"]["phases"]
@@ -69,7 +69,7 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
 
 
 def _ways(x: np.ndarray, y: np.ndarray, phases: Sequence[tuple[str, np.ndarray]]) -> list[Trace]:
-    """The path in a plane, in a colour for each phase."""
+    """Curves of the path in a plane, one colour for each phase."""
     return [
         Trace(x[rows], y[rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
         for k, (phase, rows) in enumerate(phases)
@@ -107,7 +107,7 @@ def _meanings(panels: Sequence[Panel]) -> str:
 
 
 def control_cycles(run: Run) -> np.ndarray:
-    """Return the rows (bool) in which the controller has just run; others repeat an old error."""
+    """Return the rows (bool) in which the controller has just run; other rows repeat its previous error."""
     errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
     return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))
 
@@ -115,8 +115,9 @@ def control_cycles(run: Run) -> np.ndarray:
 def control_rates(run: Run, control: str) -> list[np.ndarray]:
     """Return the rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
 
-    In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest
-    into that about the velocity and the swing of the air angles.
+    In the atmosphere the commanded attitude turns with the velocity, whose turning rate is therefore
+    subtracted. For bank to steer the rest is split into the rate about the velocity and the rates about y and
+    z of B that change the angles of attack and sideslip.
     """
     body = np.stack([run[f"truth.rate_{axis}_deg_s"] for axis in RATES])
     if control not in ("phase_plane", "bank_to_steer"):
@@ -157,12 +158,12 @@ def borders(gains: Mapping[str, Any], axis: int) -> tuple[list[Trace], list[Mark
 
 
 class Zones(NamedTuple):
-    """Borders of one axis; all of them have an image through the origin.
+    """Zone borders of one axis; each one also exists reflected through the origin.
 
     Attributes:
-        name: of the curve; empty where there is none.
-        error, rate: of the curve, deg and deg/s, shape (n,).
-        errors, rates: of straight borders, deg and deg/s, positive.
+        name: name of the curved border; empty if there is none.
+        error, rate: points of the curved border, deg and deg/s, shape (n,).
+        errors, rates: positions of the straight borders, deg and deg/s, positive.
     """
 
     name: str = ""
@@ -173,7 +174,7 @@ class Zones(NamedTuple):
 
 
 def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
-    """Return the borders of a controller for axis 0 roll, 1 pitch, 2 yaw; none for gains not known here."""
+    """Return the borders of a controller for axis 0 roll, 1 pitch, 2 yaw; empty for unknown gains."""
     zone = gains.get("roll" if axis == 0 else "pitch_yaw") or (gains.get("bank") if axis == 0 else None)
     try:
         if "deadband_deg" in gains:
@@ -191,9 +192,9 @@ def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
 
 
 def aimed_rate(zone: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
-    """Return the rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.
+    """Return the rate (deg/s) that the controller aims for at errors (deg, positive) outside the PID zone.
 
-    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
+    The rate starts with that of the PID law at the border of its zone, and grows along a parabola of constant
     deceleration.  Source: Hu et al. 2022, section 4.1.
     """
     inner = zone["proportional"] / max(zone["derivative"], 1e-9) * zone["near_deg"]
