@@ -127,7 +127,7 @@ def write_aem(stream: TextIO, about: About, columns: Columns) -> int:
     body = Rotation.from_quat(np.stack([columns[f"truth.q_I2B_{c}"] for c in "xyzw"], 1))
     quaternion = (to_inertial * body).as_quat()
     turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
-    # no jump of sign for a reader who interpolates
+    # keep the sign continuous, so that a reader can interpolate
     quaternion[1:] *= np.where(np.cumsum(turned) % 2, -1.0, 1.0)[:, None]
     numbers = [" ".join(f"{value:.12f}" for value in row) for row in quaternion]
     return _write(stream, "AEM", about, columns["t_s"], numbers)

@@ -18,7 +18,7 @@ from edl6dof.config.units import Unit, split_unit
 from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
 
 if TYPE_CHECKING:
-    from edl6dof.telemetry.columns import Telemetry  # whose kernels a report need not load
+    from edl6dof.telemetry.columns import Telemetry  # a report need not load its kernels
 
 #: Last seconds of the trim phase, in which its limit cycle is measured.
 LIMIT_CYCLE_S = 30.0
@@ -364,8 +364,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
     _F("instrument_false_alarms", "healthy instruments excluded", "exclusions"),
     _F("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
-    # a force that jumps inside a step, as where a riser pulls or a leg pushes, is known to half a step: that
-    # makes up to 1.1e-5 and 0.6 m/s in landings, against 1e-8 and 1e-4 m/s in entries
+    # the time at which a force jumps, as of a riser or a leg, is known to half a step: errors are up to
+    # 1.1e-5 and 0.6 m/s in landings, against 1e-8 and 1e-4 m/s in entries
     _F("energy_balance", "balance of energy", "balance", allowed=1e-4),
     _F("momentum_balance_m_s", "balance of momentum", "balance", allowed=2.0),
     # momentum is kept to rounding, 1e-12 m/s

@@ -101,7 +101,7 @@ _FIRST: dict[Component, int] = {
 class Exclusion:
     """An instrument that went out of use, or came back."""
 
-    component: Component  # the inertial unit for all gyros at the end of their range
+    component: Component  # inertial_unit if all gyros are at the end of their range
     instrument: str
     back: bool
     t_s: float
@@ -148,7 +148,7 @@ def exclusion_figures(
     }
     out = [one for one in found if not one.back]
     right = [one for one in out if one.t_s >= since.get((one.component, one.instrument), np.inf)]
-    # that all gyros saturate isolates none of them
+    # saturation of all gyros isolates none of them
     wrong = [one for one in out if one not in right and one.component != "inertial_unit"]
     figures = {"instrument_false_alarms": float(len(wrong))}
     if right:

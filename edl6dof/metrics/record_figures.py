@@ -205,7 +205,7 @@ def hazard_figures(
         figures["coarse_parts"] = float(coarse["parts"])
         figures["coarse_obstacles"] = float(coarse["obstacles"][coarse["part"]])
         figures["coarse_clear_m"] = float(coarse["clear"][coarse["part"]])
-    # a flight continued from a saved state has no telemetry of what was before
+    # a flight continued from a saved state has no telemetry of the time before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
         return figures
     error = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")

@@ -228,7 +228,7 @@ class Layout:
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
         views = []
         for plot in (plot for plot in pages.PAGES[page] if plot.key in self.plots):
-            # a plot that begins with powered descent shows that, on a page that has no time of its own
+            # on a page without its own time span, a plot that begins with powered descent shows that span
             time = pages.POWERED if plot.since == "backshell" and page not in self.spans else page
             views.append(self._plot(plot.key, _title(plot), time, len(plot.channels) > 1))
         columns = 3 if len(views) > 8 else columns

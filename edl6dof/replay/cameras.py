@@ -156,7 +156,7 @@ def steady(motion: Motion, kept: Spheres) -> Spheres:
     shift, width = kept.centre - motion.centre, _rows_of_change(motion.t)
     calm = blend(motion.t, shift)
     needed = kept.radius + np.linalg.norm(calm - shift, axis=-1)
-    # no mean of the largest radii around a row is less than the row's own
+    # the mean of the largest radii around a row is at least the row's own radius
     largest = maximum_filter1d(needed, width, mode="nearest")
     return Spheres(motion.centre + calm, np.exp(uniform_filter1d(np.log(largest), width, mode="nearest")))
 
@@ -277,7 +277,7 @@ def _above_ground(
     elevation: np.ndarray,
 ) -> np.ndarray:
     """Places of the eye (m in L); its elevation is increased where it would be under the ground."""
-    for _ in range(4):  # the ground is another one where the eye then is
+    for _ in range(4):  # the eye moves, and so does the ground below it
         flat = np.cos(elevation)
         way = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=-1)
         eye = centre + distance[:, None] * turns.rotate(level, way)

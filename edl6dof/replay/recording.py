@@ -81,10 +81,10 @@ def write_replay(
             part.statics()
         if ensemble is not None:
             write_ensemble(recording, ensemble)
-        recording.flush()  # or the viewer would find them at the end of the file
+        recording.flush()  # otherwise the viewer would find them at the end of the file
         for part in parts:
             part.motions()
-            recording.flush()  # or it would hold all of them at once
+            recording.flush()  # otherwise it would keep all of them in memory
     pa.default_memory_pool().release_unused()
 
 

@@ -271,7 +271,7 @@ def encoder() -> str:
     """
     found = shutil.which("ffmpeg")
     if found is None and find_spec("imageio_ffmpeg") is not None:
-        with suppress(RuntimeError):  # the package came without a program for this machine
+        with suppress(RuntimeError):  # the package contains no program for this machine
             found = str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
     if found is None:
         raise NoFilm(

@@ -43,7 +43,7 @@ _SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X"
 
 def write_figure(figure: Figure, path: Path) -> None:
     """Write one figure in the format that the suffix of the path names."""
-    with own_style():  # of which some settings act only now
+    with own_style():  # some of the settings act only when a figure is saved
         matplotlib_figure(figure).savefig(path, dpi=200)
 
 
@@ -94,7 +94,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
         else:
             axes.tick_params(labelbottom=False)
     if figure.entries:
-        shown: Any = named.values()  # containers of bars too, which matplotlib's types leave out
+        shown: Any = named.values()  # may be containers of bars, which matplotlib's types omit
         canvas.legend(shown, named.keys(), loc="outside lower left", ncols=_entries_in_line(named, letters))
 
 

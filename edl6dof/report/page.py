@@ -282,7 +282,7 @@ def _trace(trace: Trace, number: str, shown: bool, placed: Sequence[Side]) -> di
     else:
         line: dict[str, Any] = {"color": trace.colour, "width": trace.width, "dash": trace.dash}
         line |= {"simplify": False} | ({"shape": "hv"} if trace.kind == "steps" else {})
-        unseen = {"size": 9, "opacity": 0}  # keeps the words off the line
+        unseen = {"size": 9, "opacity": 0}  # invisible marker: space between label and line
         found |= {"mode": "lines+markers" if trace.labels else "lines", "line": line, "marker": unseen}
     if trace.kind == "region":
         found |= {"fill": "toself", "fillcolor": f"{trace.colour}22", "hoverinfo": "skip"}

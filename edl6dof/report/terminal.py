@@ -100,7 +100,9 @@ def timeline_table(flight: Flight) -> Table:
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        number = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
+        number = (
+            f"{mach:.2f}" if math.isfinite(mach) and not landed else ""
+        )  # on the ground it is that of the wind
         cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", number
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table

@@ -53,7 +53,7 @@ def atomic_file(target: Path, force: bool, made_from: Path | None = None) -> Ite
         ConfigError: ``target`` exists and must not be replaced, or it cannot be written.
     """
     refuse_existing_file(target, force, made_from)
-    # keeps the suffix, by which writers choose a format
+    # keep the suffix, from which writers choose the format
     partial = target.parent / f".{os.getpid()}.{target.name}"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -164,7 +164,7 @@ def atomic_folder(target: Path, kind: Kind, force: bool) -> Iterator[Path]:
         with _swapped(Path(os.path.realpath(target))) as folder:
             yield folder
             seal(folder, kind)
-            # another run may have finished meanwhile, or something been put there
+            # another run may have finished meanwhile, or a file been put there
             _refuse_existing(target, kind, force)
     except OSError as error:
         raise refusal(target, f"cannot be written: {error.strerror or error}") from None

@@ -177,7 +177,7 @@ class Run(Mapping[str, np.ndarray]):
         if name not in self._columns:
             if name not in self:
                 raise UnknownName("channel", name, self)
-            # to_numpy of arrow would import pandas, a tenth of a second
+            # arrow's to_numpy would import pandas, which takes a tenth of a second
             parts = [np.from_dlpack(part) for part in self._file.read([name]).column(0).chunks]
             self._columns[name] = np.concatenate(parts)
         return self._columns[name]
@@ -225,7 +225,7 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def _schema(self) -> Any:
-        return self._file.schema_arrow  # which makes it anew each time
+        return self._file.schema_arrow  # each access builds the schema: keep it
 
     @cached_property
     def _columns(self) -> dict[str, np.ndarray]:
@@ -317,7 +317,7 @@ def write_telemetry(flight: Flight, path: Path) -> None:
         for start in range(0, rows, ROW_GROUP):
             given = flight.telemetry.rows(start, start + ROW_GROUP).values()
             columns = [np.ascontiguousarray(values, float) for values in given]
-            # from their memory as it is: pa.array would import pandas, where that is installed
+            # wrap the memory directly: pa.array would import pandas, if that is installed
             part = [
                 pa.Array.from_buffers(pa.float64(), len(one), [None, pa.py_buffer(one)]) for one in columns
             ]

@@ -188,7 +188,7 @@ def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
     }
 
 
-# looked up many times for every flight
+# computed once, because every access of a column reads them
 _PLACES, _BRIEF_PLACES = _places(CHANNELS), _places(BRIEF_CHANNELS)
 
 IN_USE, SATURATED, EXCLUDED = "in use", "saturated", "excluded"

@@ -20,11 +20,11 @@ class LandingMap(NamedTuple):
 
     cell_m: np.ndarray  # side of a cell
     corner_m: np.ndarray  # south-west corner of the map, east and north, shape (2,)
-    elevation_m: np.ndarray  # mean elevation above the ground below the hover, as navigated, shape (n, n)
+    elevation_m: np.ndarray  # navigated mean elevation above the ground below the hover, shape (n, n)
     slope_deg: np.ndarray  # slope of the footprint around each cell; nan if not all of the footprint is known
     roughness_m: np.ndarray  # largest distance of a cell from the plane of the footprint, nan as the slope
     cell_class: np.ndarray  # index in CELL_CLASSES: safe, edge (not all known), slope, rock
-    probability: np.ndarray  # that slope and roughness are within limits; an upper bound for unsafe cells
+    probability: np.ndarray  # that slope and roughness are within limits; an upper bound where they are not
     clearance_m: np.ndarray  # distance from the nearest cell that is not safe
     hover_m: np.ndarray  # where the scan began: east, north, and height above the map's level, shape (3,)
     spot_m: np.ndarray  # spot that was chosen, east and north, shape (2,)

@@ -249,7 +249,7 @@ def laid_out(plane: Screen, craft: float, labels: list[Label]) -> tuple[np.ndarr
     for k, label in enumerate(labels):
         size = np.linalg.norm(label.end, axis=-1, keepdims=True)
         way = np.where(size > 1e-3 * craft, label.end / np.maximum(size, 1e-9), [0.0, 1.0])
-        # the middle of the box as far beyond the end as the box reaches that way
+        # distance from the end to the box's middle: the box's extent in that direction
         beyond = np.min(boxes[k] / np.maximum(np.abs(way), 1e-3), axis=-1, keepdims=True)
         # boxes are wider than high: they pass each other above and below
         aside = np.where(way >= 0.0, 1.0, -1.0) * np.maximum(np.abs(way) * [0.4, 1.0], [0.0, 0.6])

@@ -82,7 +82,7 @@ class Ground(Recorder):
         self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith)))
         if (sun := self.motion.site.sun) is not None and sun[2] > 0.0:
             self.at(self.t[rows[0]], "site/sky/sun", self.mesh(disc(0.97 * sun, sun, _SUN_SIZE, SUNLIGHT)))
-        # beyond the farthest ground that is seen from where there is a sky
+        # radius beyond the horizon of the highest place with a sky
         reach = 1.5 * np.sqrt(look.sky_top_m * (2.0 * self.motion.site.radius + look.sky_top_m))
         self.poses("site/sky", self.t[rows], self.motion.centre[rows], scale=np.full((len(rows), 3), reach))
         bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)

@@ -63,7 +63,7 @@ class Landscape:
         self._radius = np.geomspace(1.5, _FAR * pi * site.radius, RINGS)
         turn = np.linspace(0.0, 2.0 * pi, SPOKES, endpoint=False)
         self._cos, self._sin = np.cos(turn), np.sin(turn)
-        # from the touchdown
+        # relative to the touchdown, m
         self._east, self._north = self._radius[:, None] * self._cos, self._radius[:, None] * self._sin
         spacing = self._radius * 2.0 * pi / SPOKES
         shade, ripples = _waves(self._random, self._east, self._north, spacing[:, None])
@@ -161,7 +161,9 @@ class Landscape:
         """Height (m) of craters at the vertices, as many of each size class as the mesh can show."""
         height = np.zeros_like(self._east)
         for diameter in np.geomspace(1.2, 3e4, 40):
-            outer = min(diameter / 0.09, self._radius[-1])  # beyond, the mesh is too coarse for them
+            outer = min(
+                diameter / 0.09, self._radius[-1]
+            )  # beyond this radius the mesh is too coarse for them
             count = min(int(_COVER * outer**2 / (0.25 * diameter**2)), 90)
             distance = outer * np.sqrt(self._random.uniform(0.0, 1.0, count))
             turn = self._random.uniform(0.0, 2.0 * pi, count)

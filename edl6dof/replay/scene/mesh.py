@@ -124,7 +124,7 @@ def grid_triangles(rows: int, columns: int) -> np.ndarray:
 
 
 def pole_triangles(rows: int, columns: int) -> list[np.ndarray]:
-    """Return two fans of triangles: from poles, numbered after a grid's vertices, to its first and last row."""
+    """Return two fans of triangles: from poles, numbered after the grid's vertices, to its end rows."""
     here, ahead = np.arange(columns), (np.arange(columns) + 1) % columns
     ends = ((rows * columns, 0), (rows * columns + 1, (rows - 1) * columns))
     return [np.stack([np.full(columns, pole), first + here, first + ahead], axis=-1) for pole, first in ends]

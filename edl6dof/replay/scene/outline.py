@@ -141,7 +141,7 @@ def _forebody(vehicle: VehicleParams) -> list[Corner]:
         (look.nose_x_m - nose * (1.0 - cos(a)), max(nose * sin(a), 1e-4)) for a in np.linspace(0.0, cone, 7)
     ]
     corners = [(look.nose_x_m - nose * (1.0 - cos(cone)), nose * sin(cone))]
-    if own and capsule.forebody_break_radius_m is not None:  # the first cone of a biconic one
+    if own and capsule.forebody_break_radius_m is not None:  # the first cone of a biconic capsule
         (x, r), r_break = corners[0], capsule.forebody_break_radius_m
         corners.append((x - (r_break - r) * tan(cone), r_break))
         cone = radians(90.0 - stated(capsule.forebody_second_cone_angle_deg))

@@ -93,7 +93,7 @@ class Hazards(Recorder):
             ways = np.array([cell_direction(tangent, SCAN_COLUMNS, line, j) for j in columns])
             rays = turns.rotate(turn, ways)
             ends = start + rays * ((self.motion.height[row] / -rays[:, 2])[:, None])
-            # the ground where each ends, not the one straight below
+            # the ground at the end of each ray, not straight below the vehicle
             ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]
             strips.append(np.stack([np.broadcast_to(start, ends.shape), ends], axis=1))
         entity, data = "site/hazards/rays", {"strips": np.concatenate(strips)}

@@ -50,7 +50,9 @@ def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
 def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
     """Draw a stack at some rows; ``words``: texts for the names in the caption."""
     panels: list[Panel] = []
-    same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
+    same = (
+        len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1
+    )  # the figure's title names the quantity
     for plot in stack.plots:
         plot = plot._replace(title=plot.title.partition(", ")[2] or plot.title) if same else plot
         own = run.between(stack.since or plot.since, stack.until or plot.until)
@@ -62,7 +64,7 @@ def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **
         shown = np.zeros(len(run.t), bool)
         shown[rows] = own[rows]
         panel = over_time(run, plot, shown)
-        if panel is not None and len(panel.traces) == 1:  # its axis says what it is
+        if panel is not None and len(panel.traces) == 1:  # the axis title names the curve
             colour = SERIES[len(panels) % len(SERIES)]
             panel = replace(panel, traces=[replace(panel.traces[0], colour=colour, name="")])
         panels += [] if panel is None else [panel]

@@ -72,7 +72,7 @@ def landing_site(run: Run) -> Figure:
     panels.append(site_panel(traces, unit="km", title="from the parachute on"))
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
-    near = target if away < 2.0 * reach else []  # else there were nothing else to be seen
+    near = target if away < 2.0 * reach else []  # a farther target would shrink everything else
     traces = [_part(run, "backshell"), _track(run, last), *near, _events(run, {"touchdown": "touchdown"})]
     panels.append(site_panel(traces, title="powered descent"))
     landed, caption = run.summary["figures"], ""

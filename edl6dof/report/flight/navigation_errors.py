@@ -88,7 +88,7 @@ def at_moments(run: Run) -> Table:
 
 def _bounded(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     t = run.when[key]
-    if key == "touchdown":  # a reading earlier: where contact shakes the vehicle, it has not seen that yet
+    if key == "touchdown":  # one row earlier, without the shock of the contact
         t = float(run.t[max(int(np.searchsorted(run.t, t)) - 1, 0)])
     return f"{run.at(error, t):{form}} ± {plots.BOUND * run.at(sigma, t):{form}}"
 

@@ -51,13 +51,13 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
     for axis, name in enumerate(AXES):
         error = run[f"control.error_{name}_deg"]
         if axis > 0 and not any(np.median(np.abs(error[rows])) > 0.0 for _, rows in phases):
-            continue  # damped only: shown in the plane of the two rates below
+            continue  # only damped: its rate is in the plane of rates below
         traces = _ways(error, rates[axis], [(phase, rows & cycles) for phase, rows in phases])
         word = "bank" if control == "bank_to_steer" and axis == 0 else name
         lines, marks = borders(gains, axis)
         zero = [Mark(across, 0.0, colour=AXIS, dash="solid") for across in ("x", "y")]
         panels.append(_plane((f"{word} error", "deg"), f"{word} rate", traces, marks, lines, zero))
-    if len(panels) == 1:  # yaw against pitch rate, with the rates that the controller leaves alone
+    if len(panels) == 1:  # add the plane of yaw rate over pitch rate
         marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
         panels.append(_plane(("pitch rate", "deg/s"), "yaw rate", _ways(rates[1], rates[2], phases), marks))
     caption = (
@@ -185,7 +185,7 @@ def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
             near, far = zone["near_deg"], zone["far_deg"]
             error = np.concatenate([np.linspace(near, far, 60), [far * 1.0001, 180.0]])
             return Zones(AIMED_FOR, error, aimed_rate(zone, error), (near, far), (1.15 * zone["rate_deg_s"],))
-    except KeyError:  # other gains under known names: no borders rather than wrong ones
+    except KeyError:  # unknown gains under known names: no borders
         return Zones()
     found = ([gains[name]] if name in gains else [] for name in ("angle_limit_deg", "rate_deadband_deg_s"))
     return Zones("", np.empty(0), np.empty(0), *map(tuple, found))
