@@ -59,7 +59,7 @@ def days_since_j2000(utc: datetime) -> float:
     """Return days of dynamical time since 2000-01-01 12:00 TDB; TDB is taken as TT, 2 ms off at most.
 
     Raises:
-        ValueError: the date lies before leap seconds.
+        ValueError: the date lies before leap seconds were introduced (1972).
     """
     steps = sum(first <= utc for first in LEAP_SECONDS)
     if not steps:
@@ -71,7 +71,7 @@ def icrf_to_fixed(orientation: OrientationParams, utc: datetime) -> np.ndarray:
     """Return the matrix, shape (3, 3), that turns ICRF components into planet-fixed ones at a date.
 
     Raises:
-        ValueError: the date lies before leap seconds.
+        ValueError: the date lies before leap seconds were introduced (1972).
     """
     from scipy.spatial.transform import Rotation
 

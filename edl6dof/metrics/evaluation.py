@@ -39,7 +39,7 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """True if the limit is kept; NaN does not keep it."""
+        """True if the value is within the limit; NaN is not."""
         return bool(self.value <= self.limit)
 
     @property

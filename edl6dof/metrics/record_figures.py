@@ -44,8 +44,8 @@ def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     thrust axis from the vertical, as a rotation vector in B.
 
     Args:
-        cases: the truth of the flight, shape (1,).
-        plants: its plant, shape (1,).
+        cases: true parameters of the flight (``CASE``), shape (1,).
+        plants: state of its plant, shape (1,).
     """
     if not isfinite(plants["touchdown_time"][0]):
         return {}
@@ -193,7 +193,7 @@ def hazard_figures(
     """Return figures of the coarse and of the fine choice of a landing spot, as far as these were made.
 
     Args:
-        case: truth of the flight, shape (1,).
+        case: true parameters of the flight (``CASE``), shape (1,).
         fsw: final memory of the flight software.
         telemetry: its rows.
         landing: figures of the touchdown.
@@ -283,8 +283,8 @@ def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     """Errors of the balance of energy, of momentum, also at separations alone, and of mass.
 
     Args:
-        cases: the truth of the flight, shape (1,).
-        plants: its plant, shape (1,).
+        cases: true parameters of the flight (``CASE``), shape (1,).
+        plants: state of its plant, shape (1,).
     """
     return from_si("balance", _balance_errors(cases, plants))
 

@@ -71,7 +71,7 @@ class Cameras(Recorder):
             self.static(f"{self.root}/camera/name", self.point(place, self.label, self.own, 2.0))
 
     def motions(self) -> None:
-        """Write the frames of the cameras, and the bar."""
+        """Write the frames of the cameras, and the scale bar."""
         motion, turn = self.motion, facing(self.motion)
         self.poses(f"{self.root}/near", self.t, motion.centre)
         kept = steady(motion, together(motion))

@@ -109,7 +109,7 @@ def timeline_table(flight: Flight) -> Table:
 
 
 def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
-    """Tabulate figures next to the published ones; ``own``: heading of the column of our figures."""
+    """Tabulate figures next to the published ones; ``own``: heading of the column of the flight's figures."""
     spread = any(row.sigmas for row in rows)
     heads = ["figure", "unit", f"{own}>", "published>", "difference>", *(["sigma>"] if spread else [])]
     table = open_table(title, *heads)

@@ -45,7 +45,7 @@ _EXACT = ConfigDict(strict=True, allow_inf_nan=False)
 
 @with_config(_EXACT)
 class Limit(TypedDict):
-    """One limit of the scenario with the flight's value, in ``unit``; null where it could not be formed."""
+    """One limit of the scenario with the flight's value, in ``unit``; null if the flight has no value."""
 
     name: str
     value: float | None
@@ -97,7 +97,7 @@ class Event(TypedDict):
 
 
 class Run(Mapping[str, np.ndarray]):
-    """The telemetry columns of a run by name, read when they are asked for; and its events, summary and
+    """The telemetry columns of a run by name, each read at its first access; and events, summary and
     scenario.
 
     Every file is compared with its hash in the manifest, and its types are checked, before any content is
@@ -259,7 +259,7 @@ class Run(Mapping[str, np.ndarray]):
 
 
 def write_run(flight: Flight, folder: Path) -> None:
-    """Write the files that hold the numbers of a flight into ``folder``, which exists."""
+    """Write the files with the numbers of a flight into ``folder``, which must exist."""
     (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
     write_telemetry(flight, folder / TELEMETRY)
     (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
@@ -294,7 +294,7 @@ def summary(flight: Flight) -> dict[str, Any]:
 
 
 def write_telemetry(flight: Flight, path: Path) -> None:
-    """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
+    """Write all telemetry columns as Parquet, with unit and meaning in the metadata of each column."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

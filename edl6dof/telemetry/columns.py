@@ -75,7 +75,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         return (table[:, 0] + share * (table[:, 1] - table[:, 0])).tolist()
 
     def length_at(self, t: float, *names: str) -> float:
-        """Length of the vector of some channels at time ``t`` (s), as :meth:`at` gives them."""
+        """Length of the vector of some channels at time ``t`` (s), interpolated as by :meth:`at`."""
         return float(lengths(np.array(self.at(t, *names))))
 
     def largest(self, *names: str) -> float:
