@@ -197,7 +197,7 @@ class Motion:
         return self.centre[-1]
 
     def released(self, place: np.ndarray) -> int | None:
-        """Return the row of the release of a discarded part, whose places (m in L) are finite from then on."""
+        """Return the row of the release of a discarded part, whose places (m in L) are finite from then."""
         rows = np.flatnonzero(np.isfinite(place[:, 0]))
         return int(rows[0]) if len(rows) else None
 
