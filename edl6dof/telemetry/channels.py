@@ -55,7 +55,7 @@ _SUM = "the sum of 2 to the power of the index of each"
 # fmt: off
 CHANNELS: tuple[Channel, ...] = (
     Channel("truth.altitude_m", "height above the reference ellipsoid", brief=True),
-    Channel("truth.height_above_areoid_m", "height above the areoid, by which the air varies", brief=True),
+    Channel("truth.height_above_areoid_m", "height above the areoid, on which the air depends", brief=True),
     Channel("truth.elevation_m", "height above the areoid of the ground below the vehicle"),
     Channel("truth.height_m", "height above the ground", brief=True),
     Channel("truth.latitude_deg", "geodetic latitude", brief=True),
