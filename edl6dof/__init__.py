@@ -5,7 +5,7 @@
 >>> flight.outcome
 'landed within limits'
 
-What the command line does, each of these functions does and returns as an object; see docs/python.md.
+Each command of the command line has a function here that returns its result as an object; see docs/python.md.
 """
 
 # ruff: noqa: E402  the current folder leaves the path before anything is imported
@@ -16,7 +16,7 @@ import sys
 
 _STARTED_HERE = sys.argv[:1] == ["-m"] and "edl6dof" in sys.orig_argv and not sys.flags.safe_path
 if _STARTED_HERE and __path__[0].removesuffix("edl6dof")[:-1] != sys.path[0]:
-    del sys.path[0]  # the current folder, of ``python -m edl6dof``: it may hold a yaml.py of somebody else's
+    del sys.path[0]  # the current folder, of ``python -m edl6dof``: it may contain another person's yaml.py
 
 from importlib import import_module
 from types import ModuleType
@@ -86,7 +86,12 @@ _MODULES = {
     "fly_rows": "edl6dof.campaign.executor",
 }
 
-for _function in (campaign, replay, report, verify):  # packages, once imported, replace these functions
+for _function in (
+    campaign,
+    replay,
+    report,
+    verify,
+):  # importing a package of this name would replace the function
     _package = import_module(f"edl6dof.{_function.__name__}")
     _package.__class__ = type("Package", (ModuleType,), {"__call__": staticmethod(_function)})
     vars(_package).update(__doc__=_function.__doc__, __wrapped__=_function)

@@ -277,7 +277,9 @@ def landing_figure(
     law: str,
     own: tuple[np.ndarray, np.ndarray],
 ) -> Figure:
-    """Path, thrust, tilt, rate of the designed landing (times, states, controls) and of the law's own."""
+    """Draw path, thrust, tilt and rate of the ``designed`` landing (times, states, controls) and of the
+    flight with the scenario's ``law``.
+    """
     t, x, u = designed
 
     time = Axis("time from ignition (s)")

@@ -175,7 +175,7 @@ def _filled(template: str, values: Mapping[str, str]) -> str:
 
 
 def _write_plugin(shipped: str, name: str, force: bool) -> None:
-    """Write a shipped plugin, which may run, and its scenario under another name."""
+    """Write a shipped plugin and its scenario under another name, and record the consent to run it."""
     from edl6dof.config.document.locate import find_shipped
     from edl6dof.config.plugin_files import accept
 

@@ -143,7 +143,7 @@ def examples(command: str) -> str:
 
 
 class Command(TyperCommand):
-    """A command whose help calls an argument as its reader does: ``RUN``, and not ``{RUN} <list[Path]>``."""
+    """A command whose help shows an argument as ``RUN``, and not as ``{RUN} <list[Path]>``."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the words behind ``Usage: edl6dof NAME``."""
@@ -226,7 +226,7 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
     """Check before anything is computed that a file, if one is named, has a known form and can be written.
 
     Raises:
-        ConfigError: it has another form, or exists.
+        ConfigError: the file has another form, or exists.
     """
     from edl6dof.runs.files import refuse_existing_file
 
@@ -241,7 +241,7 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
 def refusing_damage(*folders: Path) -> Iterator[None]:
     """Turn any error while results are read and shown into one line.
 
-    Files are checked when they are read; this is for a folder made up to pass those checks.
+    Files are checked when they are read; this covers a folder that was forged to pass those checks.
 
     Raises:
         ConfigError: names the line of this program that failed.

@@ -57,7 +57,7 @@ def replay(
     """
     if tour and page not in ("", "Tour"):
         raise refusal("--tour", f"is the page Tour; --page names {page}")
-    if runs[0].is_dir():  # the plugins of a campaign, before anything that they must join
+    if runs[0].is_dir():  # load a campaign's plugins before the families that they join
         functions.activate(runs[0])
     from edl6dof.replay.viewer import NoFilm, ViewerFailed
 
@@ -135,7 +135,7 @@ def plot(
 
 
 def _is_folder(word: str) -> bool:
-    """True of a folder, and of a path that can be no channel."""
+    """True for a folder, and for a path that cannot be the name of a channel."""
     return "/" in word or Path(word).is_dir()
 
 
@@ -158,7 +158,7 @@ def compare(
     every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
     success, and every figure with a significant difference.
     """
-    with suppress(ConfigError):  # of the first flight, whose neighbours are flown; they must be accepted
+    with suppress(ConfigError):  # plugins of the first flight, whose neighbours are flown
         functions.activate(first / "scenario.yaml")
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
 

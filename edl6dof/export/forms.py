@@ -46,7 +46,7 @@ def export_text(folder: Path, form: str) -> str:
     """Return the telemetry of a run in a text format.
 
     Raises:
-        ConfigError: the form is none.
+        ConfigError: the form is no text format.
     """
     if form in ("mat", "nc"):
         raise refusal("-", f"the form {form} is no text; name a file")

@@ -46,7 +46,7 @@ _EXACT = ConfigDict(strict=True, allow_inf_nan=False)
 
 @with_config(_EXACT)
 class Limit(TypedDict):
-    """One limit of the scenario with the flight's value, in ``unit``; null where it could not be formed."""
+    """One limit of the scenario with the flight's value, in ``unit``; null if the flight has no value."""
 
     name: str
     value: float | None
@@ -78,8 +78,8 @@ class Summary(TypedDict):
 class Event(TypedDict):
     """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
 
-    The start of a phase has the name and the role of the phase, an event of the mission its milestone (empty
-    for none), a diagnosis the thruster and what was isolated.
+    The start of a phase also has the ``phase`` and its ``role``, an event of the mission its ``milestone``
+    (empty for none), a diagnosis the ``thruster`` and the kind of fault ``isolated``.
     """
 
     t_s: float
@@ -135,7 +135,7 @@ class Run(FlightColumns):
     """The telemetry columns of a run by name, read when they are asked for; and its events, summary and
     scenario.
 
-    Every file is compared with the hash of its manifest, and its types are checked, before anything of it is
+    Every file is compared with its hash in the manifest, and its types are checked, before any content is
     used.
 
     Raises:
@@ -185,7 +185,7 @@ class Run(FlightColumns):
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
-        """Map that the lander saw and the site it chose; ``None`` of a flight without hazard detection."""
+        """Map of hazard detection and the spot chosen on it; ``None`` without hazard detection."""
         if LANDING_MAP not in self._manifest.files:
             return None
         try:
@@ -207,7 +207,7 @@ class Run(FlightColumns):
         if name not in self._columns:
             if name not in self:
                 raise UnknownName("channel", name, self)
-            # to_numpy of arrow would import pandas, a tenth of a second
+            # arrow's to_numpy would import pandas, which takes a tenth of a second
             parts = [np.from_dlpack(part) for part in self._file.read([name]).column(0).chunks]
             self._columns[name] = np.concatenate(parts)
         return self._columns[name]
@@ -233,7 +233,7 @@ class Run(FlightColumns):
         """Return a file of the folder, compared with its hash, for a program that reads it itself.
 
         Raises:
-            ConfigError: it is missing or damaged.
+            ConfigError: the file is missing or damaged.
         """
         self._manifest.read(name)
         return self.folder / name
@@ -245,7 +245,7 @@ class Run(FlightColumns):
 
     @cached_property
     def _schema(self) -> Any:
-        return self._file.schema_arrow  # which makes it anew each time
+        return self._file.schema_arrow  # each access builds the schema: keep it
 
     @cached_property
     def _columns(self) -> dict[str, np.ndarray]:
@@ -269,7 +269,7 @@ class Run(FlightColumns):
         return file
 
     def _json(self, name: str, kind: type[Content]) -> Content:
-        """The content of a file, whose types are right."""
+        """Content of a JSON file, with its types checked."""
         try:
             return TypeAdapter(kind).validate_json(self._manifest.read(name))
         except ValidationError as error:
@@ -279,7 +279,7 @@ class Run(FlightColumns):
 
 
 def write_run(flight: Flight, folder: Path) -> None:
-    """Write the files that hold the numbers of a flight into ``folder``, which exists."""
+    """Write the files with the numbers of a flight into ``folder``, which must exist."""
     (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
     write_telemetry(flight, folder / TELEMETRY)
     (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
@@ -314,7 +314,7 @@ def summary(flight: Flight) -> dict[str, Any]:
 
 
 def write_telemetry(flight: Flight, path: Path) -> None:
-    """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
+    """Write all telemetry columns as Parquet, with unit and meaning in the metadata of each column."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -337,7 +337,7 @@ def write_telemetry(flight: Flight, path: Path) -> None:
         for start in range(0, rows, ROW_GROUP):
             given = flight.telemetry.rows(start, start + ROW_GROUP).values()
             columns = [np.ascontiguousarray(values, float) for values in given]
-            # from their memory as it is: pa.array would import pandas, where that is installed
+            # wrap the memory directly: pa.array would import pandas, if that is installed
             part = [
                 pa.Array.from_buffers(pa.float64(), len(one), [None, pa.py_buffer(one)]) for one in columns
             ]
@@ -352,10 +352,10 @@ def write_landing_map(found: LandingMap, folder: Path) -> None:
 
 
 def read_landing_map(content: bytes) -> LandingMap:
-    """Return the landing map in the bytes of its file, of which only plain numbers are taken.
+    """Return the landing map from the bytes of its file; only arrays of plain numbers are accepted.
 
     Raises:
-        ValueError: they are no landing map.
+        ValueError: the bytes are no landing map.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
