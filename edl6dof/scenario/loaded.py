@@ -1,4 +1,4 @@
-"""A validated scenario, the files it was read from, and warnings of values that are allowed and unusual,
+"""A validated scenario, the files it was read from, and warnings of values that are allowed but unusual,
 alone or for a vehicle of this size.
 
 Usually nozzles lie within two radii of the centre of mass, the radii of gyration are between a tenth and the
@@ -33,11 +33,11 @@ BLUNT = 1.5
 
 @dataclass(frozen=True, repr=False)
 class LoadedScenario:
-    """A validated scenario with where it came from.
+    """A validated scenario, and the files that it was read from.
 
     Attributes:
-        scenario: the nominal, which the flight computer believes.
-        truth: the same with the ``truth`` section applied: what the plant is built from.
+        scenario: the nominal scenario, which the flight computer believes.
+        truth: the scenario with its ``truth`` section applied, from which the plant is built.
         document: the files it was read from, with the place and status of every value.
     """
 
@@ -50,13 +50,13 @@ class LoadedScenario:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Unusual values, one line each with file, line and key: allowed, perhaps by mistake."""
+        """One line with file, line and key for each value that is allowed but unusual, perhaps by mistake."""
         found = unusual_in(self.scenario) | unusual_in(self.truth)
         return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
 
 
 def unusual_in(scenario: Scenario) -> dict[str, str]:
-    """Unusual values of a validated scenario: dotted path to one line."""
+    """Map the dotted path of each unusual value of a validated scenario to one line of explanation."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
     alone = {
         dotted(keys): words
@@ -82,7 +82,7 @@ def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:
 
 
 def radius_m(vehicle: VehicleParams) -> float:
-    """Radius of the vehicle at entry, from its aerodynamic shape; 0 if that has no size."""
+    """Radius (m) of the vehicle at entry, from its aerodynamic shape; 0 if the shape has no size."""
     aero = vehicle.aero
     if aero.model == "capsule":
         return 0.5 * aero.capsule.diameter_m
