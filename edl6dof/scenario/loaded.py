@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class LoadedScenario:
-    """A validated scenario with where it came from.
+    """A validated scenario, and the files that it was read from.
 
     Attributes:
-        scenario: the nominal, which the flight computer believes.
-        truth: the same with the ``truth`` section applied: what the plant is built from.
+        scenario: the nominal scenario, which the flight computer believes.
+        truth: the scenario with its ``truth`` section applied, from which the plant is built.
         document: the files it was read from, with the place and status of every value.
     """
 

@@ -98,7 +98,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
 
 
 def _name_after(path: Path, scenario: Document, top: Document) -> None:
-    """Name a scenario without a name of its own that extends another after its file."""
+    """Name a scenario that extends another and has no name of its own after its file."""
     if NAME in scenario.data and NAME not in top.data and why_no_folder(path.stem) is None:
         scenario.forget((NAME,))
         scenario.data[NAME] = path.stem
@@ -129,7 +129,7 @@ def parse_document(text: str, file: str) -> Document:
 
 @lru_cache(maxsize=16)
 def _parsed(text: str, file: str) -> Document:
-    """The document of a text, read once: many scenarios share a vehicle, many flights a scenario."""
+    """The document of a text, cached: many scenarios share a vehicle, many flights a scenario."""
     tree = parse_yaml(text, file)
     if tree.data is None:
         raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])
