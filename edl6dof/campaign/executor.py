@@ -21,7 +21,8 @@ from typing import Any, TypeVar
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.campaign.design.case import BELIEF, TRUTH, Case, NotApplied, Variant, Variants
+from edl6dof.campaign.design.case import Case, NotApplied, Variant, Variants
+from edl6dof.campaign.row_columns import BELIEF, TRUTH
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import Flight, fly, log_rows

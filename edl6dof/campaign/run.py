@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 import edl6dof
-from edl6dof.campaign.design.case import BELIEF, MATRIX, TRUTH, A, B, scenario_of
+from edl6dof.campaign.design.case import scenario_of
 from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.engines import Engine
 from edl6dof.campaign.executor import table_of
@@ -21,6 +21,7 @@ from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.faults import fault_figures
 from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 from edl6dof.campaign.parts import PART
+from edl6dof.campaign.row_columns import BELIEF, MATRIX, TRUTH, A, B
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.store import Cause, Info, Store, Summary
 from edl6dof.config.errors import ConfigError, Problem

@@ -24,7 +24,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from scipy.special import bdtr, ndtri, stdtrit
 
-from edl6dof.campaign.design.case import BELIEF, TRUTH
+from edl6dof.campaign.row_columns import BELIEF, TRUTH
 from edl6dof.config.errors import refusal
 
 if TYPE_CHECKING:

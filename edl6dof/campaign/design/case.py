@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
 from functools import cached_property
 from math import isclose
-from os.path import commonprefix
-from typing import Any, Literal, get_args
+from typing import Any
 
+from edl6dof.campaign.row_columns import BELIEF, TRUTH
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Mark
@@ -27,16 +26,6 @@ from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import check_document, truth_problem
 from edl6dof.scenario.records import Records, build_records
 from edl6dof.scenario.schema import Scenario
-
-#: A change of the truth alone, of the flight computer's belief alone, or of both.
-Of = Literal["truth", "belief", "both"]
-
-#: Prefixes of the columns that hold what was changed.
-TRUTH, BELIEF = "truth.", "belief."
-
-#: Columns of the matrix and row of a case in a design of Sobol indices; names of the two matrices.
-MATRIX, ROW = "matrix", "row"
-A, B = "A", "B"
 
 
 @dataclass(frozen=True)
@@ -67,26 +56,6 @@ class Case:
     def changes(self, truth: Mapping[str, Any]) -> dict[str, Any]:
         """The values by dotted path that turn a scenario with this ``truth`` section into the case."""
         return {**self.overrides, "truth": {**truth, **self.truth}}
-
-
-def group_of(column: str, campaign: Mapping[str, Any]) -> str:
-    """Return the name of the group of a dispersed quantity.
-
-    The quantities of one path with a wildcard form a group, and so do quantities drawn with a correlation.
-    Groups are independent of each other.  Any other quantity is a group of one, named by its path.
-
-    Args:
-        column: column of the results, such as ``truth.wind.scale``; the group name keeps the prefix of
-            belief.
-        campaign: the campaign section as plain data.
-    """
-    mark = BELIEF if column.startswith(BELIEF) else ""
-    path = column.removeprefix(BELIEF).removeprefix(TRUTH)
-    for together in campaign.get("correlated", ()):
-        if path in together["paths"]:
-            return f"{mark}{commonprefix(together['paths'])}*"
-    patterns = (pattern for of in get_args(Of) for pattern in campaign.get(of, ()))
-    return mark + next((pattern for pattern in patterns if fnmatchcase(path, pattern)), path)
 
 
 class NotApplied(Exception):

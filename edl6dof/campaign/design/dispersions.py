@@ -20,9 +20,9 @@ from typing import Any, get_args
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions import DistributionParams, deviates
 from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultMatrixParams
+from edl6dof.campaign.row_columns import Of
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import ensure_path

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, Case
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.dispersions import (
     Cell,
     Draw,
@@ -26,6 +26,7 @@ from edl6dof.campaign.design.dispersions import (
 )
 from edl6dof.campaign.design.sampling import SaltelliDesign, saltelli_design, unit_numbers
 from edl6dof.campaign.design.sections import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
+from edl6dof.campaign.row_columns import BELIEF, MATRIX, ROW, TRUTH
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Mark, parse_document, read_document, resolve_scenario

@@ -16,8 +16,8 @@ from typing import get_args
 
 import numpy as np
 
-from edl6dof.campaign.design.case import A, B, Of, group_of
 from edl6dof.campaign.design.sections import CampaignParams
+from edl6dof.campaign.row_columns import A, B, Of, group_of
 from edl6dof.spatial.random_numbers import Stream
 
 #: Third number of the seed of every generator here; the random profiles have 1 and 2.

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union, get_args
 import numpy as np
 from pydantic import Field, model_validator
 
-from edl6dof.campaign.design.case import Of
 from edl6dof.campaign.design.distributions import (
     DISCRETE,
     LOG_NORMAL,
@@ -16,6 +15,7 @@ from edl6dof.campaign.design.distributions import (
     UNIFORM,
     DistributionParams,
 )
+from edl6dof.campaign.row_columns import Of
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
 from edl6dof.config.errors import refusal
 from edl6dof.registry import Family, Member

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from edl6dof.campaign.design.case import BELIEF, MATRIX, ROW, TRUTH, A, B, group_of
+from edl6dof.campaign.row_columns import BELIEF, MATRIX, ROW, TRUTH, A, B, group_of
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.store import Store
 from edl6dof.config.document.source import parse_document

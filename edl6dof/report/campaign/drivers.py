@@ -7,7 +7,7 @@ from textwrap import fill
 
 import numpy as np
 
-from edl6dof.campaign.design.case import A, B
+from edl6dof.campaign.row_columns import A, B
 from edl6dof.campaign.sensitivity import CHANCE, FEWEST, Drivers, drivers, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results

@@ -196,7 +196,7 @@ def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():
 
 def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):
     family, member, _, _, chosen = FAMILIES[-1]
-    names = '    "uniform",\n', '    "level",\n'
+    names = 'Member("uniform"', 'Member("level"'
     status, _, error = checked(tmp_path, (family, member, *names, chosen))
     assert status == 2
     assert "with kind: Literal['level']" in error and len(error.strip().splitlines()) == 1

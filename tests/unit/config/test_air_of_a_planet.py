@@ -11,7 +11,8 @@ planet: {planet}
 vehicle: phoenix
 terrain: {{model: none, site_latitude_deg: 0.0, site_longitude_deg: 12.0, site_elevation_m: 0.0}}
 initial:
-  {{altitude_m: 125e3, latitude_deg: 0, longitude_deg: 0, speed_m_s: 5500, flight_path_angle_deg: -13, azimuth_deg: 90}}
+  {{altitude_m: 125e3, latitude_deg: 0, longitude_deg: 0,
+    speed_m_s: 5500, flight_path_angle_deg: -13, azimuth_deg: 90}}
 mission: {{goal: time}}
 {more}
 """

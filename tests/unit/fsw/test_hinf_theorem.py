@@ -39,7 +39,9 @@ class Reply(NamedTuple):
     def storage(self, setting):
         """W = z' P z + (p - theta)' Q (p - theta) of each row, which without disturbance must not rise."""
         off = (self.theta - THETA) / (setting.high - setting.low)
-        return self.response.state_energy + setting.design.energy / 5.0 * np.sum(off**2, axis=1)
+        one, (p11, p12, p22) = self.response, riccati(setting.design.gain, setting.design.weight)
+        state = p11 * one.error**2 + 2.0 * p12 * one.error * one.rate + p22 * one.rate**2
+        return state + setting.design.energy / 5.0 * np.sum(off**2, axis=1)
 
 
 @pytest.fixture(scope="module")
