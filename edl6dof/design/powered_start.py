@@ -38,7 +38,7 @@ def powered_rows(flight: Flight) -> np.ndarray:
 def states_of(flight: Flight, rows: np.ndarray) -> np.ndarray:
     """True states of some rows relative to the target, shape (n, 14), as :class:`RigidLanding` has them."""
     of, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
-    # the target lies where navigation believed it when it was chosen
+    # guidance chose the target in navigated axes, displaced by the navigation error of that time
     east, north = (
         of[f"truth.site_{axis}_m"][rows] - target["point_L"][i] + of[f"nav.error_{axis}_m"][rows[0]]
         for i, axis in enumerate(("east", "north"))

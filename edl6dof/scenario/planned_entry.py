@@ -38,7 +38,7 @@ from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, un
 SHORTEST_STEP = 0.1
 #: Largest number of rows of a plan, and depth (m) below the site at which it ends.
 MAX_ROWS, TOO_LOW = 8000, 4000.0
-#: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and most flights to find it.
+#: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and largest number of flights to find it.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
 #: Drag and lift-to-drag ratio of the plan, relative to the believed ones.

@@ -100,7 +100,7 @@ class Wire:
             raise ValueError(f"a text is not UTF-8 ({error.reason})") from None
         except _TooMany as error:
             raise ValueError(str(error)) from None
-        except Exception as error:  # a dozen kinds, some without a word
+        except Exception as error:  # msgpack raises a dozen kinds, some without text
             reason = str(error) or type(error).__name__
             raise ValueError(f"the message is no MessagePack that a request is made of ({reason})") from None
 
@@ -158,7 +158,7 @@ class FlightServer(socketserver.ThreadingTCPServer):
     """
 
     daemon_threads = True
-    #: Elsewhere it would let two servers share a port.
+    #: Not on Windows, where two servers could then share a port.
     allow_reuse_address = os.name == "posix"
 
     def __init__(self, begin: Callable[[], Session], port: int = 0, idle_s: float = IDLE_S) -> None:
@@ -220,7 +220,7 @@ class _Client(socketserver.StreamRequestHandler):
         session = None
         try:
             while (body := self.server.wire.receive(self.request, self.server.idle_s)) is not None:
-                session = session or self.server.begin()  # nothing is made for who says nothing
+                session = session or self.server.begin()  # no flight before the first request
                 self._send(self._answer(session, body))
                 if not session.open:
                     return

@@ -17,7 +17,7 @@ from edl6dof.config.wording import got, unknown
 
 #: Version of the protocol; it increases if a program that was written for the last one would fail.
 PROTOCOL = 2
-#: Base cycles of a step, and seeds, at most.
+#: Largest number of base cycles of a step, and largest seed.
 MOST_CYCLES, LARGEST_SEED = 10_000_000, 2**31 - 1
 #: Path and text of a change of the scenario: a text is a word, so that a client can name no file.
 _PATH, _WORD = re.compile(r"[A-Za-z0-9_.]{1,200}"), re.compile(r"[A-Za-z0-9_]{1,64}")

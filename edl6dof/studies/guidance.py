@@ -52,11 +52,11 @@ from edl6dof.studies.samples import (
 )
 
 ENTRY, SEED = "flight_software.guidance.entry", 2021
-#: A law of constant magnitude is no guidance.
+#: All laws but constant bank, which is no guidance.
 LAWS = tuple(name for name in ENTRY_LAWS.names if name != "constant_bank")
 #: Dispersed flights for each flight of a condition.
 _PER_CONDITION = 20
-#: Targets of this study: which share of the misses of the best law keeps within how much (km), time of a call
+#: Targets of this study: share of the best law's misses that must be within a distance (km), time of a call
 #: (us) of a law that predicts by flying ahead, and of any other.
 TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
 PREDICTORS = ("npc", "fnpeg")
@@ -68,7 +68,7 @@ REMARKS = (
     "bank_profile flies the planned bank open loop: what the conditions do without guidance.",
 )
 Values = dict[str, Any]
-#: Time (us) of a call on a vehicle of a law.
+#: Time (us) of a call by vehicle and law.
 Calls = dict[tuple[str, str], float]
 
 
@@ -135,7 +135,7 @@ def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
 
 # ---- conditions ----------------------------------------------------------------------------------------
 
-#: Changes of every flight; each has its own waves of density, gusts and instrument errors.
+#: Changes of every flight; each flight has its own waves of density, gusts and instrument errors.
 WAVES_AND_GUSTS: Values = {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}
 _ANGLE = "initial.flight_path_angle_deg"
 _SLOW_DEG_S, _WIND_M_S = 5.0, 60.0

@@ -36,13 +36,13 @@ from edl6dof.studies.samples import (
 SCENARIO, DISPERSIONS = "tianwen1_hazards", "tianwen1_mc"
 #: Share of the ground that rocks cover.
 ABUNDANCES = (0.04, 0.1, 0.2)
-#: Hazard detection; the first, which detects nothing, is blind.
+#: Ways of hazard detection; the first detects nothing: blind landings.
 WAYS = HAZARD_DETECTION.names
 BLIND = WAYS[0]
 #: Targets, at the abundance that they hold for: flights on a rock (%), spots wrongly thought safe (%), 95 %
 #: of touchdowns from the spot (m), least distance from backshell and canopy (m).
 AT, ON_A_ROCK_PCT, FALSE_SAFE_PCT, SPOT_M, CLEAR_M = 0.1, 0.5, 0.1, 1.5, 50.0
-#: Standard errors that a counted share may lie off the expected one: 99 % of them do less.
+#: Standard errors by which a counted share may differ from the expected one: 99 % of shares differ by less.
 _ERRORS = 2.58
 REMARKS = (
     "On a rock: the middle of a rock of half a metre or more lies within the 12.6 m2 under the lander; a "

@@ -36,7 +36,7 @@ from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 SCENARIO, SEED = "tianwen1", 2022
-#: Control is examined, and the flight computer has to know a state that is set up.
+#: Perfect sensors: control is tested, and the flight computer has to know a state that was set.
 _PERFECT = "sensors.set=perfect"
 LANDER = "flight_software.control.thrust_vector"
 REMARKS = (
@@ -233,14 +233,14 @@ def _of_entries(rows: list[Row]) -> Iterator[Finding]:
 
 # ---- sections 6.2 and 4.3: a torque step in the hover, a trim wing that stays shut ---------------------
 
-#: The step, N m, and what works against it: settings by name.
+#: Torque of the step, N m, and settings of control against it by name.
 STEP_NM = 100.0
 _PITCH_YAW, INTEGRAL = f"{LANDER}.pitch_yaw", f"{LANDER}.against_disturbance=integral"
 AGAINST_STEP: dict[str, tuple[str, ...]] = {
     "estimator": (),
     # the integral that settles soonest with the same P and D, in a PID zone wide enough for it
     "integral": (INTEGRAL, f"{_PITCH_YAW}.integral=0.4", f"{_PITCH_YAW}.near_deg=12"),
-    # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9,
+    # PID gains equal to the estimator in its linear range: P + lambda D, lambda P, D + lambda; P 1.4, D 1.9,
     # lambda 8
     "equal PID": (
         *(INTEGRAL, f"{_PITCH_YAW}.proportional=16.6", f"{_PITCH_YAW}.integral=11.2"),

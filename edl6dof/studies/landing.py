@@ -194,7 +194,7 @@ def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
     off = level("truth.site", hover) - target["point_L"]
     chosen, now = (level("nav.error", row) for row in (start, hover))
     return {
-        # the target lies where navigation believed it when it was chosen, which its error then puts elsewhere
+        # guidance chose the target in navigated axes, so the navigation error of that time displaces it
         "target_miss_m": float(np.hypot(*(off + chosen))),
         "navigated_miss_m": float(np.hypot(*(off + now))),
         "hover_off_m": float(rows["truth.height_m"][hover] - target["height"]),
@@ -204,7 +204,7 @@ def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
 
 # ---- time of a call: the compiled law alone, over states of the nominal descent ------------------------
 
-#: Times (s) of the states after backshell release; the calls come later by what a law takes to plan again.
+#: Times (s) of the states after backshell release; time (s) from a state to the call, to plan again.
 SAVED_AFTER_S, LATER_S = (3.0, 11.0, 19.0, 27.0), 1.0
 REPEATS, BLOCKS = 20, 10
 

@@ -55,7 +55,7 @@ FLOWN = (
     "adaptation_energy: 20.0}",
 )
 SETTINGS = {"as printed": AS_PRINTED, "flown": FLOWN}
-#: Drag error (m/s2) at the start of what is integrated.
+#: Drag error (m/s2) at the start of an integration.
 START_ERROR = 2.0
 #: Steering of a trial, in the order of the columns; constant bank angles in deg.
 FREE, LIMITED = "law, free lift", "law, own lift"
@@ -171,7 +171,7 @@ class Response:
 
 # ---- the equations of motion with errors of air and lift -----------------------------------------------
 
-#: Rate (s) at which the law is called, and rows after which a trial that does not slow down is given up.
+#: Time (s) from call to call of the law, and rows after which a trial that does not slow down is given up.
 CALL_S, MOST_ROWS = 0.1, 6000
 #: Height (m) of one wave of the density, and below which a wind grows with height; half the time (s) over
 #: which a rate of drag is measured.
