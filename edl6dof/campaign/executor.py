@@ -45,7 +45,7 @@ def _flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: 
     """Row of a flown case: its changes, the end and the figures of the flight, columns of ``collect``."""
     row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
     row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
-    for more in (flight.metrics, collect(flight) if collect is not None else {}):
+    for more in (flight.figures, collect(flight) if collect is not None else {}):
         if twice := row.keys() & more.keys():
             raise ValueError(f"column given twice: {', '.join(sorted(twice))}")
         row.update(more)

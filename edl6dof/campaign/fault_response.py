@@ -116,7 +116,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
     wrong = [one for one in named if not _is_right(one, true)]
-    end = flight.metrics.get("touchdown_s", flight.time_s)
+    end = flight.figures.get("touchdown_s", flight.time_s)
     sound = [one for one in wrong if not any(one.names(f) and one.t_s >= since for f, since in true)]
     row: dict[str, Any] = dict.fromkeys(_COLUMNS) | {"regime": NOT_BEGUN_YET}
     row |= {"name_right": False, "kind_right": False}
@@ -139,7 +139,7 @@ def _response(
 ) -> dict[str, Any]:
     """The columns about failures that have all begun, each given with its time (s)."""
     table, since = flight.telemetry, min(since for _, since in failed)
-    t, powered_s = table["t_s"], flight.metrics.get("backshell_s", inf)
+    t, powered_s = table["t_s"], flight.figures.get("backshell_s", inf)
     step = float(t[1] - t[0]) if len(t) > 1 else 0.0
     used, used_s, isolated, kind_right = -inf, inf, -inf, True
     for failure, began in failed:

@@ -166,7 +166,7 @@ def differences(table: pa.Table, place: object, plan: Plan, number: int, flight:
     row = table.slice(found.index(number), 1).to_pylist()[0]
     ended = {"cause": flight.cause, "outcome": flight.outcome, "end_s": flight.time_s}
     collect = collected(plan)
-    mine = {"success": flight.success, **ended, **flight.metrics, **(collect(flight) if collect else {})}
+    mine = {"success": flight.success, **ended, **flight.figures, **(collect(flight) if collect else {})}
     case = next(plan.cases(number, number + 1))
     changed = (*(TRUTH + path for path in case.truth), *(BELIEF + path for path in case.belief))
     known = {"case", "profile", *mine, *case.label, *changed}

@@ -105,8 +105,21 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
         document.data.pop(name, None)
         document.forget((name,))
     document = with_whole_paths(expand_daveml(document))
-    changed = apply_overrides(document, overrides, Scenario)
+    try:
+        changed = apply_overrides(document, overrides, Scenario)
+    except ConfigError as error:
+        refused = {problem.file for problem in error.problems}
+        kept = [text for text in overrides if f"--set {text}" not in refused]
+        raise ConfigError((*error.problems, *_problems(document, kept))) from None
     return check_document(with_whole_paths(expand_daveml(changed)))
+
+
+def _problems(document: Document, overrides: Iterable[str]) -> tuple[Problem, ...]:
+    try:
+        check_document(with_whole_paths(expand_daveml(apply_overrides(document, overrides, Scenario))))
+    except ConfigError as error:
+        return error.problems
+    return ()
 
 
 #: Models of air and wind that replace those of plugins: they need no table.

@@ -68,7 +68,7 @@ def run(session: Session) -> Report:
     """Fly the nominal flight and its neighbours, dispersed powered descents, and the single experiments."""
     nominal = edl6dof.fly(SCENARIO, [_PERFECT])
     around = min(FLIGHTS, max(2, session.flights))
-    release = state_at(nominal.metrics["backshell_s"] + AFTER_RELEASE_S)
+    release = state_at(nominal.figures["backshell_s"] + AFTER_RELEASE_S)
     before = avoidance_starts(session.flights)
     tasks: list[Callable[[], Row]] = [
         partial(entry_row, release, number, entry, formulation)
@@ -139,8 +139,8 @@ _FLIGHT = {
 
 def _lateral_force(flight: Flight) -> Finding:
     table = flight.telemetry
-    rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & flight.during(HAZARD_AVOIDANCE)
-    rows &= table["t_s"] < flight.metrics["touchdown_s"]
+    rows = (table["t_s"] > flight.figures["backshell_s"] + 1.0) & flight.during(HAZARD_AVOIDANCE)
+    rows &= table["t_s"] < flight.figures["touchdown_s"]
     own = max(float(np.max(np.abs(table[f"estimate.force_{axis}_n"][rows]))) for axis in "yz")
     return Finding("estimated force", "N", own, 40.0, note="Fig. 12, one flight")
 
@@ -285,7 +285,7 @@ def wing_row(name: str, held: bool) -> Row:
     branch = [phase.hold_alpha for phase in phases].index(True)
     holding = f"mission.phases.{branch}.hold_alpha={str(held).lower()}"
     flight = edl6dof.fly(SCENARIO, [_PERFECT, "faults=[{kind: wing_stuck, at: {time_s: 0}}]", holding])
-    return {**_head("trim wing", name, flight), alpha: flight.metrics[alpha]}
+    return {**_head("trim wing", name, flight), alpha: flight.figures[alpha]}
 
 
 def _of_experiments(rows: list[Row]) -> Iterator[Finding]:
@@ -452,7 +452,7 @@ def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
         rows = flight.during(HAZARD_AVOIDANCE)
         t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
         roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
-    after, before = (nominal.metrics[f"{one}_s"] for one in ("backshell", "touchdown"))
+    after, before = (nominal.figures[f"{one}_s"] for one in ("backshell", "touchdown"))
     powered = (table["t_s"] > after) & (table["t_s"] < before)
     torque = [Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz"]
     panels = [Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll)]

@@ -232,7 +232,7 @@ def call_time(loaded: LoadedScenario) -> float:
     law is one second old, so that a law that plans at intervals plans in every call.
     """
     onboard = build_records(loaded).onboard
-    released = edl6dof.fly(loaded).metrics["backshell_s"]
+    released = edl6dof.fly(loaded).figures["backshell_s"]
     times = [released + after + later for after in SAVED_AFTER_S for later in (0.0, LATER_S)]
     moments = snapshots_at(loaded, times)
     if len(moments) < len(times):

@@ -92,7 +92,7 @@ def swing(flight: Flight) -> dict[str, float]:
     time of the first failed check, and whether the flight crashed (neither landed nor only tipped over).
     """
     crashed = float(flight.code not in (LANDED, TIPPED_OVER))
-    t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
+    t, fired = flight.telemetry["t_s"], flight.figures.get("parachute_s", nan)
     after = (t > fired) & (t < fired + SWINGING_S)
     if not after.any():
         lost = ("swing_deg_s", "flagged_s", "vertical_deg", "check_fails_s")
@@ -118,7 +118,7 @@ def swing(flight: Flight) -> dict[str, float]:
 def _chain(flight: Flight) -> Iterator[Finding]:
     """One flight of the scenario compared with published figures."""
     for figure, entry in published_figures(flight.scenario.published):
-        own, about = flight.metrics.get(figure.name, nan), (figure.meaning, figure.unit.label)
+        own, about = flight.figures.get(figure.name, nan), (figure.meaning, figure.unit.label)
         within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None
         yield Finding(*about, own, entry.number, entry.bound, within=within)
 
@@ -167,7 +167,7 @@ def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
     """The height of the one flight, true and on board; the cliff, by swing and persistence of the flag."""
     t, height = flight.telemetry["t_s"], flight.telemetry["truth.height_m"] / 1e3
     on_board = height + flight.telemetry["nav.error_height_m"] / 1e3
-    late = t > flight.metrics["parachute_s"]
+    late = t > flight.figures["parachute_s"]
     heights = [Curve(t[late], height[late], "true"), Curve(t[late], on_board[late], "on board")]
     end = flight.scenario.sensors.inertial_unit.gyros.range_deg_s
     cliff = [Curve([1.0, 1.0], [0.0, 1.6], "end of the range", "reference")]

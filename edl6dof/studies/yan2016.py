@@ -124,7 +124,7 @@ def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
     ranges, nominal_ranges = downrange_m(flight), downrange_m(nominal)
     drag = rows["nav.drag_m_s2"][:shared] - planned["nav.drag_m_s2"][:shared]
     bank = np.abs(rows["guide.bank_deg"][flight.during(LIFT)])
-    end = flight.metrics["parachute_altitude_m"] - nominal.metrics["parachute_altitude_m"]
+    end = flight.figures["parachute_altitude_m"] - nominal.figures["parachute_altitude_m"]
     largest = SETTLED * float(np.max(planned["nav.drag_m_s2"]))
     return {
         "rms_altitude_error_km": rms(altitude),

@@ -120,7 +120,7 @@ def _flight(name: str) -> Trace:
     telemetry, rows = flight.telemetry, len(flight.telemetry["t_s"])
     for channel, values in telemetry.items():
         hashes[channel] = _digest(np.ascontiguousarray(values, dtype=float).tobytes())
-    hashes |= {f"figure {key}": float(value).hex() for key, value in flight.metrics.items()}
+    hashes |= {f"figure {key}": float(value).hex() for key, value in flight.figures.items()}
     hashes["outcome"] = flight.outcome
     kept = np.linspace(0, rows - 1, min(_SAMPLES, rows)).astype(int)
     samples = np.zeros(len(kept), _RECORD)

@@ -10,7 +10,7 @@ is refused, for the message.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import cached_property
 from math import isclose
@@ -186,7 +186,7 @@ class Variants:
         is the same on every machine.
         """
         document = Document(self.base.document.data, {(): Mark("")}, files=self.base.document.files)
-        return scenario_of(replace(self.base, document=document), case)
+        return scenario_of(LoadedScenario(self.base.scenario, self.base.truth, document), case)
 
 
 def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:
