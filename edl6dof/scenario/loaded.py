@@ -33,7 +33,7 @@ class LoadedScenario:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """Unusual values, one line each with file, line and key: allowed, perhaps by mistake."""
+        """One line with file, line and key for each value that is allowed but unusual, perhaps by mistake."""
         from edl6dof.config.validate import steps
         from edl6dof.scenario.unusual import unusual_in
 

@@ -1,4 +1,4 @@
-"""Values of a scenario that are allowed and unusual, alone or for a vehicle of this size.
+"""Values of a scenario that are allowed but unusual, alone or for a vehicle of this size.
 
 Usually nozzles lie within two radii of the centre of mass, the radii of gyration are between a tenth and the
 whole of the radius, and the ballistic coefficient at a drag coefficient of 1.5 is between 10 and 1,000 kg/m2
@@ -27,7 +27,7 @@ BLUNT = 1.5
 
 
 def unusual_in(scenario: Scenario) -> dict[str, str]:
-    """Unusual values of a validated scenario: dotted path to one line."""
+    """Map the dotted path of each unusual value of a validated scenario to one line of explanation."""
     proportions = _out_of_proportion(scenario.vehicle) if scenario.dynamics == "six_dof" else {}
     alone = {
         dotted(keys): words
@@ -53,7 +53,7 @@ def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:
 
 
 def radius_m(vehicle: VehicleParams) -> float:
-    """Radius of the vehicle at entry, from its aerodynamic shape; 0 if that has no size."""
+    """Radius (m) of the vehicle at entry, from its aerodynamic shape; 0 if the shape has no size."""
     aero = vehicle.aero
     if aero.model == "capsule":
         return 0.5 * aero.capsule.diameter_m
